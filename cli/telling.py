@@ -55,7 +55,7 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     else:
         unread = len(outcome.unread)
         more = f"; {unread} meshes could not be read and were not measured" if unread else ""
-        click.echo(plain(outcome.verification.summary() + more, one_line=True), err=True)
+        click.echo(plain(outcome.verification.summary(values["tolerance"]) + more, one_line=True), err=True)
     if values.get("explain"):
         click.echo("Nothing was written (--explain).", err=True)
     elif values["unnamed"]:

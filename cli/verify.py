@@ -53,4 +53,4 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         click.echo(plain(result.describe(verbose=values["verbose"])))
     if not passes:
         names = ["standard input" if name == "-" else name for name in (after, before)]
-        raise DeviationError(f"{' looks different from '.join(names)}: {result.summary()}")
+        raise DeviationError(f"{' looks different from '.join(names)}: {result.summary(tolerance)}")

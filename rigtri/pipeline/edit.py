@@ -6,11 +6,9 @@ import filecmp
 import shutil
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +25,7 @@ from rigtri.model.rig import Rig
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.advice import why_near
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, self_check
-from rigtri.verification.compare.compare import verify as compare
-from rigtri.verification.compare.driven_weights import Driven
-from rigtri.verification.compare.expected_result import intended, motion
-from rigtri.verification.compare.without_twist import check_split, stilled
+from rigtri.verification.compare.expected_result import ExpectedResult, check_result
 
 Step = Callable[[Rig, Report], Rig]
 
@@ -200,31 +195,18 @@ def _deliver(
     clock.lap("write")
     if not verify:
         return None
-    result = _checked(document, path, rig, written, names, tolerance, report)
+    result = _compared(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
         report.hear(document.warnings)  # which meshes could only be bounded
         raise DeviationError(
-            f"The result would look different: {result.summary()}, over the tolerance of "
-            f"{tolerance:g}. Nothing was written.{why_near(document.rig, rig, result, tolerance)}"
+            f"The result would look different: {result.summary(tolerance)}. Nothing was written."
+            f"{why_near(document.rig, rig, result, tolerance)}"
         )
     return result
 
 
-def _without(after: Document, document: Document, rig: Rig, driven: Driven) -> Comparison:
-    """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
-    # Where weights are the bones' again, all is alike while no twist joint turns.
-    places = {key: node for node, key in enumerate(document.rig.keys)}
-    aside: Driven = {document.rig.address(places[key]): columns for key, columns in driven.items()}
-    result = compare(*stilled(after, document, aside))
-    stay = [name for node, name in enumerate(document.rig.names) if node not in rig.pending.removed]
-    lost = [f"node {name}" for name in (Counter(stay) - Counter(after.rig.names)).elements()]
-    shown = [mesh.name for mesh in document.meshes() if mesh.node not in rig.pending.removed]
-    lost += [f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in after.meshes())).elements()]
-    return replace(result, different=(*result.different, *(f"{name} went too" for name in lost)))
-
-
-def _checked(
+def _compared(
     document: Document,
     path: Path,
     rig: Rig,
@@ -233,28 +215,14 @@ def _checked(
     tolerance: float,
     report: Report,
 ) -> Comparison:
-    """Compare the part with the source, or with what was to become of it where that moves otherwise."""
+    """Compare the part with what was expected of the edit."""
     small = written.part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, written.part, shallow=False):
         return self_check(document, document)
+    reposed = report.reposed and rig is not document.rig
+    expected = ExpectedResult(document, rig, report.driven, reposed)
     with called(names):
-        after = document.reopen(written.part)
-        if rig.pending.weight_redistributions:
-            return check_split(document, after)
-        if rig.pending.removed:
-            return _without(after, document, rig, report.driven)
-        reposed = report.reposed and rig is not document.rig
-        meant, made = intended(document, rig, after, reposed=reposed)
-        check = partial(self_check, meant, made, driven=report.driven, meant=reposed)
-        result = check()
-        if result.boxed and not result.passes(tolerance):  # the boxes were too coarse to tell
-            result = check(closely=True)
-        if not result.passes(tolerance) and result.passes(np.inf):  # and so may boxes of morphs be
-            exact = check(points=True)
-            result = exact if exact.passes(tolerance) else result
-        if not reposed or not result.passes(tolerance):
-            return result
-        return replace(result, motion=motion(document, meant, made, report.driven))
+        return check_result(expected, document.reopen(written.part), tolerance)
 
 
 def _to_stdout(written: Written) -> None:

@@ -35,7 +35,7 @@ def test_orient_joints_says_what_it_did_and_where_it_is(samples: Path, tmp_path:
     result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
     assert result.stdout == ""
     assert "22 joints turned" in result.stderr
-    assert "max deviation" in result.stderr
+    assert "largest vertex movement" in result.stderr
     assert str(tmp_path / "out.glb") in result.stderr
 
 

@@ -244,7 +244,7 @@ def test_boxes_block_by_block_tell_the_same_as_all_points(
     source, target = bounded().glb(tmp_path / "a.glb"), tmp_path / "b.glb"
     turn_all(source, target)
     whole = self_check(read(source), read(target))
-    parts = self_check(crowded(source, monkeypatch), read(target), closely=True)
+    parts = self_check(crowded(source, monkeypatch), read(target), detail="boxes")
     assert parts.as_json() == whole.as_json()
     assert whole.deviation > 0
 
@@ -298,7 +298,8 @@ def test_where_stated_boxes_are_too_coarse_the_points_decide(
     source, target = b.glb(tmp_path / "a.glb"), tmp_path / "b.glb"
     turn_all(source, target)
     document = crowded(source, monkeypatch)
-    coarse, fine = (self_check(document, read(target), closely=c).deviation for c in (False, True))
+    coarse = self_check(document, read(target)).deviation
+    fine = self_check(document, read(target), detail="boxes").deviation
     assert fine < coarse
     limit = (fine + coarse) / 2
     result = turn_all(source, tmp_path / "c.glb", tolerance=limit).verification

@@ -70,11 +70,12 @@ def test_bake_tells_how_far_it_moves_joints_where_and_when(name: str, tmp_path: 
     assert worst is not None
     assert worst.clip == read(source).rig.clips[0].name
     assert worst.time >= 0.99 * read(source).rig.rules.per_second
-    assert told.summary().startswith("as intended within ")
+    assert told.summary().startswith("largest deviation from the intended result: ")
     assert (
-        f"motion differs from IN by up to {told.motion.deviation:.2g} of the size ({worst})" in told.summary()
+        f"motion differs from IN by up to {told.motion.deviation:.2g} of the model's size ({worst})"
+        in told.summary()
     )
-    assert "has changed" not in told.summary()
+    assert "is unchanged" not in told.summary()
     assert told.as_json()["motion"]["clips"][worst.clip] == told.motion.deviation
 
 
@@ -87,7 +88,7 @@ def test_what_moves_nothing_says_so(name: str, tmp_path: Path) -> None:
     assert told.verification is not None
     assert told.verification.motion is not None
     assert told.verification.motion.deviation == 0
-    assert told.verification.summary().endswith("; all that IN shows moves as in IN")
+    assert told.verification.summary().endswith("; everything that IN shows moves as in IN")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -291,7 +292,7 @@ def test_other_morph_weights_are_told_apart(tmp_path: Path) -> None:
     assert {name: far * told.diagonal for name, far in told.motion.morphs.items()} == {
         "Skin/0": pytest.approx(0.5)
     }
-    assert "other morph weights move points by up to" in told.summary()
+    assert "other morph weights move vertices by up to" in told.summary()
 
 
 def test_a_build_tells_the_motion_of_its_steps(tmp_path: Path) -> None:

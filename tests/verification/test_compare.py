@@ -19,16 +19,11 @@ from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.clip_pairing import joined
-from rigtri.verification.compare.compare import (
-    TOLERANCE,
-    Comparison,
-    Source,
-    Worst,
-    denormalisation,
-    self_check,
-    verify,
-)
-from rigtri.verification.compare.probes import LinearPoints, Moment, Points, points_of
+from rigtri.verification.compare.compare import Source, self_check, verify
+from rigtri.verification.compare.comparison import TOLERANCE, Comparison, Worst
+from rigtri.verification.compare.deviation import denormalisation
+from rigtri.verification.compare.mesh_probes import LinearMeshPoints, MeshPoints, mesh_points
+from rigtri.verification.compare.probes import SampledPoses
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])
 Compare = Callable[[Source, Source], Comparison]
@@ -111,14 +106,14 @@ def turned_inverse_bind(rig: Rig) -> Rig:
 def test_the_fast_way_to_move_points_is_the_plain_way(mesh: int) -> None:
     before, after = character(), replace(character(), rig=nudged(turned(character()).rig, SPINE))
     pair = before.drawn[mesh], replace(before.drawn[mesh])
-    fast = points_of(before.rig, after.rig, *pair)
-    assert isinstance(fast, LinearPoints)
+    fast = mesh_points(before.rig, after.rig, *pair)
+    assert isinstance(fast, LinearMeshPoints)
     clips = before.rig.clips[0], after.rig.clips[0]
     for times in (np.array([0.0, 0.1]), np.array([0.6, 1.9, 2.5])):
         motions = Motion(before.rig, clips[0]), Motion(after.rig, clips[1])
-        moment = Moment(*(worlds(m.rig, m.locals_at(times)) for m in motions), clips, times)
-        plain = Points((before.rig, after.rig), pair)
-        assert_allclose(fast.distances(moment), plain.distances(moment), rtol=1e-9, atol=1e-12)
+        poses = SampledPoses(*(worlds(m.rig, m.locals_at(times)) for m in motions), clips, times)
+        plain = MeshPoints((before.rig, after.rig), pair)
+        assert_allclose(fast.distances(poses), plain.distances(poses), rtol=1e-9, atol=1e-12)
 
 
 @BOTH
@@ -303,7 +298,9 @@ def test_only_the_branch_that_changed_is_evaluated(monkeypatch: pytest.MonkeyPat
     result = self_check(before, replace(before, rig=replace(before.rig)))
     assert result.poses == 0
     assert result.identical
-    assert result.summary() == "max deviation 0 of the size: nothing that was there has changed"
+    assert result.summary() == (
+        "largest vertex movement: 0 of the model's size; everything that was in the file is unchanged"
+    )
     assert result.as_json()["identical"] is True
     assert not replace(result, poses=1).identical
     assert not replace(result, changed=("node a",)).identical
@@ -314,7 +311,7 @@ def test_blocks_of_times_do_not_change_the_result(monkeypatch: pytest.MonkeyPatc
     before = character()
     after = replace(before, rig=nudged(before.rig, ARM))
     whole = [compare(before, after).as_json() for compare in (self_check, verify)]
-    monkeypatch.setattr("rigtri.verification.compare.compare._BLOCK", 1)
+    monkeypatch.setattr("rigtri.verification.compare.deviation._BLOCK", 1)
     split = [compare(before, after).as_json() for compare in (self_check, verify)]
     for one, other in zip(whole, split, strict=True):
         assert one["deviation"] == pytest.approx(other["deviation"], rel=1e-12)

@@ -503,7 +503,7 @@ def test_how_they_look_is_measured_unless_told_otherwise(samples: Path, tmp_path
     found = diff(samples / "biped.glb", out)
     assert found.looks is not None
     assert found.looks.passes()
-    assert found.describe().startswith("looks  max deviation ")
+    assert found.describe().startswith("looks  largest vertex movement: ")
     assert diff(samples / "biped.glb", out, verify=False).looks is None
 
 

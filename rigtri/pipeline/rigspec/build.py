@@ -231,7 +231,7 @@ class _Work:
         worst = max(found, key=lambda one: one.deviation) if found else None
         motions = [one.motion for one in found if one.motion is not None]
         if worst is not None and motions:
-            worst = replace(worst, meant=True, motion=max(motions, key=lambda one: one.deviation))
+            worst = replace(worst, motion=max(motions, key=lambda one: one.deviation))
         return Outcome(
             report,
             worst,

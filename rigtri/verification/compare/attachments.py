@@ -17,7 +17,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Matching
+from rigtri.verification.compare.correspondence import Correspondence
 
 # Of their length: what float32 leaves of a vector that was turned.
 SAME_VECTOR = 1e-5
@@ -25,7 +25,7 @@ SAME_VECTOR = 1e-5
 SAME_AXES = 1e-4
 
 
-def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
+def compare_attached(before: Rig, after: Rig, m: Correspondence) -> list[str]:
     """What no longer says the same, in words."""
     if not (before.bound or after.bound or before.constraints or after.constraints):
         return []
@@ -38,7 +38,7 @@ def compare_attached(before: Rig, after: Rig, m: Matching) -> list[str]:
         ]
 
 
-def _vectors(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
+def _vectors(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Floats, Floats]) -> Iterator[str]:
     """Vectors by their place in the file; one that is not there is zero."""
     there = {bound.key: bound for bound in after.bound}
     for bound in before.bound:
@@ -76,7 +76,7 @@ def _row(vector: Floats) -> str:
     return ", ".join(f"{x if abs(x) > least else 0.0:.4g}" for x in vector.tolist())
 
 
-def _constraints(before: Rig, after: Rig, m: Matching, worlds: tuple[Floats, Floats]) -> Iterator[str]:
+def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Floats, Floats]) -> Iterator[str]:
     """Constraints whose axis points elsewhere or whose nodes turned apart (`frames.node_constraints`)."""
     ours, new = constraints_from_metadata(before), constraints_from_metadata(after)
     axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
@@ -107,7 +107,7 @@ def _axis_kept(c: NodeConstraint, now: NodeConstraint, axes: tuple[Floats, Float
     return any(not length(was - way) > SAME_AXES for way in ways)
 
 
-def _turn_alike(before: Rig, c: NodeConstraint, m: Matching, axes: tuple[Floats, Floats]) -> bool:
+def _turn_alike(before: Rig, c: NodeConstraint, m: Correspondence, axes: tuple[Floats, Floats]) -> bool:
     pair = alike(before, c)
     if pair is None:
         return True

@@ -10,10 +10,10 @@ import numpy as np
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Matching, by_target, partner_track, same_array
+from rigtri.verification.compare.correspondence import Correspondence, by_target, partner_track, same_array
 
 
-def moving_nodes(before: Rig, after: Rig, m: Matching) -> Booleans:
+def changed_nodes(before: Rig, after: Rig, m: Correspondence) -> Booleans:
     """Which nodes may stand elsewhere, (n,): anything of them or above them differs by a bit."""
     partner = np.maximum(m.node, 0)
     if not len(after):
@@ -44,7 +44,7 @@ def _with_below(marked: list[bool], parents: list[int]) -> list[bool]:
     return found
 
 
-def _mark_tracks(mine: Clip, theirs: Clip, m: Matching, differs: list[bool]) -> None:
+def _mark_tracks(mine: Clip, theirs: Clip, m: Correspondence, differs: list[bool]) -> None:
     """Mark the nodes whose tracks are others; of those that are marked nothing is compared."""
     others = by_target(theirs)
     partners = m.node.tolist()

@@ -13,10 +13,10 @@ import numpy as np
 
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Matching, timeline
+from rigtri.verification.compare.correspondence import Correspondence, timeline
 
 
-def side_by_side(before: Rig, after: Rig, m: Matching, *, added: bool = False) -> tuple[Rig, Rig]:
+def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = False) -> tuple[Rig, Rig]:
     """Both rigs with the same clips in the same order: what each shows while one of them plays.
 
     A clip that is idle on one side only is rest there; idle on both sides it is taken for played,

@@ -24,7 +24,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Matching:
+class Correspondence:
     """Partners of the nodes, skins and clips of one rig in another; −1 for none.
 
     node: (n,), the same node. shown: (n,), the node that shows what this one
@@ -40,8 +40,12 @@ class Matching:
     added: tuple[str, ...]
     changed: tuple[str, ...]
 
+    def with_more(self, lost: Sequence[str] = (), changed: Sequence[str] = ()) -> Correspondence:
+        """The same, with more that is lost or changed."""
+        return replace(self, lost=(*self.lost, *lost), changed=(*self.changed, *changed))
 
-def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
+
+def match(before: Rig, after: Rig, *, by_key: bool) -> Correspondence:
     """Find the partners of everything in ``before``.
 
     by_key: trust the keys, as after an edit in place. Otherwise keys count only
@@ -57,7 +61,7 @@ def match(before: Rig, after: Rig, *, by_key: bool) -> Matching:
     _compare_nodes(before, after, node, shown, news)
     _compare_skins(before, after, node, skin, news)
     _compare_clips(before, after, node, shown, clip, news)
-    return Matching(node, shown, skin, clip, *map(tuple, (news.lost, news.added, news.changed)))
+    return Correspondence(node, shown, skin, clip, *map(tuple, (news.lost, news.added, news.changed)))
 
 
 def played_together(before: Rig, after: Rig, *, by_key: bool) -> tuple[Rig, Rig]:
@@ -116,7 +120,7 @@ def timeline(clip: Clip) -> Hashable:
     return "samples" if clip.key[0] == "xforms" else clip.key[0]
 
 
-def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Matching) -> Track | None:
+def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Correspondence) -> Track | None:
     """The track of the other rig that drives the same; ``among`` is `by_target` of its clip."""
     return among.get(_target(track, m.node, m.shown))
 

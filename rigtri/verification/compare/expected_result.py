@@ -1,9 +1,16 @@
-"""A file as an edit means it to be: what its result is compared with, where that is not the file itself."""
+"""The two questions about the result of an edit, asked before it takes its name.
+
+1. `compare_written`: is the written file the rig in memory? What an operation does not declare to change
+must look
+   as in the source; what it does declare is taken out of the comparison, or moved there, too.
+2. `declared_differences`: how far does the result look otherwise than the source, in what is declared?
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,25 +19,74 @@ from rigtri.frames.rig_size import size_of
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import Motion, Source, motion_between
-from rigtri.verification.compare.driven_weights import Driven, moved
+from rigtri.verification.compare.compare import Source, motion_between, self_check, verify
+from rigtri.verification.compare.comparison import Comparison, Motion
+from rigtri.verification.compare.document_view import DocumentView
+from rigtri.verification.compare.morph_changes import MorphChanges, morph_movement, without_changes
 from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.verification.compare.without_twist import compare_without_twist, twist_movement, without_twist
+
+# The two documents of a comparison.
+Views = tuple[Source, Source]
 
 
-@dataclass(frozen=True)
-class Intended:
-    """What a document shows, moved as another rig with its nodes moves it; ``after`` is the result.
+@dataclass(frozen=True, eq=False)
+class ExpectedResult:
+    """What an edit of ``source`` declares: the rig in memory, and what may look otherwise than in the source.
 
-    redrawn: nodes of ours whose lines are others on purpose. keys: of the document's nodes in the result.
-    place: where the rig has the document's nodes, (n,).
+    rig: also declares redistributed skin weights (``pending.weight_redistributions``) and removed nodes
+    (``pending.removed``). morph_changes: morph targets that get other weights, by the keys of nodes.
+    reposed: what the source shows moves as ``rig`` does.
     """
 
-    document: Source
+    source: Source
     rig: Rig
-    after: Source
+    morph_changes: MorphChanges = field(default_factory=dict)
+    reposed: bool = False
+
+    def views(self, written: Source) -> Views:
+        """The source as it is expected to look, and the written file, but for changes of morph weights.
+
+        Where what the source shows is to move, both have one clip for all that plays
+        at once: it shows one pose, whichever of a stage's clips holds which keys.
+        """
+        if self.rig.pending.weight_redistributions or self.rig.pending.removed:
+            return without_twist(self.source), without_twist(written)
+        before, rig = self.source.rig, self.rig
+        old = {key: node for node, key in enumerate(before.keys)}
+        redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
+        keyed = _keyed(before, rig, written.rig)
+        if not self.reposed:
+            if keyed is before and not redrawn:
+                return self.source, written
+            same = range(len(before))
+            return PosedView(self.source, keyed, written, keyed.keys, same, redrawn), written
+        # Nodes that the edit has added have no keys: nobody looks for them, as after any other edit.
+        now = dict(zip(before.keys, keyed.keys, strict=True))
+        keys = tuple(now.get(key) for key in rig.keys)
+        new = {key: node for node, key in enumerate(rig.keys) if key is not None}
+        moved = rig if keys == rig.keys else replace(rig, keys=keys)
+        name = next((t.name for t in reversed(timelines(rig))), "")
+        expected, made = played_at_once(moved, name), played_at_once(written.rig, name)
+        position = [new[key] for key in before.keys]
+        return (
+            PosedView(self.source, expected, written, keyed.keys, position, redrawn),
+            PosedView(written, made, written, written.rig.keys, range(len(made))),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PosedView(DocumentView):
+    """What a document shows, moved as another rig with its nodes moves it.
+
+    written: the result. keys: of the document's nodes in the result. position: where the rig has
+    the document's nodes, (n,). redrawn: control shapes that are others on purpose, by node.
+    """
+
+    written: Source
+    keys: tuple[Hashable, ...]
+    position: Sequence[int]
     redrawn: frozenset[int] = frozenset()
-    keys: tuple[Hashable, ...] = ()
-    place: Sequence[int] = ()
 
     def meshes(self) -> Sequence[Mesh]:
         return self._placed(self.document.meshes())
@@ -42,7 +98,7 @@ class Intended:
         """Meshes at the nodes of the rig, with the morph weights that it has at rest."""
         found = []
         for mesh in meshes:
-            node = self.place[mesh.node]
+            node = self.position[mesh.node]
             weights = self.rig.pending.morph_weights.get(node, mesh.morph_weights)
             if node != mesh.node or weights is not mesh.morph_weights:
                 mesh = replace(mesh, node=node, morph_weights=weights)
@@ -53,65 +109,103 @@ class Intended:
         found = self.document.scenery(closely=closely)
         nodes = dict(found.nodes)
         if self.redrawn:
-            now = self.after.scenery(closely=closely).nodes
-            there = {key: node for node, key in enumerate(self.after.rig.keys)}
+            now = self.written.scenery(closely=closely).nodes
+            there = {key: node for node, key in enumerate(self.written.rig.keys)}
             nodes |= {node: now.get(there.get(self.keys[node], -1), {}) for node in self.redrawn}
-        moved = {self.place[node]: shown for node, shown in nodes.items()}
-        return replace(found, nodes=moved, own={self.place[node]: own for node, own in found.own.items()})
+        moved = {self.position[node]: shown for node, shown in nodes.items()}
+        return replace(found, nodes=moved, own={self.position[node]: own for node, own in found.own.items()})
 
 
-def intended(document: Source, rig: Rig, after: Source, *, reposed: bool) -> tuple[Source, Source]:
-    """The document, as the edit to ``rig`` means it, and the result, to be compared with each other.
+def check_result(expected: ExpectedResult, written: Source, tolerance: float) -> Comparison:
+    """Both questions: how far the written file is from what was expected, and what was declared to change."""
+    views = expected.views(written)
+    result = compare_written(expected, views, tolerance)
+    return declared_differences(expected, written, views, result, tolerance)
 
-    reposed: what the document shows is to move as ``rig`` does. Then both have one clip for all that plays
-    at once: it shows one pose, whichever of a stage's clips holds which keys.
+
+def compare_written(expected: ExpectedResult, views: Views, tolerance: float) -> Comparison:
+    """Whether the written file is the rig in memory: the deviation that is held against ``tolerance``."""
+    if expected.rig.pending.weight_redistributions:
+        return compare_without_twist(*views)
+    if expected.rig.pending.removed:
+        return _compare_remaining(expected, *views)
+    views = without_changes(*views, expected.morph_changes)
+    result = self_check(*views, own_nodes=expected.reposed)
+    if result.boxed and not result.passes(tolerance):  # the stated boxes may be too coarse
+        result = self_check(*views, detail="boxes", own_nodes=expected.reposed)
+    if not result.passes(tolerance) and result.passes(np.inf):  # and so may boxes of morphs be
+        exact = self_check(*views, detail="points", own_nodes=expected.reposed)
+        result = exact if exact.passes(tolerance) else result
+    return result
+
+
+def declared_differences(
+    expected: ExpectedResult, written: Source, views: Views, result: Comparison, tolerance: float
+) -> Comparison:
+    """The comparison with how far what the edit declares to change looks otherwise than the source."""
+    if expected.rig.pending.weight_redistributions:
+        return replace(result, moved=twist_movement(written) / result.diagonal)
+    if expected.rig.pending.removed:
+        return result
+    if expected.morph_changes:
+        movement = morph_movement(*views, expected.morph_changes)
+        result = replace(result, driven={name: far / result.diagonal for name, far in movement.items()})
+    if expected.reposed and result.passes(tolerance):
+        result = replace(result, motion=_motion(expected, *views))
+    return result
+
+
+def _compare_remaining(expected: ExpectedResult, source: Source, written: Source) -> Comparison:
+    """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
+    before, removed = expected.source.rig, expected.rig.pending.removed
+    # Nodes are counted in another way now: morph targets are found by addresses.
+    position = {key: node for node, key in enumerate(before.keys)}
+    changes: MorphChanges = {
+        before.address(position[key]): columns for key, columns in expected.morph_changes.items()
+    }
+    if changes:
+        addressed = [
+            DocumentView(view, replace(view.rig, keys=tuple(map(view.rig.address, range(len(view.rig))))))
+            for view in (written, source)
+        ]
+        rigs = [view.rig for view in without_changes(addressed[0], addressed[1], changes)]
+        written, source = (
+            DocumentView(view, replace(view.rig, clips=rig.clips))
+            for view, rig in zip((written, source), rigs, strict=True)
+        )
+    result = verify(written, source)
+    stay = [name for node, name in enumerate(before.names) if node not in removed]
+    lost = [f"node {name}" for name in (Counter(stay) - Counter(written.rig.names)).elements()]
+    shown = [mesh.name for mesh in source.meshes() if mesh.node not in removed]
+    lost += [
+        f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in written.meshes())).elements()
+    ]
+    return replace(result, different=(*result.different, *(f"{name} was removed, too" for name in lost)))
+
+
+def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
+    """How far what the source shows moves otherwise in the result; view, made: its `ExpectedResult.views`.
+
+    At rest and in the clips that both have, at keys and between them.
     """
-    before = document.rig
-    old = {key: node for node, key in enumerate(before.keys)}
-    redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
-    keyed = _keyed(before, rig, after.rig)
-    if keyed is before and not redrawn and not reposed:
-        return document, after
-    if not reposed:
-        return Intended(document, keyed, after, redrawn, keyed.keys, range(len(before))), after
-    # Nodes that the edit has added have no keys: nobody looks for them, as after any other edit.
-    now = dict(zip(before.keys, keyed.keys, strict=True))
-    keys = tuple(now.get(key) for key in rig.keys)
-    new = {key: node for node, key in enumerate(rig.keys) if key is not None}
-    moved = rig if keys == rig.keys else replace(rig, keys=keys)
-    name = next((t.name for t in reversed(timelines(rig))), "")
-    meant, made = played_at_once(moved, name), played_at_once(after.rig, name)
-    place = [new[key] for key in before.keys]
-    return (
-        Intended(document, meant, after, redrawn, keyed.keys, place),
-        Intended(after, made, after, frozenset(), after.rig.keys, range(len(made))),
-    )
-
-
-def motion(document: Source, meant: Source, made: Source, driven: Driven) -> Motion:
-    """How far what the document shows moves otherwise in a result; meant, made: of `intended`.
-
-    At rest and in the clips that both have, at keys and between them. driven: morph weights that are
-    told elsewhere.
-    """
-    rig = document.rig
-    keys = meant.keys if isinstance(meant, Intended) else rig.keys
+    source, rig = expected.source, expected.source.rig
+    keys = view.keys if isinstance(view, PosedView) else rig.keys
     played = next((clip for clip in made.rig.clips if clip.key == PLAYED), None)
     if played is not None:
         rig = played_at_once(rig, played.name)
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
-    # What the result knows as rigtri's is no more looked at where the document, exported, lacks the notes.
-    told = {made.rig.keys[node]: made.rig.notes[node] for node in made.rig.own & made.rig.notes.keys()}
-    notes = {**{node: told[key] for node, key in enumerate(keys) if key in told}, **rig.notes}
-    was = Intended(document, replace(rig, keys=keys, notes=notes), made, keys=keys, place=range(len(rig)))
+    # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
+    known = {made.rig.keys[node]: made.rig.notes[node] for node in made.rig.own & made.rig.notes.keys()}
+    notes = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.notes}
+    was = PosedView(source, replace(rig, keys=keys, notes=notes), made, keys, range(len(rig)))
     found = motion_between(was, made)
-    others = {key: () for key in _other_weights(was.rig, made.rig) if key not in driven}
+    others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
     if not others:
         return found
-    far = moved((was.rig, made.rig), (was.meshes(), made.meshes()), others)
     size = size_of(was.rig, was.outlines())
-    return replace(found, morphs={name: value / size for name, value in far.items() if value > 0})
+    movement = morph_movement(was, made, others)
+    return replace(found, morphs={name: far / size for name, far in movement.items() if far > 0})
 
 
 def _other_weights(before: Rig, after: Rig) -> set[Hashable]:
@@ -122,7 +216,7 @@ def _other_weights(before: Rig, after: Rig) -> set[Hashable]:
         other = theirs.get((clip.key, clip.name))
         if other is not None:
             was, now = _weights(before, clip), _weights(after, other)
-            found |= {key for key in was.keys() | now.keys() if not _alike(was.get(key), now.get(key))}
+            found |= {key for key in was.keys() | now.keys() if not _same(was.get(key), now.get(key))}
     return found
 
 
@@ -130,7 +224,7 @@ def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
     return {rig.keys[t.node]: t for t in clip.tracks if t.path == "weights"}
 
 
-def _alike(a: Track | None, b: Track | None) -> bool:
+def _same(a: Track | None, b: Track | None) -> bool:
     """Whether two tracks are the same to the bit."""
     if a is None or b is None:
         return a is b

@@ -19,7 +19,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Reference as Reference
 from rigtri.model.scene_facts import Scenery as Scenery
 from rigtri.model.scene_facts import flat as flat
-from rigtri.verification.compare.correspondence import Matching
+from rigtri.verification.compare.correspondence import Correspondence
 
 # Facts that nobody sees: they are told, and pass.
 UNSEEN = ("morph target names", "start time code", "end time code", "frames per second")
@@ -37,7 +37,7 @@ class _Sides:
     """Both rigs, what of one is what of the other, and how far apart numbers are the same."""
 
     rigs: tuple[Rig, Rig]
-    m: Matching
+    m: Correspondence
     share: float
     apart: float
 
@@ -64,7 +64,7 @@ def compare_scenery(
     rigs: tuple[Rig, Rig],
     mine: Scenery,
     theirs: Scenery,
-    m: Matching,
+    m: Correspondence,
     *,
     share: float = SAME_NUMBER,
     apart: float = 0.0,

@@ -10,13 +10,13 @@ from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Matching, by_target, partner_track
+from rigtri.verification.compare.correspondence import Correspondence, by_target, partner_track
 from rigtri.verification.diff.change import Change, furthest, same_numbers
 
 GROUP = "clips"
 
 
-def clip_changes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+def clip_changes(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     """Clips that are gone or new, and the tracks of the others."""
     partners = m.clip.tolist()
     loose = [k for k in range(len(after.clips)) if k not in partners]
@@ -42,7 +42,7 @@ def _title(clip: Clip, number: int) -> str:
 
 
 def _tracks(
-    before: Rig, after: Rig, m: Matching, clips: tuple[Clip, Clip], title: str, tolerance: float
+    before: Rig, after: Rig, m: Correspondence, clips: tuple[Clip, Clip], title: str, tolerance: float
 ) -> Iterator[Change]:
     there = by_target(clips[1])
     found = set()

@@ -8,13 +8,13 @@ import numpy as np
 
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Matching
+from rigtri.verification.compare.correspondence import Correspondence
 from rigtri.verification.diff.axis_diff import moved
 from rigtri.verification.diff.change import Change, furthest, rows, same_numbers
 
 
 def mesh_changes(
-    before: Rig, meshes: tuple[Sequence[Mesh], Sequence[Mesh]], m: Matching, tolerance: float
+    before: Rig, meshes: tuple[Sequence[Mesh], Sequence[Mesh]], m: Correspondence, tolerance: float
 ) -> Iterator[Change]:
     """Points, weights and morphs; meshes are paired by node, the first with the first."""
     there: dict[int, list[Mesh]] = {}

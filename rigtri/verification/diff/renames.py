@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Matching
+from rigtri.verification.compare.correspondence import Correspondence
 
 
-def renamed(before: Rig, after: Rig, m: Matching) -> Matching:
+def renamed(before: Rig, after: Rig, m: Correspondence) -> Correspondence:
     """The matching with partners for nodes that kept their place but not their name.
 
     A node without partner gets the one of the same key, or the one at its place among

@@ -18,7 +18,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.verification.compare.correspondence import Matching, match, played_together
+from rigtri.verification.compare.correspondence import Correspondence, match, played_together
 from rigtri.verification.compare.scene_facts import Scenery, compare_scenery
 from rigtri.verification.diff.axis_diff import DERIVED, all_moved, axis_words, moved, turns
 from rigtri.verification.diff.change import Change, number, order_of, row, rows, same_numbers, same_rows
@@ -66,7 +66,7 @@ def _kind(rig: Rig, node: int) -> str:
     return "joint" if rig.is_joint[node] else "node"
 
 
-def _joints(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+def _joints(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     """Nodes that are gone, new, renamed, hung elsewhere or in another order."""
     group, known = "hierarchy", {*m.node.tolist(), *m.shown.tolist()}
     for k, now in enumerate(m.node.tolist()):
@@ -92,7 +92,7 @@ def _above(rig: Rig, node: int) -> str:
     return rig.title(parent) if parent >= 0 else "nothing"
 
 
-def _orders(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+def _orders(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
     for k, children in enumerate(before.children):
         if m.node[k] >= 0:
@@ -107,7 +107,7 @@ def _orders(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
         yield Change("hierarchy", "moved", "roots", f"order: {text}")
 
 
-def _pairs(m: Matching) -> tuple[Integers, Integers]:
+def _pairs(m: Correspondence) -> tuple[Integers, Integers]:
     """The nodes that both have, as the first and as the second numbers them."""
     mine = np.flatnonzero(m.node >= 0)
     return mine, m.node[mine]
@@ -119,7 +119,7 @@ def _equal(one: Floats, other: Floats) -> Booleans:
     return np.asarray(same.all(axis=tuple(range(1, same.ndim))))
 
 
-def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+def _axes(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     """Nodes whose axes point elsewhere in the world, or that stand elsewhere."""
     with np.errstate(invalid="ignore", divide="ignore"):
         worlds = before.world, after.world
@@ -144,7 +144,7 @@ def _axes(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Ch
                      f"{rows(places[k], there[j])}")  # fmt: skip
 
 
-def _rest(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+def _rest(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     """Local rest transforms as stored."""
     mine, theirs = _pairs(m)
     pairs = {name: (getattr(before, name)[mine], getattr(after, name)[theirs]) for name in _STORED}
@@ -170,7 +170,7 @@ def _rest(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Ch
                 yield Change("rest pose", "changed", before.title(k), f"{name} {rows(was, is_now)}")
 
 
-def _skins(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+def _skins(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     for k, now in enumerate(m.skin.tolist()):
         skin, title = before.skins[k], before.skins[k].name or f"#{k}"
         if now < 0:
@@ -189,7 +189,7 @@ def _skins(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[C
 
 
 def _skin_joints(
-    before: Rig, after: Rig, m: Matching, skins: tuple[Skin, Skin], title: str
+    before: Rig, after: Rig, m: Correspondence, skins: tuple[Skin, Skin], title: str
 ) -> Iterator[Change]:
     mine, theirs = m.node[skins[0].joints].tolist(), skins[1].joints.tolist()
     both = set(mine).intersection(theirs)
@@ -204,7 +204,7 @@ def _skin_joints(
         yield Change("skins", "moved", f"joints of skin {title}", f"order: {text}")
 
 
-def _binds(before: Rig, m: Matching, skins: tuple[Skin, Skin], tolerance: float) -> Iterator[Change]:
+def _binds(before: Rig, m: Correspondence, skins: tuple[Skin, Skin], tolerance: float) -> Iterator[Change]:
     there = {joint: k for k, joint in enumerate(skins[1].joints.tolist())}
     places = np.array([there.get(now, -1) for now in m.node[skins[0].joints].tolist()], dtype=np.int64)
     mine = np.flatnonzero(places >= 0)
@@ -215,7 +215,7 @@ def _binds(before: Rig, m: Matching, skins: tuple[Skin, Skin], tolerance: float)
         yield Change("bind pose", "changed", before.title(joint), text)
 
 
-def _carried(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+def _carried(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     """What nodes show, where another node shows it now."""
     for k in np.flatnonzero(before.payload >= 0).tolist():
         now, shown = int(m.node[k]), int(m.shown[k])
@@ -225,7 +225,7 @@ def _carried(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
             yield Change("attachments", "removed", f"what {before.title(k)} shows")
 
 
-def _bound(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+def _bound(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     there = {b.key: b for b in after.bound}
     for bound in before.bound:
         title, now = f"{_place(bound.key)} on {before.title(bound.node)}", there.pop(bound.key, None)
@@ -240,7 +240,7 @@ def _bound(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[C
         yield Change("colliders and offsets", "added", title, row(now.vector))
 
 
-def _constraints(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iterator[Change]:
+def _constraints(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     """Which axis each constraint is about; its kind, source and weight are facts of the file."""
     there = {(c.kind, c.node, c.source): c for c in after.constraints}
     for c in before.constraints:
@@ -251,7 +251,7 @@ def _constraints(before: Rig, after: Rig, m: Matching, tolerance: float) -> Iter
 
 
 def _scenery(
-    rigs: tuple[Rig, Rig], scenery: tuple[Scenery, Scenery], m: Matching, tolerance: float
+    rigs: tuple[Rig, Rig], scenery: tuple[Scenery, Scenery], m: Correspondence, tolerance: float
 ) -> Iterator[Change]:
     """What is shown and said that no joint tells: scenes, lenses, lights, materials, avatars."""
     for texts in compare_scenery(rigs, *scenery, m, share=0.0, apart=tolerance):
@@ -263,7 +263,7 @@ def _place(key: Any) -> str:
     return " ".join(map(str, key)) if isinstance(key, tuple) else str(key)
 
 
-def _whole(before: Rig, after: Rig, m: Matching) -> Iterator[Change]:
+def _whole(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     """What a rig says about itself: humanoid map, what rigtri has noted, up."""
     back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
     bones = {bone: back.get(node, -1) for bone, node in after.humanoid.items()}

@@ -1,12 +1,12 @@
-"""Morph weights that an edit drives on purpose: set aside for comparing, and measured by themselves.
+"""Expected changes of morph weights: excluded from a comparison, and measured by themselves.
 
-With the driven weights taken out of both rigs, everything else must be the same; how far the
-driven ones move the points is told beside it.
+With the expected changes taken out of both rigs, everything else must be the same; how far they
+move the vertices is reported beside it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,15 +18,28 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import Source
+from rigtri.verification.compare.document_view import DocumentView
 
-# Which targets of which nodes, by the nodes' keys.
-Driven = Mapping[Hashable, Collection[int]]
-# Poses of a timeline in which the driven points are looked at: those with the largest weights.
+# Which morph targets of which nodes, by the nodes' keys.
+MorphChanges = Mapping[Hashable, Collection[int]]
+# Poses of a timeline in which changed vertices are measured: those with the largest weights.
 _POSES = 64
 
 
-def set_aside(before: Rig, after: Rig, driven: Driven, resting: Mapping[int, Floats]) -> tuple[Rig, Rig]:
-    """Both rigs with all morph weights at common times and the driven ones 0.
+def without_changes(before: Source, after: Source, changes: MorphChanges) -> tuple[Source, Source]:
+    """Both documents with the weights of ``changes`` at 0."""
+    if not changes:
+        return before, after
+    resting = {mesh.node: mesh.morph_weights for mesh in before.outlines()}
+    rigs = exclude_changes(before.rig, after.rig, changes, resting)
+    return DocumentView(before, rigs[0]), DocumentView(after, rigs[1])
+
+
+def exclude_changes(
+    before: Rig, after: Rig, changes: MorphChanges, resting: Mapping[int, Floats]
+) -> tuple[Rig, Rig]:
+    """Both rigs with all morph weights at common times and those of ``changes`` 0.
 
     resting: the weights of meshes that no track drives, by node of ``before``.
     """
@@ -42,7 +55,7 @@ def set_aside(before: Rig, after: Rig, driven: Driven, resting: Mapping[int, Flo
             tracks = was.get(node), now.get(there)
             if tracks == (None, None) or there < 0:
                 continue
-            pair = _alike(tracks, node, there, driven.get(key, ()), resting.get(node))
+            pair = _resampled(tracks, node, there, changes.get(key, ()), resting.get(node))
             mine[k] = _with(mine[k], tracks[0], pair[0])
             theirs[partner] = _with(theirs[partner], tracks[1], pair[1])
     return replace(before, clips=tuple(mine)), replace(after, clips=tuple(theirs))
@@ -57,14 +70,14 @@ def _with(clip: Clip, old: Track | None, new: Track) -> Clip:
     return replace(clip, tracks=(*kept, new))
 
 
-def _alike(
+def _resampled(
     tracks: tuple[Track | None, Track | None],
     node: int,
     there: int,
     columns: Collection[int],
     resting: Floats | None,
 ) -> tuple[Track, Track]:
-    """Both tracks sampled at one set of times, without the driven columns."""
+    """Both tracks sampled at one set of times, with ``columns`` at 0."""
     known = [track for track in tracks if track is not None]
     keys = np.unique(np.concatenate([track.times for track in known]))
     times = keys_and_between(keys)
@@ -78,21 +91,18 @@ def _alike(
     return found[0], found[1]
 
 
-def moved(
-    rigs: tuple[Rig, Rig], meshes: tuple[Sequence[Mesh], Sequence[Mesh]], driven: Driven
-) -> dict[str, float]:
-    """How far the driven weights move points of each mesh in any pose, in file units, by mesh."""
-    before, after = rigs
-    others = {mesh.name: mesh for mesh in meshes[1]}
-    old = {before.clips[k].key: t for t in timelines(before) for k in t.members}
+def morph_movement(before: Source, after: Source, changes: MorphChanges) -> dict[str, float]:
+    """How far ``changes`` move vertices of each mesh in any pose, in file units, by mesh."""
+    rig, others = after.rig, {mesh.name: mesh for mesh in after.meshes()}
+    old = {before.rig.clips[k].key: t for t in timelines(before.rig) for k in t.members}
     found: dict[str, float] = {}
-    for mesh in meshes[0]:
-        if before.keys[mesh.node] not in driven or mesh.name not in others or not len(mesh.morphs):
+    for mesh in before.meshes():
+        if before.rig.keys[mesh.node] not in changes or mesh.name not in others or not len(mesh.morphs):
             continue
         found[mesh.name] = max(
             (
-                _farthest(old.get(after.clips[now.members[0]].key), after, now, mesh, others[mesh.name])
-                for now in timelines(after)
+                _farthest(old.get(rig.clips[now.members[0]].key), rig, now, mesh, others[mesh.name])
+                for now in timelines(rig)
             ),
             default=0.0,
         )
@@ -106,7 +116,7 @@ def _at(then: Timeline, mesh: Mesh, other: Mesh) -> Clip:
 
 
 def _farthest(then: Timeline | None, after: Rig, now: Timeline, mesh: Mesh, other: Mesh) -> float:
-    """The largest distance between the points with the old and with the new weights."""
+    """The largest distance between the vertices with the old and with the new weights."""
     track = now.track(other.node, "weights")
     if track is None:
         return 0.0

@@ -1,0 +1,218 @@
+"""What comparing two rigs finds: figures and differences, for people and for machines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from rigtri.frames.error_bounds import TOLERANCE as TOLERANCE
+
+# Quaternions stored as float32 are unit within this.
+UNIT = 1e-6
+# Rotations further off show something else where they are not normalised; readers name them.
+VISIBLY_NON_UNIT = 1e-4
+
+
+@dataclass(frozen=True)
+class Worst:
+    """Where the largest deviation is; ``clip`` is "" at rest."""
+
+    what: str
+    clip: str
+    time: float
+
+    def __str__(self) -> str:
+        # The defaults of a USD animation have no time; they are looked at beside one.
+        where = self.clip if self.clip.endswith("@default") else f"{self.clip} at {self.time:.6g}"
+        return f"{self.what}, {where if self.clip else 'at rest'}"
+
+    def as_json(self) -> dict[str, Any]:
+        return {"what": self.what, "clip": self.clip, "time": self.time}
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How far an edit moves on purpose what a file shows, at most; as a share of its size.
+
+    per_clip: by clip, of those that both files have. morphs: how far other morph weights move vertices
+    of each mesh, which the deviation does not count.
+    """
+
+    deviation: float
+    worst: Worst | None
+    per_clip: Mapping[str, float]
+    morphs: Mapping[str, float] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        worst = self.worst if self.deviation > 0 else None
+        return {
+            "deviation": _finite(self.deviation),
+            "worst": worst and worst.as_json(),
+            "clips": _finite_values(self.per_clip),
+            "morphs": _finite_values(self.morphs),
+        }
+
+    def summary(self) -> str:
+        parts = []
+        if self.deviation != 0:
+            share = f"{self.deviation:.2g} of the model's size"
+            parts.append(f"motion differs from IN by up to {share} ({self.worst})")
+        if self.morphs:
+            name, most = _largest(self.morphs)
+            parts.append(f"other morph weights move vertices by up to {most:.2g} of the size ({name})")
+        return "; ".join(parts) or "everything that IN shows moves as in IN"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How far two rigs are apart.
+
+    deviation: the largest distance between the same point in both, relative to
+    ``diagonal``; absolute: in file units; inf where one of the two is not a number.
+    diagonal: of the box of all points at rest. denormalisation: max | |q|−1 | of
+    the source's rotations; raw_deviation: what renderers show that do not
+    normalise them (equal to ``deviation`` where all are unit); raw_counts: the format's own
+    viewer is one of these. per_mesh, per_clip:
+    deviation by title. poses: how many were evaluated; 0 where both are the same to
+    the bit. lost, added, changed: `correspondence.Correspondence`. different: what looks
+    different whatever the pose (`compare.scene_facts`). boxed: meshes of which only some points
+    were looked at, and the box that the file states for all.
+
+    What an edit declares to change (`expected_result.ExpectedResult`) is not in the deviation, and measured
+    by itself, relative to ``diagonal``: moved: how far twist joints, turning, move vertices; None where no
+    skin weights went to them. driven: how far other morph weights move vertices of each mesh.
+    motion: how far what the source shows moves otherwise; None where it is to move as before.
+    """
+
+    deviation: float
+    absolute: float
+    diagonal: float
+    raw_deviation: float
+    denormalisation: float
+    worst: Worst | None
+    per_mesh: Mapping[str, float]
+    per_clip: Mapping[str, float]
+    lost: tuple[str, ...]
+    added: tuple[str, ...]
+    changed: tuple[str, ...]
+    different: tuple[str, ...]
+    poses: int
+    boxed: tuple[str, ...] = ()
+    raw_counts: bool = False
+    moved: float | None = None
+    driven: Mapping[str, float] = field(default_factory=dict)
+    motion: Motion | None = None
+
+    @property
+    def shown(self) -> float:
+        """The largest deviation in any viewer that reads the file as its format specifies."""
+        worse = not self.deviation >= self.raw_deviation  # also where the latter is not a number
+        return self.raw_deviation if self.raw_counts and worse else self.deviation
+
+    @property
+    def identical(self) -> bool:
+        """Whether all that was there is the same to the bit, so that no pose had to be evaluated."""
+        declared = self.moved is not None or self.driven or self.motion is not None
+        return not (self.poses or declared or self.lost or self.changed or self.different)
+
+    def passes(self, tolerance: float = TOLERANCE) -> bool:
+        """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
+        return not self.lost and not self.different and self.shown <= tolerance
+
+    def as_json(self) -> dict[str, Any]:
+        """For machines; a deviation that is not a number is null."""
+        found = {
+            "deviation": _finite(self.deviation),
+            "absolute": _finite(self.absolute),
+            "diagonal": self.diagonal,
+            "raw_deviation": _finite(self.raw_deviation),
+            "denormalisation": self.denormalisation,
+            "worst": self.worst and self.worst.as_json(),
+            "meshes": _finite_values(self.per_mesh),
+            "clips": _finite_values(self.per_clip),
+            "lost": list(self.lost),
+            "added": list(self.added),
+            "changed": list(self.changed),
+            "different": list(self.different),
+            "poses": self.poses,
+            "identical": self.identical,
+            "boxed": list(self.boxed),
+        }
+        if self.moved is not None:
+            found["moved"] = _finite(self.moved)
+        if self.motion is not None:
+            found["motion"] = self.motion.as_json()
+        if self.driven:
+            found["driven"] = _finite_values(self.driven)
+        return found
+
+    def summary(self, tolerance: float | None = None) -> str:
+        """One line: the figure and its limit, where it is, what was declared to change, and what is lost."""
+        start = (
+            "largest vertex movement" if self.motion is None else "largest deviation from the intended result"
+        )
+        line = f"{start}: {self.deviation:.2g} of the model's size"
+        if tolerance is not None:
+            line += f" (limit {tolerance:g})"
+        if self.identical:
+            line += "; everything that was in the file is unchanged"
+        if self.worst is not None and self.deviation > 0:
+            line += f"; at {self.worst}"
+        if self.denormalisation > VISIBLY_NON_UNIT or self.shown > max(self.deviation, TOLERANCE):
+            line += (
+                f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
+                f"by {self.denormalisation:.2g}"
+            )
+        if self.boxed:
+            line += f"; {len(self.boxed)} large meshes bounded by their boxes"
+        if self.moved is not None:
+            line += f"; measured without twist, which moves vertices by up to {self.moved:.2g}"
+        if self.driven:
+            name, most = _largest(self.driven)
+            line += (
+                f"; measured without driven morph targets, which move up to {most:.2g} of the size ({name})"
+            )
+        for label, found in (("lost", self.lost), ("different", self.different)):
+            if found:
+                line += f"; {label}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
+        return line if self.motion is None else f"{line}; {self.motion.summary()}"
+
+    def describe(self, *, verbose: bool = False) -> str:
+        """All of it for people, the figure first; ``verbose`` names every mesh, clip and change."""
+        extent = f"in {self.poses} poses" if self.poses else "nothing can have moved"
+        lines = [
+            f"deviation   {self.deviation:.2g} of the model's size, {extent}",
+            f"absolute    {self.absolute:.2g} of {self.diagonal:.6g}, in file units",
+        ]
+        if self.worst is not None and self.deviation > 0:
+            lines.append(f"worst       {self.worst}")
+        if self.denormalisation > UNIT:
+            lines.append(
+                f"unadjusted  {self.raw_deviation:.2g} of the size where rotations are not "
+                f"normalised; the source's are off unit length by {self.denormalisation:.2g}"
+            )
+        for kind, table in (("mesh", self.per_mesh), ("clip", self.per_clip)):
+            rows = sorted(table.items(), key=lambda row: -row[1])
+            lines += [f"{kind:<12}{value:<8.2g}  {name}" for name, value in _first(rows, verbose)]
+        for label in ("lost", "different", "added", "changed"):
+            lines += [f"{label:<12}{what}" for what in _first(getattr(self, label), verbose)]
+        return "\n".join(lines)
+
+
+def _largest(shares: Mapping[str, float]) -> tuple[str, float]:
+    return max(shares.items(), key=lambda item: item[1])
+
+
+def _first(rows: Sequence[Any], verbose: bool) -> Sequence[Any]:
+    return rows if verbose else rows[:5]
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _finite_values(values: Mapping[str, float]) -> dict[str, float | None]:
+    return {name: _finite(value) for name, value in values.items()}

@@ -1,0 +1,232 @@
+"""Which probes two rigs are compared by: boxes of what joints move, frames of nodes, and origins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.frames.error_bounds import frames_shown
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import inverse
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.bounding_boxes import boxes, corners, extent
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.verification.compare.correspondence import Correspondence
+from rigtri.verification.compare.mesh_probes import mesh_title
+from rigtri.verification.compare.probes import FramePoints
+
+# Where no points can be read: how thick a body is at least, as a share of its longest side.
+THICKNESS = 0.1
+
+
+def skin_corners(
+    before: Rig, after: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans
+) -> Iterator[FramePoints]:
+    """The corners of what each joint moves, and the joint's own place in the bind pose."""
+    for number, partner in enumerate(m.skin.tolist()):
+        if partner < 0:
+            continue
+        mine, theirs = before.skins[number], _without_holders(after, partner, m)
+        if len(theirs.joints) < len(mine.joints):
+            continue
+        count = len(mine.joints)
+        joints = theirs.joints[:count]
+        same = np.array_equal(mine.inverse_bind, theirs.inverse_bind[:count], equal_nan=True)
+        differ = moving[mine.joints] | (m.node[mine.joints] != joints)
+        if not same:
+            differ |= (mine.inverse_bind != theirs.inverse_bind[:count]).any(axis=(1, 2))
+        if not differ.any():
+            continue
+        owner = mine.name or f"skin #{number}"
+        own = np.isin(mine.joints, list(before.own)) if before.own else np.zeros(count, dtype=bool)
+        for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
+            # A joint of ours may move, but not what somebody has bound to it.
+            rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
+            if not len(rows):
+                continue
+            titles = [f"joint {before.title(joint)}" for joint in mine.joints[rows].tolist()]
+            points = _with_bind_origin(_corners(low[rows], high[rows]), bind, mine.bind[rows])
+            with np.errstate(invalid="ignore"):
+                moved = tuple(points @ bind @ s.inverse_bind[rows] for s in (mine, theirs))
+            yield FramePoints(
+                (mine.joints[rows], joints[rows]), (moved[0], moved[1]), titles, [owner] * len(rows)
+            )
+
+
+def _without_holders(after: Rig, skin: int, m: Correspondence) -> Skin:
+    """A skin without the rows of joints that a split has put into it."""
+    whole, added = after.skins[skin], sorted(after.holders.difference(m.node.tolist()))
+    if not added:
+        return whole
+    keep = ~np.isin(whole.joints, added)
+    if keep.all():
+        return whole
+    return replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])
+
+
+def _with_bind_origin(points: Floats, bind: Floats, frames: Floats) -> Floats:
+    """Corners, (r, 8, 4), and each joint's place in the bind pose; that alone where there is no box.
+
+    bind: of the mesh, (4, 4). frames: of the joints, seen from the skin, (r, 4, 4).
+    """
+    place = frames[:, 3] @ inverse(bind)
+    place = np.where(np.isfinite(place).all(axis=1, keepdims=True), place, [0.0, 0.0, 0.0, 1.0])
+    full = np.isfinite(points).all(axis=(1, 2)).reshape(-1, 1, 1)
+    points = np.where(full, points, place[:, np.newaxis])
+    return np.concatenate([points, place[:, np.newaxis]], axis=1)
+
+
+def _skin_boxes(skin: Skin, meshes: Sequence[Mesh]) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """For each bind matrix of the meshes: it, and the boxes of what each joint moves, (m, 3) twice.
+
+    Meshes that share their bind matrix share their boxes. inf where a joint moves nothing.
+    """
+    if not meshes:
+        places = skin.bind[:, 3, :3]
+        places = places[np.isfinite(places).all(axis=1)]
+        if len(places):
+            shape = (len(skin.joints), 3)
+            low, high = places.min(axis=0), places.max(axis=0)
+            # Joints on a line would not show a twist about it.
+            thin = np.maximum(THICKNESS * (high - low).max() - (high - low), 0.0) / 2.0
+            yield np.eye(4), np.broadcast_to(low - thin, shape), np.broadcast_to(high + thin, shape)
+        return
+    groups: dict[bytes, list[Mesh]] = {}
+    for mesh in meshes:
+        groups.setdefault(mesh.bind.tobytes(), []).append(mesh)
+    for group in groups.values():
+        found = [boxes(mesh, len(skin.joints)) for mesh in group]
+        low = np.minimum.reduce([box[0] for box in found])
+        high = np.maximum.reduce([box[1] for box in found])
+        yield group[0].bind, low, high
+
+
+def _corners(low: Floats, high: Floats) -> Floats:
+    """The corners of boxes, (r, 3) twice → (r, 8, 4) homogeneous."""
+    points = np.ones((len(low), 8, 4))
+    points[..., :3] = corners(low, high)
+    return points
+
+
+def rigid_corners(
+    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans
+) -> Iterator[FramePoints]:
+    """The corners of the boxes of rigid meshes, in the frames of the nodes that show them."""
+    for mesh in meshes:
+        if (mesh.skin is not None and mesh.joints.shape[1]) or not _to_watch(mesh.node, m, moving):
+            continue
+        near, far = extent(mesh)
+        fit = np.isfinite(near).all(axis=1) & np.isfinite(far).all(axis=1)
+        if fit.any():
+            low, high = near[fit].min(axis=0), far[fit].max(axis=0)
+            title = mesh_title(before, mesh)
+            yield _framed(
+                [mesh.node], m, _corners(low[np.newaxis], high[np.newaxis]), [f"mesh {title}"], [title]
+            )
+
+
+def frames(
+    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+) -> Iterator[FramePoints]:
+    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such not ours."""
+    nodes = [node for node in frames_shown(before, meshes) if _to_watch(node, m, moving)]
+    if nodes:
+        titles = [f"frame of {before.title(node)}" for node in nodes]
+        yield _framed(nodes, m, _whole(before, nodes, diagonal), titles, [""] * len(nodes))
+
+
+def own_frames(before: Rig, m: Correspondence, moving: Booleans, diagonal: float) -> Iterator[FramePoints]:
+    """The whole frames, a diagonal long, of what rigtri itself has added."""
+    nodes = [node for node in sorted(before.own) if m.node[node] >= 0 and moving[node]]
+    if nodes:
+        titles = [f"frame of {before.title(node)}" for node in nodes]
+        points = _whole(before, nodes, diagonal)
+        yield FramePoints((np.array(nodes), m.node[nodes]), (points, points), titles, [""] * len(nodes))
+
+
+def rotations(
+    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+) -> Iterator[FramePoints]:
+    """The ends of the axes of nodes that show no mesh and have none below them, nor are rigtri's own.
+
+    They tell turns; as far away as what hangs on each node, a twentieth of the diagonal at least.
+    """
+    unseen = ~_drawn(before, meshes) & moving & (m.node >= 0)
+    unseen[list(before.own)] = False
+    nodes = np.flatnonzero(unseen).tolist()
+    if nodes:
+        reach = _reaches(before, 0.05 * diagonal)[nodes]
+        axes = length(before.world[nodes, :3, :3])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = reach[:, np.newaxis] / axes
+        ends = np.where(np.isfinite(far), far, 0.0)[:, np.newaxis] * np.eye(3)
+        points = np.concatenate([ends, np.ones((len(nodes), 3, 1))], axis=2)
+        titles = [f"turn of {before.title(node)}" for node in nodes]
+        yield FramePoints((np.array(nodes), m.node[nodes]), (points, points), titles, [""] * len(nodes))
+
+
+def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
+    """Which nodes move points of meshes, (n,), or have a node below them that does."""
+    found = np.zeros(len(rig), dtype=bool)
+    read = {mesh.skin for mesh in meshes}
+    for number, skin in enumerate(rig.skins):
+        if number not in read:  # all of its joints are watched
+            found[skin.joints] = True
+    for mesh in meshes:
+        if mesh.skin is None or not mesh.joints.shape[1]:
+            found[mesh.node] = True
+        else:
+            joints = rig.skins[mesh.skin].joints
+            found[joints if mesh.box is not None else joints[np.unique(mesh.joints[mesh.weights != 0])]] = (
+                True
+            )
+    for node in range(len(rig) - 1, -1, -1):
+        if found[node] and rig.parents[node] >= 0:
+            found[rig.parents[node]] = True
+    return found
+
+
+def _reaches(rig: Rig, least: float) -> Floats:
+    """How far what hangs on each node reaches at rest, (n,), in file units."""
+    places, found = rig.world[:, 3, :3], np.full(len(rig), least)
+    for node in range(len(rig) - 1, -1, -1):
+        parent = int(rig.parents[node])
+        if parent >= 0:
+            bone = float(np.nan_to_num(length(places[node] - places[parent])))
+            found[parent] = max(found[parent], found[node] + bone)
+    return found
+
+
+def _whole(rig: Rig, nodes: Sequence[int], diagonal: float) -> Floats:
+    """The corners of frames a diagonal long, (r, 8, 4); of what has no size at rest, its place."""
+    axes = length(rig.world[nodes, :3, :3])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = diagonal / axes
+    size = np.where(np.isfinite(size), size, 0.0)
+    return _corners(-size, size)
+
+
+def _to_watch(node: int, m: Correspondence, moving: Booleans) -> bool:
+    there = m.shown[node]
+    return bool(there >= 0 and (moving[node] or there != m.node[node]))
+
+
+def _framed(
+    nodes: Sequence[int], m: Correspondence, points: Floats, titles: list[str], owners: list[str]
+) -> FramePoints:
+    return FramePoints((np.array(nodes), m.shown[nodes]), (points, points), titles, owners)
+
+
+def origins(before: Rig, m: Correspondence, moving: Booleans) -> FramePoints:
+    """Where nodes are; what rigtri itself has added may move."""
+    watched = moving & (m.node >= 0)
+    watched[list(before.own)] = False
+    nodes = np.flatnonzero(watched)
+    points = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(nodes), 1, 4))
+    titles = [f"origin of {before.title(node)}" for node in nodes.tolist()]
+    return FramePoints((nodes, m.node[nodes]), (points, points), titles, [""] * len(nodes))
