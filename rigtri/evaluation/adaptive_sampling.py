@@ -1,7 +1,8 @@
-"""Where keys must stand so that what lies between them stays within a bound.
+"""Adaptive sampling: times as near to each other as what happens between them needs.
 
-Between two keys that are too far apart for what happens there, the middle gets one, and so
-on. A jump gets a key just before it, so that no line is drawn across it.
+An interval whose deviation is above a bound is divided, and its parts are looked at again. What is sampled,
+how far it is off and how often it may be divided is the caller's to say: `adaptive_key_times` for values
+with a bound of their own, `rigtri.evaluation.curve_refinement` for a rig that a solver moves.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rigtri.evaluation.timelines import as_float32
+from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 
-# Places of a gap that are looked at: quarters, and one where nothing meets by chance.
-LOOKED_AT = (0.25, 0.5, 0.75, 0.29)
+# Where a gap is tested: quarters, and one share where two curves do not meet by chance.
+TESTED = (0.25, 0.5, 0.75, 0.29)
 # A gap is halved so often at most: float32 has no times in between any more.
 _DEEPEST = 24
 # More keys than this are a bound below the rounding of what is sampled.
@@ -21,50 +24,63 @@ MOST_KEYS = 100_000
 
 Sampled = Callable[[Floats], Floats]
 Error = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
+Deviations = Callable[[Floats, Integers], Floats]
+Division = Callable[[Floats, Floats, Floats], Integers]
 
 
-def adaptive_key_times(
-    sample: Sampled,
-    error: Error,
-    times: Floats,
-    *,
-    within: float,
-    keep: Callable[[Floats], Floats],
-) -> Floats:
-    """Times of keys, (k,): those given and as many between them as the bound asks for.
+def refine_times(times: Floats, deviations: Deviations, division: Division) -> Floats:
+    """Times, (k,): those given, rising, and as many between them as intervals are divided for.
 
-    sample: times (f,) → values (f, c). error: how far values (f, c) are from what keys say there,
-    from (values, left values, right values, share (f,), times) → (f,). keep: rounds times to what
-    the file can hold; a gap that has no such time inside stays.
+    deviations: from all times and the numbers, (m,), of those that intervals start at → (m,).
+    division: from starts, spans and deviations, (m,) each → into how many equal parts each interval goes, 1
+    for none. Times are rounded to float32; an interval that has no such time inside stays.
+    """
+    left = np.arange(len(times) - 1)
+    while len(left):
+        off = deviations(times, left)
+        start, span = times[left], times[left + 1] - times[left]
+        new = _inside(start, span, division(start, span, off))
+        if not len(new):
+            break
+        times = np.sort(np.concatenate([times, new]))
+        places = np.searchsorted(times, new)
+        left = np.unique(np.concatenate([places - 1, places]))
+    return times
+
+
+def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
+    """The times between so many pieces of each interval, each once, as far as float32 tells them apart."""
+    many = np.maximum(pieces - 1, 0)
+    which = np.repeat(np.arange(len(start)), many)
+    step = np.arange(len(which)) - np.repeat(np.cumsum(many) - many, many) + 1
+    inside = as_float32(start[which] + step / pieces[which] * span[which])
+    return np.unique(inside[(inside > start[which]) & (inside < start[which] + span[which])])
+
+
+def adaptive_key_times(sample: Sampled, error: Error, times: Floats, *, within: float) -> Floats:
+    """Times of keys, (k,): those given, and halves between them until no error is above ``within``.
+
+    sample: times (f,) → values (f, c). error: how far values (f, c) are from what keys give there,
+    from (values, left values, right values, share (f,), times) → (f,).
     OverflowError where more than `MOST_KEYS` would be needed.
     """
-    gaps = np.stack([times[:-1], times[1:]], axis=1)
-    found = [times]
-    for _ in range(_DEEPEST):
-        if not len(gaps):
-            break
-        wide = _errors(sample, error, gaps) > within
-        gaps = gaps[wide]
-        middle = keep(0.5 * (gaps[:, 0] + gaps[:, 1]))
-        inside = (middle > gaps[:, 0]) & (middle < gaps[:, 1])
-        gaps, middle = gaps[inside], middle[inside]
-        found.append(middle)
-        if len(middle) > MOST_KEYS:
+    rounds = iter(range(_DEEPEST))
+
+    def deviations(times: Floats, left: Integers) -> Floats:
+        ends = np.unique(np.concatenate([left, left + 1]))
+        at_ends = sample(times[ends])
+        before, after = (at_ends[np.searchsorted(ends, side)] for side in (left, left + 1))
+        worst = np.zeros(len(left))
+        for share in TESTED:
+            inside = times[left] + share * (times[left + 1] - times[left])
+            shares = np.full(len(left), share)
+            worst = np.maximum(worst, error(sample(inside), before, after, shares, inside))
+        return worst
+
+    def halved(start: Floats, span: Floats, off: Floats) -> Integers:
+        wide = (off > within) & (next(rounds, None) is not None)
+        if np.count_nonzero(wide) > MOST_KEYS:
             raise OverflowError(f"more than {MOST_KEYS} keys would be needed")
-        gaps = np.concatenate(
-            [np.stack([gaps[:, 0], middle], axis=1), np.stack([middle, gaps[:, 1]], axis=1)]
-        )
-    return np.unique(np.concatenate(found))
+        return np.where(wide, 2, 1)
 
-
-def _errors(sample: Sampled, error: Error, gaps: Floats) -> Floats:
-    """The largest error in each gap, (g,)."""
-    ends = np.unique(gaps)
-    at_ends = sample(ends)
-    left, right = (at_ends[np.searchsorted(ends, gaps[:, side])] for side in (0, 1))
-    worst = np.zeros(len(gaps))
-    for share in LOOKED_AT:
-        inside = gaps[:, 0] + share * (gaps[:, 1] - gaps[:, 0])
-        shares = np.full(len(gaps), share)
-        worst = np.maximum(worst, error(sample(inside), left, right, shares, inside))
-    return worst
+    return refine_times(times, deviations, halved)

@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from rigtri.evaluation.adaptive_sampling import refine_times
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.frame_batches import blocks, joined
@@ -75,31 +76,45 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
 
     per_second: units of the times in a second.
     """
-    parts, worst, limited = curve.at(times), (0.0, 0.0, -1), False
-    left = np.arange(len(times) - 1)
-    seconds = max((times[-1] - times[0]) / per_second, 1.0)
-    most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
-    while len(left):
-        off, nodes = _off(curve, times, parts, left)
-        start, span = times[left], times[left + 1] - times[left]
-        room = np.maximum(np.floor(span / (FINEST * per_second) * _WHOLE), 1.0)
-        pieces = np.minimum(_pieces(off, bound), room)
-        pieces = _affordable(pieces, off, most - len(times))
-        new = _inside(start, span, pieces.astype(np.int64))
+    samples = _Refinement(curve, times, bound, per_second)
+    refine_times(times, samples.deviations, samples.division)
+    far, after, node = samples.worst
+    return Refined(samples.times, samples.parts, far, samples.limited, after, node)
+
+
+class _Refinement:
+    """Samples while intervals are divided. worst: deviation of one that is not, its start, and the node."""
+
+    def __init__(self, curve: Curve, times: Floats, bound: float, per_second: float) -> None:
+        self.curve, self.times, self.parts, self.bound = curve, times, curve.at(times), bound
+        self.finest = FINEST * per_second
+        seconds = max((times[-1] - times[0]) / per_second, 1.0)
+        self.most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
+        self.worst, self.limited = (0.0, 0.0, -1), False
+        self.nodes = np.zeros(0, dtype=np.int64)
+
+    def deviations(self, times: Floats, left: Integers) -> Floats:
+        """The largest deviation in each interval, (m,), in file units."""
+        if len(times) > len(self.times):
+            new = np.setdiff1d(times, self.times, assume_unique=True)
+            order = np.argsort(np.concatenate([self.times, new]), kind="stable")
+            parts = self.curve.at(new)
+            self.parts = _merged(self.parts, len(self.times), parts, len(new), order)
+            self.times = times
+        off, self.nodes = _off(self.curve, times, self.parts, left)
+        return off
+
+    def division(self, start: Floats, span: Floats, off: Floats) -> Integers:
+        """Into how many pieces intervals go, (m,); those that stay whole are done."""
+        room = np.maximum(np.floor(span / self.finest * _WHOLE), 1.0)
+        pieces = np.minimum(_pieces(off, self.bound), room)
+        pieces = _affordable(pieces, off, self.most - len(self.times))
         done = pieces < 2.0
-        if off[done].max(initial=0.0) > worst[0]:
+        if off[done].max(initial=0.0) > self.worst[0]:
             k = np.flatnonzero(done)[off[done].argmax()]
-            worst = (float(off[k]), float(start[k]), int(nodes[k]))
-        limited = limited or bool((off[done] > bound).any())
-        if not len(new):
-            break
-        order = np.argsort(np.concatenate([times, new]), kind="stable")
-        parts = _merged(parts, len(times), curve.at(new), len(new), order)
-        times = np.concatenate([times, new])[order]
-        places = np.searchsorted(times, new)
-        left = np.unique(np.concatenate([places - 1, places]))
-    far, after, node = worst
-    return Refined(times, parts, far, limited, after, node)
+            self.worst = (float(off[k]), float(start[k]), int(self.nodes[k]))
+        self.limited = self.limited or bool((off[done] > self.bound).any())
+        return pieces.astype(np.int64)
 
 
 def _pieces(off: Floats, bound: float) -> Floats:
@@ -117,15 +132,6 @@ def _affordable(pieces: Floats, off: Floats, room: int) -> Floats:
     many = np.cumsum(pieces[order] - 1.0)
     pieces[order[many > room]] = 1.0
     return pieces
-
-
-def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
-    """The times between so many pieces of each interval, each once, as far as float32 tells them apart."""
-    many = np.maximum(pieces - 1, 0)
-    which = np.repeat(np.arange(len(start)), many)
-    step = np.arange(len(which)) - np.repeat(np.cumsum(many) - many, many) + 1
-    inside = as_float32(start[which] + step / pieces[which] * span[which])
-    return np.unique(inside[(inside > start[which]) & (inside < start[which] + span[which])])
 
 
 def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers) -> Off:

@@ -26,7 +26,6 @@ from rigtri.evaluation.pose_readers import (
 )
 from rigtri.evaluation.timelines import (
     Timeline,
-    as_float32,
     jumps,
     just_before,
     merged_weights,
@@ -475,7 +474,7 @@ class _Builder:
             before = just_before(jumps(moving))
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
             try:
-                times = adaptive_key_times(read, _error, times, within=self.options.within, keep=as_float32)
+                times = adaptive_key_times(read, _error, times, within=self.options.within)
             except OverflowError as error:
                 raise GeometryError(
                     f"'{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"

@@ -324,7 +324,7 @@ class _Rivet:
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
             bound = self.options.within * self.size
             try:
-                times = adaptive_key_times(seats, self._error, times, within=bound, keep=as_float32)
+                times = adaptive_key_times(seats, self._error, times, within=bound)
             except OverflowError as error:
                 raise GeometryError(
                     f"Rivet '{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
