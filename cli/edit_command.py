@@ -28,6 +28,7 @@ def edit_command(
     *,
     more: Sequence[click.Option] = (),
     besides: Callable[[dict[str, Any], Report], None] = lambda values, report: None,
+    cls: type[click.Command] = click.Command,
 ) -> click.Command:
     """The command of an operation.
 
@@ -44,9 +45,7 @@ def edit_command(
     run = output_options(edit_options(reading_options(run)))
     for option in (*reversed(more), *reversed(click_options(declared))):
         _add(run, option)
-    command = click.command(name, help=words)(source_argument(target_option(run)))
-    assert isinstance(command, click.Command)
-    return command
+    return click.command(name, cls=cls, help=words)(source_argument(target_option(run)))
 
 
 def step_of(name: str, declared: type, values: dict[str, Any]) -> Step:

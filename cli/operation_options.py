@@ -22,11 +22,10 @@ def _click_option(one: Option) -> click.Option:
     about: dict[str, Any] = {"help": one.help, "required": one.required, "metavar": one.metavar or None}
     if one.hint is bool:
         return _flag(one, about)
-    several = one.kind is not None and one.kind.read is not None and one.default is not None
-    item = one.hint
+    item, several = one.hint, typing.get_origin(one.hint) is collections.abc.Mapping
     if typing.get_origin(item) is tuple and typing.get_args(item)[-1] is Ellipsis:
         item, several = typing.get_args(item)[0], True
-    if several:
+    if several and not (one.kind and one.kind.name == "joined"):
         about["multiple"] = True
     elif not one.required:
         about["default"] = one.default
@@ -46,7 +45,7 @@ def _flag(one: Option, about: dict[str, Any]) -> click.Option:
 def _value(item: Any, one: Option) -> dict[str, Any]:
     """What click calls the type of one value, and of how many words it is."""
     item, kind = _plain(item, one.kind)
-    if kind is not None and kind.read is not None:
+    if kind is not None and kind.name == "joined":
         return {"type": str}
     if kind is not None and kind.parse is not None:
         return {"type": Parsed(kind.parse)}

@@ -168,6 +168,13 @@ def pole_options(command: F) -> F:
     return command
 
 
+allow_rename_option = click.Option(
+    ["--allow-rename"],
+    is_flag=True,
+    help="USD: a split may rename joints, whose paths name all that is above them.",
+)
+
+
 def turn_options(command: F) -> F:
     """What becomes of joints that may not turn freely."""
     for option in (

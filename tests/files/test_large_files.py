@@ -23,7 +23,6 @@ from rigtri.errors import FileError
 from rigtri.formats import read
 from rigtri.formats.gltf import mesh_reader, mmap, writer
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.verification.compare.compare import self_check
@@ -33,7 +32,7 @@ LIMIT = (1 << 32) - 1
 
 
 def turn_all(path: Path, target: Path, **more: Any) -> Outcome:
-    options = OrientJointsOptions(selection=Selection(joints=("*",)))
+    options = OrientJointsOptions(joints=("*",))
     return edit(path, target, lambda rig, report: orient_joints(rig, options=options, report=report), **more)
 
 

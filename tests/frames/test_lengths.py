@@ -28,8 +28,6 @@ from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
@@ -117,7 +115,7 @@ def test_a_parent_that_stays_holds_a_child_of_such_rotations(tmp_path: Path) -> 
     assert "rotations of 'shoulder' are not unit" in said["shoulder"]["reason"]
     assert said["elbow"]["status"] == "turned"
     assert deviation(source, out) < FLOOR
-    named = entries(oriented(source, out, selection=Selection(joints=("root", "shoulder"))))
+    named = entries(oriented(source, out, joints=("root", "shoulder")))
     assert named["shoulder"].get("follows") == "root"
     assert deviation(source, out) < FLOOR
 
@@ -242,7 +240,7 @@ def test_the_same_noise_where_it_moves_little_is_uniform(tmp_path: Path) -> None
 def test_noise_adds_up_along_a_chain(tmp_path: Path) -> None:
     limb = Limb(rest=dict.fromkeys(NAMES[1:], (1, 1 + NOISE, 1 - NOISE / 3)))
     source, out = made(tmp_path, limb, ".glb"), tmp_path / "out.glb"
-    outcome = oriented(source, out, style=AxisStyle("y", "x"))
+    outcome = oriented(source, out, aim="y", up="x")
     assert verify(read(source), read(out)).deviation < TOLERANCE
     assert entries(outcome)["shoulder"]["scale"]["policy"] == "snap"
 

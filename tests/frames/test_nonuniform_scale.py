@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flat_options import axes_of
 from places import NO_ASSETS, USD, asset_files
 from program import cli
 from scaled_limbs import NAMES, STRETCH, Limb, gltf, usd
@@ -62,7 +63,7 @@ def made(folder: Path, limb: Limb, suffix: str, **options: Any) -> Path:
 
 
 def oriented(source: Path, target: Path, policy: Any = "split", style: AxisStyle | None = None) -> Outcome:
-    options = OrientJointsOptions(on_nonuniform_scale=policy, style=style or AxisStyle())
+    options = OrientJointsOptions(on_nonuniform_scale=policy, **axes_of(style or AxisStyle()))
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=options, report=report)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flat_options import axes_of
 from gltf_files import glb_bytes, glb_parts
 from scaled_limbs import NAMES, Limb, gltf
 
@@ -31,7 +32,7 @@ STYLES = [AxisStyle(aim, up) for aim in AXES for up in AXES if aim[-1] != up[-1]
 
 
 def oriented(source: Path, target: Path, policy: Any, style: AxisStyle) -> Outcome:
-    options = OrientJointsOptions(on_nonuniform_scale=policy, style=style)
+    options = OrientJointsOptions(on_nonuniform_scale=policy, **axes_of(style))
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=options, report=report)
@@ -96,7 +97,7 @@ def test_a_frame_reaches_at_least_half_its_diagonal(tmp_path: Path) -> None:
 def test_where_no_noise_of_a_scale_is_allowed_its_joint_takes_the_nearest_axes(tmp_path: Path) -> None:
     """Of a cardinal turn float64 leaves bits beside the diagonal; they are none of the scale's."""
     rig = read(gltf(tmp_path / "limb.glb", Limb(rest={"elbow": (1, 1.000001, 0.999999)}))).rig
-    options = OrientJointsOptions(on_nonuniform_scale="snap", style=AxisStyle("x", "y"), tolerance=0.0)
+    options = OrientJointsOptions(on_nonuniform_scale="snap", aim="x", up="y", tolerance=0.0)
     turned = orient_joints(rig, options=options)
     assert not np.array_equal(turned.rotation, rig.rotation)
 

@@ -29,7 +29,6 @@ from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd import usdz
 from rigtri.model.rig import Rig
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -578,9 +577,7 @@ def test_points_without_bytes_that_outnumber_their_weights_are_a_notice(count: f
     points["count"] = count
 
     def step(rig: Rig, report: Report) -> Rig:
-        return orient_joints(
-            rig, options=OrientJointsOptions(selection=Selection(joints=("*",))), report=report
-        )
+        return orient_joints(rig, options=OrientJointsOptions(joints=("*",)), report=report)
 
     outcome = edit(builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb", step)
     assert "mesh-unread" in [notice.code for notice in outcome.report.warnings]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flat_options import axes_of, joints_of
 from numpy.testing import assert_allclose
 from places import ROOT
 from rigs import chain, rig_of
@@ -26,13 +27,13 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
+from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
 # An arm that bends at the elbow towards −z: hinge n = AB × BC = −y … see each test.
 SHOULDER, ELBOW, WRIST, TIP = (0.0, 0.0, 0.0), (2.0, 0.0, -0.5), (4.0, 0.0, 0.0), (5.0, 0.0, 0.0)
-ALL = Selection(joints=("*",))
 
 
 def arm() -> Rig:
@@ -50,12 +51,13 @@ def rebound(rig: Rig) -> Rig:
 
 
 def oriented(rig: Rig, report: Report | None = None, **options: Any) -> Rig:
-    options.setdefault("selection", ALL)
+    if not {"joints", "below", "skin", "exclude"} & set(options):
+        options["joints"] = ("*",)
     return orient_joints(rig, options=OrientJointsOptions(**options), report=report)
 
 
 def test_the_default_axes_are_those_of_the_article() -> None:
-    out = oriented(arm(), limbs=(given(arm(), "a", "b", "c"),))
+    out = oriented(arm(), limb=(given(arm(), "a", "b", "c"),))
     upper = normalise(np.subtract(ELBOW, SHOULDER))
     n = normalise(cross(np.subtract(ELBOW, SHOULDER), np.subtract(WRIST, ELBOW)))
     assert_allclose(axes(out, "a"), [upper, n, cross(upper, n)], atol=1e-12)
@@ -68,7 +70,7 @@ PAIRS = [(a, u) for a, u in product(("x", "-x", "y", "-y", "z", "-z"), repeat=2)
 
 @pytest.mark.parametrize(("aim", "up"), PAIRS)
 def test_each_of_the_24_axis_pairs_aims_and_stays_right_handed(aim: str, up: str) -> None:
-    out = oriented(arm(), style=AxisStyle(aim, up))
+    out = oriented(arm(), aim=aim, up=up)
     frames = normalise(out.world[:, :3, :3])
     assert_allclose(np.linalg.det(frames), 1, atol=1e-12)
     letter, sign = axis_of(aim)
@@ -96,7 +98,7 @@ HAND_CHECKED = {
 
 @pytest.mark.parametrize("name", [*HAND_CHECKED, "maya"])
 def test_a_preset_gives_the_axes_it_is_named_for(name: str) -> None:
-    out = oriented(arm(), style=PRESETS[name], limbs=(given(arm(), "a", "b", "c"),))
+    out = oriented(arm(), preset=name, limb=(given(arm(), "a", "b", "c"),))
     found = axes(out, "a")
     assert np.linalg.det(found) == pytest.approx(1)
     if name == "maya":  # y as near to the world's y as x allows
@@ -111,14 +113,14 @@ def test_the_table_of_presets_says_what_they_give() -> None:
     named = {name.strip("` "): row for row in rows for name in row[0].split(",")}
     assert set(named) == set(PRESETS)
     for name in set(named) - {"maya", "vrm"}:
-        out = oriented(arm(), style=PRESETS[name], limbs=(given(arm(), "a", "b", "c"),))
+        out = oriented(arm(), preset=name, limb=(given(arm(), "a", "b", "c"),))
         for said, direction in zip(named[name][1:4], (AIM, N, POLE), strict=True):
             sign = -1.0 if said[0] == "−" else 1.0
             assert_allclose(axes(out, "a")["xyz".index(said[1])] * sign, direction, atol=1e-12)
 
 
 def test_the_middle_joint_flexes_about_plus_n() -> None:
-    out = oriented(arm(), limbs=(given(arm(), "a", "b", "c"),))
+    out = oriented(arm(), limb=(given(arm(), "a", "b", "c"),))
     flexed = replace(out, rotation=out.rotation.copy())
     elbow = out.find("b")
     flexed.rotation[elbow] = multiply(out.rotation[elbow], from_axis_angle([0, 1, 0], 0.3))
@@ -136,7 +138,7 @@ def test_axes_come_from_the_joints_own_space_under_a_stretched_ancestor() -> Non
     rig = chain((0, 0, 0), *map(tuple, points[1:].tolist()))
     rig.scale[0] = [1.0, 1.33, 1.0]
     rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
-    out = oriented(rig, selection=Selection(joints=("b", "c")))
+    out = oriented(rig, joints=("b", "c"))
     position = out.world[:, 3, :3]
     assert_allclose(axes(out, "b")[0], normalise(position[2] - position[1]), atol=1e-12)
     assert_allclose(position, rig.world[:, 3, :3], atol=1e-12)
@@ -155,9 +157,7 @@ def test_a_joint_without_weight_stays_unless_named() -> None:
     rig, report = replace(rig, skins=(skin,)), Report()
     orient_joints(rig, report=report)
     assert report.joints[2]["reason"] == "no weight on or below it"
-    named = orient_joints(
-        rig, options=OrientJointsOptions(selection=Selection(joints=("c",)), end="incoming")
-    )
+    named = orient_joints(rig, options=OrientJointsOptions(joints=("c",), end="incoming"))
     assert_allclose(axes(named, "c")[0], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
 
 
@@ -183,15 +183,15 @@ def test_several_children_average_and_a_lone_slot_far_off_is_no_continuation() -
 def test_the_branch_rule_chooses_among_children(branch: Any, expected: Any) -> None:
     rig = rig_of(list("abcd"), [-1, 0, 1, 1], np.array([[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [2, -0.2, 0]]))
     rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
-    assert_allclose(axes(oriented(rig, branch=branch), "b")[0], normalise(expected), atol=1e-12)
+    assert_allclose(axes(oriented(rig, branch=(branch,)), "b")[0], normalise(expected), atol=1e-12)
 
 
 def test_a_named_child_decides_its_branch_and_aim_at_goes_before_all() -> None:
     rig = rig_of(list("abcd"), [-1, 0, 1, 1], np.array([[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [2, -0.2, 0]]))
     rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
-    out = oriented(rig, branch_to=("d",))
+    out = oriented(rig, branch=("d",))
     assert_allclose(axes(out, "b")[0], normalise([2, -0.2, 0]), atol=1e-12)
-    out = oriented(rig, branch_to=("d",), aim_at=(("b", "a"),))
+    out = oriented(rig, branch=("d",), aim_at=(("b", "a"),))
     assert_allclose(axes(out, "b")[0], [-1, 0, 0], atol=1e-12)
 
 
@@ -220,7 +220,7 @@ def test_a_shin_of_a_flat_rig_aims_at_the_foot_that_its_limb_names() -> None:
     positions = np.array([[0, 0, 0], [0, 2, 0.1], [0, -1, 0.3], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], positions)
     rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
-    out = oriented(rig, limbs=(given(rig, "thigh", "shin", "foot"),))
+    out = oriented(rig, limb=(given(rig, "thigh", "shin", "foot"),))
     place = rig.world[:, 3, :3]
     assert_allclose(axes(out, "shin")[0], normalise(place[3] - place[2]), atol=1e-12)
 
@@ -245,7 +245,7 @@ def straight(clip: bool = False, names: str = "") -> Rig:
 
 def test_a_straight_limb_takes_its_hinge_from_its_clips() -> None:
     report = Report()
-    out = oriented(straight(clip=True), report, limbs=(given(straight(), "a", "b", "c"),))
+    out = oriented(straight(clip=True), report, limb=(given(straight(), "a", "b", "c"),))
     assert_allclose(axes(out, "b")[1], [0, 0, 1], atol=1e-9)
     assert report.joints[1]["up"] == "clips"
     assert not any(notice.geometry for notice in report.warnings)
@@ -306,7 +306,7 @@ def test_a_side_that_is_straight_mirrors_the_other() -> None:
 )
 def test_up_comes_from_where_the_user_says(source: str, expected: Any) -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 0, 5))
-    out = oriented(rig, style=AxisStyle("x", "y", source), selection=Selection(joints=("a",)))
+    out = oriented(rig, aim="x", up="y", up_from=source, joints=("a",))
     wanted = normalise(np.asarray(expected, dtype=float) * [0, 1, 1])
     assert_allclose(axes(out, "a")[1], wanted, atol=1e-12)
 
@@ -316,29 +316,29 @@ def test_up_may_follow_the_parent_or_the_child() -> None:
     rig.rotation[0] = from_axis_angle([1, 0, 0], 0.7)
     rig = rebound(rig)
     only = Selection(joints=("b", "c"))
-    from_parent = oriented(rig, style=AxisStyle("x", "y", "parent"), selection=only)
+    from_parent = oriented(rig, aim="x", up="y", up_from="parent", **joints_of(only))
     assert_allclose(axes(from_parent, "c")[1], axes(rig, "a")[1], atol=1e-12)
     rig.rotation[3] = from_axis_angle([1, 0, 0], 0.4)
-    from_child = oriented(rig, style=AxisStyle("x", "y", "child"), selection=only)
+    from_child = oriented(rig, aim="x", up="y", up_from="child", **joints_of(only))
     assert_allclose(axes(from_child, "b")[1], axes(rig, "d")[1], atol=1e-12)
 
 
 def test_an_up_along_the_bone_goes_down_the_ladder_and_says_so() -> None:
     report = Report()
-    oriented(arm(), report, style=AxisStyle("x", "y", "vector:2,0,-0.5"))
+    oriented(arm(), report, aim="x", up="y", up_from="vector:2,0,-0.5")
     assert report.joints[0]["step"] == 2
     assert any(notice.code == "up-parallel" for notice in report.warnings)
 
 
 def test_chains_may_have_styles_of_their_own() -> None:
-    out = oriented(arm(), chain_styles=(("b", "c", AxisStyle("z", "y")),), selection=Selection(joints=("a",)))
+    out = oriented(arm(), chain=(StyledChain("b", "c", "z", "y"),), joints=("a",))
     assert_allclose(axes(out, "b")[2], normalise(np.subtract(WRIST, ELBOW)), atol=1e-12)
     assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)
 
 
 def test_snap_turns_to_the_nearest_cardinal_axes_only() -> None:
     rig = arm()
-    out = oriented(rig, snap=True, style=AxisStyle("y", "x"))
+    out = oriented(rig, snap=True, aim="y", up="x")
     turned = axes(out, "a") @ axes(rig, "a").T
     assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
 
@@ -363,7 +363,7 @@ def test_the_axes_of_another_file_come_back_exactly() -> None:
     rig = arm()
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig = rebound(rig)
-    away = oriented(rig, style=AxisStyle("-z", "y"))
+    away = oriented(rig, aim="-z", up="y")
     home = oriented(away, like=rig)
     assert_allclose(home.world, rig.world, atol=1e-9)
 
@@ -373,7 +373,7 @@ def test_a_rotation_common_to_the_whole_skeleton_is_taken_out_of_like() -> None:
     z_up = replace(rig, rotation=rig.rotation.copy())
     z_up.rotation[0] = from_axis_angle([1, 0, 0], np.pi / 2)
     z_up = rebound(z_up)
-    turned = oriented(z_up, style=AxisStyle("y", "z"))
+    turned = oriented(z_up, aim="y", up="z")
     home = oriented(rig, like=turned)
     seen = axes(turned, "b") @ z_up.world[0, :3, :3].T
     assert_allclose(axes(home, "b"), seen, atol=1e-7)
@@ -443,7 +443,7 @@ def test_a_split_holds_the_axes_in_a_node_of_its_own_and_moves_nothing() -> None
 def test_a_split_node_is_the_joints_frame_from_then_on() -> None:
     once = oriented(stretched(), on_nonuniform_scale="split")
     assert oriented(once, on_nonuniform_scale="split") is once
-    other = oriented(once, style=AxisStyle("y", "x"), on_nonuniform_scale="split")
+    other = oriented(once, aim="y", up="x", on_nonuniform_scale="split")
     assert len(other) == len(once)
     assert_allclose(axes(other, "b_orient")[1], axes(once, "b_orient")[0], atol=1e-12)
     assert_allclose(posed(other)[:, once.find("d"), 3], posed(once)[:, once.find("d"), 3], atol=1e-12)
@@ -459,11 +459,11 @@ def test_a_plain_hierarchy_needs_its_top_named() -> None:
 
 def test_what_the_user_misspells_is_named() -> None:
     with pytest.raises(NameNotFoundError, match="forarm"):
-        oriented(arm(), selection=Selection(joints=("forarm",)))
+        oriented(arm(), joints=("forarm",))
     with pytest.raises(UsageError, match="same letter"):
-        oriented(arm(), style=AxisStyle("x", "-x"))
+        oriented(arm(), aim="x", up="-x")
     with pytest.raises(UsageError, match="none of plane"):
-        oriented(arm(), style=AxisStyle("x", "y", "plan"))
+        oriented(arm(), aim="x", up="y", up_from="plan")
     with pytest.raises(UsageError, match="CLIP@TIME"):
         oriented(arm(), pose="walk")
     with pytest.raises(NameNotFoundError, match="clip"):
@@ -516,7 +516,7 @@ def test_frames_of_characters_that_share_names_are_not_mixed_up() -> None:
     from rigtri.operations.orient_joints.frame_sources import frames_json
 
     report = Report()
-    out = oriented(twins(), report, style=AxisStyle("y", "x"))
+    out = oriented(twins(), report, aim="y", up="x")
     back = oriented(out, frames=frames_json(report), inverse=True)
     assert_allclose(back.world, twins().world, atol=1e-12)
     assert_allclose(oriented(out, like=twins()).world, twins().world, atol=1e-9)
@@ -535,8 +535,8 @@ def test_a_regular_zigzag_keeps_its_side_in_a_second_run() -> None:
 def test_every_source_of_up_is_stable(style: AxisStyle) -> None:
     rig = arm()
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
-    once = oriented(rebound(rig), style=style)
-    assert oriented(once, style=style) is once
+    once = oriented(rebound(rig), **axes_of(style))
+    assert oriented(once, **axes_of(style)) is once
 
 
 def test_an_offset_is_stable_where_nothing_tells_the_up_direction() -> None:
@@ -555,7 +555,7 @@ def test_a_joint_of_scale_zero_cannot_turn() -> None:
 def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
     rig = replace(arm(), rules=FormatRules(fixed={1: "an extension holds it"}))
     with pytest.raises(GeometryError, match="an extension holds it"):
-        oriented(rig, selection=Selection(joints=("b",)))
+        oriented(rig, joints=("b",))
     report = Report()
     oriented(rig, report)
     assert "fixed" in [notice.code for notice in report.warnings]
@@ -566,8 +566,8 @@ def test_snapped_joints_are_stable_whatever_tells_their_up(source: str) -> None:
     rig, style = arm(), AxisStyle("x", "y", source)
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig.scale[1:3] = [[1.0, 1.3, 1.3], [0.9, 1.0, 1.4]]
-    once = oriented(rebound(rig), style=style)
-    assert oriented(once, style=style) is once
+    once = oriented(rebound(rig), **axes_of(style))
+    assert oriented(once, **axes_of(style)) is once
 
 
 def test_like_is_exact_below_an_ancestor_that_stretches() -> None:
@@ -575,7 +575,7 @@ def test_like_is_exact_below_an_ancestor_that_stretches() -> None:
     rig.scale[0] = [1.0, 2.0, 1.0]
     rig.rotation[1:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig = replace(rig, skins=(Skin("s", np.arange(1, 5), inverse(rig.world)[1:]),))
-    home = oriented(oriented(rig, style=AxisStyle("-z", "y")), like=rig)
+    home = oriented(oriented(rig, aim="-z", up="y"), like=rig)
     assert_allclose(home.world, rig.world, atol=1e-9)
 
 
@@ -597,7 +597,7 @@ def test_scale_noise_at_the_edge_of_uniform_is_stable(seed: int) -> None:
     rig = chain((0, 0, 0), (0.3, 1, 0), (0, 2, 0.4), (0.2, 3, 0.1), (0.1, 3.5, 0.6))
     noise = random.uniform(-1.4e-5, 1.4e-5, (len(rig), 3))
     rotation = unit(random.normal(size=(len(rig), 4)))
-    options = OrientJointsOptions(selection=ALL)
+    options = OrientJointsOptions(joints=("*",))
     once = orient_joints(replace(rig, scale=rig.scale + noise, rotation=rotation), options=options)
     twice = orient_joints(once, options=options)
     assert np.array_equal(once.rotation, twice.rotation)

@@ -20,8 +20,6 @@ from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_twist import twist
-from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints import orient
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
@@ -235,7 +233,7 @@ def test_joints_of_ours_that_are_turned_keep_what_says_how_they_were_made(
 ) -> None:
     built, turned = tmp_path / name, tmp_path / f"turned_{name}"
     edit(samples / name, built, everything)
-    axes = orient.OrientJointsOptions(style=AxisStyle(aim="-z", up="x"), selection=Selection(joints=("*",)))
+    axes = orient.OrientJointsOptions(aim="-z", up="x", joints=("*",))
     edit(built, turned, lambda rig, report: orient.orient_joints(rig, options=axes, report=report))
     before, after = read(built).rig, read(turned).rig
     made = {before.names[node]: note["type"] for node, note in before.notes.items()}

@@ -19,7 +19,6 @@ from program import cli
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -274,9 +273,7 @@ def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
 
 def test_objects_of_options_do_what_keywords_do() -> None:
     rig = rigtri.read(BIPED)
-    with_object = rigtri.orient_joints(
-        rig, options=OrientJointsOptions(style=AxisStyle("z", "-x"), end="keep")
-    )
+    with_object = rigtri.orient_joints(rig, options=OrientJointsOptions(aim="z", up="-x", end="keep"))
     with_words = rigtri.orient_joints(rig, aim="z", up="-x", end="keep")
     assert (with_object.rotation == with_words.rotation).all()
 
@@ -289,8 +286,8 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("orient_joints", {"aim": "q"}, UsageError, "'q' is no axis"),
         ("orient_joints", {"preset": "may"}, UsageError, "give one of 'maya'"),
         ("orient_joints", {"joints": "hed"}, NameNotFoundError, "Did you mean 'head'"),
-        ("orient_joints", {"limbs": ["hand_L"]}, UsageError, "three joints: root, middle, end"),
-        ("orient_joints", {"limbs": [("hand_L", "head", "x")]}, NameNotFoundError, "'x'"),
+        ("orient_joints", {"limb": ["hand_L"]}, UsageError, "three joints: root, middle, end"),
+        ("orient_joints", {"limb": [("hand_L", "head", "x")]}, NameNotFoundError, "'x'"),
         ("orient_joints", {"offset": (0, 1)}, UsageError, "give 3 values"),
         ("orient_joints", {"snap": 1}, UsageError, "give True or False"),
         (
@@ -356,7 +353,7 @@ def test_consoles_complete_the_library_and_nothing_else() -> None:
 def test_help_shows_all_keywords() -> None:
     known = inspect.signature(rigtri.orient_joints).parameters
     assert {"aim", "up", "preset", "joints", "branch", "report"} <= set(known)
-    assert known["aim"].default == "x"
+    assert known["end"].default == "tip"
 
 
 ALONE = """

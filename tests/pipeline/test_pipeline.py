@@ -132,14 +132,13 @@ def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
 
 
 def test_edits_of_a_gltf_in_place_do_not_pile_up_buffers(samples: Path, tmp_path: Path) -> None:
-    from rigtri.operations.axis_presets import PRESETS
     from rigtri.operations.orient_joints.orient import OrientJointsOptions
 
     for name in ("biped.gltf", "biped.bin"):
         shutil.copyfile(samples / name, tmp_path / name)
     path = tmp_path / "biped.gltf"
     for preset in ("blender", "maya", "openxr"):
-        options = OrientJointsOptions(style=PRESETS[preset])
+        options = OrientJointsOptions(preset=preset)
         edit(path, path, lambda rig, report, o=options: orient_joints(rig, options=o), overwrite=True)
     assert sorted(p.suffix for p in tmp_path.iterdir()) == [".bin", ".bin", ".gltf"]
 

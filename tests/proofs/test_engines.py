@@ -25,7 +25,6 @@ from places import (
 from rigtri.errors import RigtriError
 from rigtri.formats import read
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -67,7 +66,7 @@ def path(request: pytest.FixtureRequest) -> Any:
 def turned(path: Path, preset: str, folder: Path) -> Path:
     """The file with other axes in every joint that may turn; skips where rigtri refuses it."""
     target = folder / path.name
-    options = OrientJointsOptions(style=PRESETS[preset])
+    options = OrientJointsOptions(preset=preset)
 
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=options, report=report)

@@ -20,7 +20,6 @@ from rigtri.maths.triangle import STRAIGHT_SINE, bend_sine, pole_position
 from rigtri.maths.vectors import angle, length, normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import recognise
@@ -84,7 +83,7 @@ def test_nothing_moves_by_more_than_the_float32_floor(path: Path, tmp_path: Path
 @pytest.mark.parametrize("preset", ["article", "blender", "maya"])
 def test_a_second_run_changes_no_byte(path: Path, preset: str, tmp_path: Path) -> None:
     opened(path)
-    options = OrientJointsOptions(style=PRESETS[preset])
+    options = OrientJointsOptions(preset=preset)
     once, twice = tmp_path / path.name, tmp_path / f"again{path.suffix}"
     for source, target in ((path, once), (once, twice)):
         edit(
@@ -160,7 +159,7 @@ def _with_rotation(rig: Rig, node: int, rotation: Any) -> Any:
 def test_the_axes_of_the_source_come_back_with_like(path: Path, tmp_path: Path) -> None:
     rig = opened(path)
     away, home = tmp_path / f"away{path.suffix}", tmp_path / f"home{path.suffix}"
-    options = OrientJointsOptions(style=PRESETS["openxr"])
+    options = OrientJointsOptions(preset="openxr")
     edit(path, away, lambda r, report: orient_joints(r, options=options, report=report))
     back = OrientJointsOptions(like=rig)
     edit(away, home, lambda r, report: orient_joints(r, options=back, report=report), options=TRUSTING)

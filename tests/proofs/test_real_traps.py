@@ -22,14 +22,13 @@ from rigtri.maths.triangle import bend_angle, pole_position
 from rigtri.maths.vectors import angle
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
 from rigtri.verification.compare.compare import Comparison, verify
 
-ALL = OrientJointsOptions(selection=Selection(joints=("*",)))
+ALL = OrientJointsOptions(joints=("*",))
 # Keys and inverse binds are stored as float32; what that costs a figure two units high.
 FLOOR = 5e-7
 # Where the joints of the leg stand.
@@ -367,7 +366,7 @@ def test_joints_are_found_by_name_index_and_path(tmp_path: Path) -> None:
         ("#2", 2),
         ("/Armature|Walk/mixamorig:Left Up.Leg/twice", 2),
     ):
-        before, after, _, _ = leg.turn(tmp_path, OrientJointsOptions(selection=Selection(joints=(wanted,))))
+        before, after, _, _ = leg.turn(tmp_path, OrientJointsOptions(joints=(wanted,)))
         turned = np.flatnonzero((before.rotation != after.rotation).any(axis=1)).tolist()
         assert node in [before.keys[k] for k in turned]
         assert set(turned) <= {before.keys.index(node), *before.below(before.keys.index(node))}

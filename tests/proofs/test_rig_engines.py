@@ -20,7 +20,6 @@ from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevecto
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
-from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.operations.mirror.mirror import mirror
@@ -235,9 +234,7 @@ def test_blender_s_own_ik_with_our_pole_vector_leaves_the_elbow_in_place(path: P
     """As a rigger does: joints with Blender's axes, an IK constraint, our locator as its pole."""
 
     def step(rig: Rig, report: Report) -> Rig:
-        return poles(
-            orient_joints(rig, options=OrientJointsOptions(style=PRESETS["blender"]), report=report), report
-        )
+        return poles(orient_joints(rig, options=OrientJointsOptions(preset="blender"), report=report), report)
 
     out, rig = built(path, step, tmp_path)
     (limbs,) = blender_ik(out, folder=tmp_path)

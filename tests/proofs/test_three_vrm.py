@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 from avatars import NODES, avatar, avatar_0
 from engines import three_vrm
+from flat_options import joints_of
 
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 
 # Keys and inverse binds are float32; what swings adds up over 40 steps. The figure is about 1.6 high.
 CLOSE = 1e-5
 ALL = Selection(joints=("*",))
-WORLD = OrientJointsOptions(style=AxisStyle(world=True))
+WORLD = OrientJointsOptions(world=True)
 
 
 def apart(before: dict[str, Any], after: dict[str, Any]) -> float:
@@ -56,7 +56,7 @@ def written(rig: Rig, document: GltfDocument, path: Path) -> Path:
 def test_vrm_1_moves_as_before(seed: int, preset: str, tmp_path: Path) -> None:
     source = avatar(seed).glb(tmp_path / "a.vrm")
     document = GltfDocument.read(source)
-    options = OrientJointsOptions(style=PRESETS[preset], selection=ALL)
+    options = OrientJointsOptions(preset=preset, **joints_of(ALL))
     after = orient_joints(document.rig, options=options)
     out = written(after, document, tmp_path / "b.vrm")
     # A constraint that is broken on purpose, to see that this test sees it.
@@ -77,7 +77,7 @@ def test_vrm_0_swings_as_before(tmp_path: Path) -> None:
     source = avatar_0(3).glb(tmp_path / "a.vrm")
     document = GltfDocument.read(source)
     out = written(
-        orient_joints(document.rig, options=OrientJointsOptions(style=AxisStyle(world=True))),
+        orient_joints(document.rig, options=OrientJointsOptions(world=True)),
         document,
         tmp_path / "b.vrm",
     )
@@ -100,7 +100,7 @@ def test_a_real_vrm_0_swings_as_before(assets: Path, tmp_path: Path) -> None:
     turned = written(reframe(document.rig, turns), document, tmp_path / "turned.vrm")
     again = GltfDocument.read(turned)
     out = written(
-        orient_joints(again.rig, options=OrientJointsOptions(style=AxisStyle(world=True))),
+        orient_joints(again.rig, options=OrientJointsOptions(world=True)),
         again,
         tmp_path / "out.vrm",
     )

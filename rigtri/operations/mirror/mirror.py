@@ -101,7 +101,7 @@ def _joints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         mirror=options.mode,
         from_side=options.from_side,
         across=options.across,
-        selection=both,
+        joints=both.joints,
         on_nonuniform_scale=options.on_nonuniform_scale,
         on_constraint=options.on_constraint,
         pose=options.pose,

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
-from rigtri.frames.error_bounds import TOLERANCE, LeverArm
-from rigtri.frames.mirror_modes import Across, Mirror, Plane
+from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.mirror_plane import parting
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.scale_tolerance import same_scales, ties
@@ -22,13 +20,14 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
-from rigtri.operations.aim_targets import Aim, Branch, End, Rules, aim_of, limb_children
+from rigtri.operations.aim_targets import Aim, Rules, aim_of, limb_children
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.joint_selection import Selection, select
+from rigtri.operations.options.orient_joints import OrientJointsOptions as OrientJointsOptions
 from rigtri.operations.orient_joints.frame_sources import like_turns, mirrored_turns, stored_turns, turn_onto
-from rigtri.operations.orient_joints.scale_policy import Policy, axes_taken, nearest_cardinal
+from rigtri.operations.orient_joints.scale_policy import axes_taken, nearest_cardinal
 from rigtri.operations.orient_joints.up_direction import Hinges, Up, carried, crossing, stated
-from rigtri.recognition.limbs import Limb, along, with_recognised
+from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.report import Report
 
 # A joint that would turn by less than this (radians) is left bit-exact: float32 storage
@@ -41,41 +40,6 @@ MOST_NOISE = 1e-3
 _AXES = np.eye(3)
 # Axes copied from a file (--like) hold no positions: only the rounding of rotations.
 UNCHANGED_LIKE = 5e-7
-
-
-@dataclass(frozen=True)
-class OrientJointsOptions:
-    """Everything that `orient_joints` can be told; the defaults are the command's.
-
-    keep: joints have their axes already; only ``mirror`` turns those of the other side. plane: of the
-    character's own space; across: the same in the world, where that is known already.
-    """
-
-    style: AxisStyle = AxisStyle()
-    selection: Selection = Selection()
-    chain_styles: tuple[tuple[str, str, AxisStyle], ...] = ()
-    branch: Branch = "chain"
-    branch_to: tuple[str, ...] = ()
-    end: End = "tip"
-    aim_at: tuple[tuple[str, str], ...] = ()
-    limbs: tuple[Limb, ...] = ()
-    per_joint_plane: bool = False
-    facing: tuple[float, float, float] | None = None
-    pose: str | None = None
-    on_nonuniform_scale: Policy = "snap"
-    on_constraint: Literal["freeze", "error"] = "freeze"
-    snap: bool = False
-    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    keep: bool = False
-    mirror: Mirror | None = None
-    from_side: Literal["left", "right"] = "left"
-    plane: Plane = "yz"
-    across: Across | None = None
-    root: str | None = None
-    like: Rig | None = None
-    frames: object = None
-    inverse: bool = False
-    tolerance: float = TOLERANCE
 
 
 @dataclass(eq=False)
@@ -116,14 +80,13 @@ class Plan:
         styles = {}
         for start, end, style in options.chain_styles:
             for joint in along(rig, rig.find(start), rig.find(end)):
-                styles[joint] = style.checked()
-        options.style.checked()
-        limbs = with_recognised(rig, options.limbs)
+                styles[joint] = style
+        limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
         rules = Rules(
-            options.branch,
+            options.branch_rule,
             tuple(rig.find(name) for name in options.branch_to),
             options.end,
-            {rig.find(a): rig.find(b, "node") for a, b in options.aim_at},
+            {rig.find(a): rig.find(b, "node") for a, b in (_pair(rig, one) for one in options.aim_at)},
             limb_children(tree, limbs),
         )
         if rig.rules.orient_locked:  # names that are not there have been told by now
@@ -412,3 +375,18 @@ def _facing(rig: Rig, options: OrientJointsOptions) -> Floats | None:
     if not direction.any() or not np.isfinite(direction).all():
         raise UsageError(f"--facing {facing} is no direction")
     return direction
+
+
+def _pair(rig: Rig, aim_at: tuple[str, str] | str) -> tuple[str, str]:
+    """JOINT=NODE; names may hold ``=`` themselves, so the cut is where both sides are found."""
+    if not isinstance(aim_at, str):
+        return aim_at
+    cuts = [k for k, letter in enumerate(aim_at) if letter == "=" and 0 < k < len(aim_at) - 1]
+    if not cuts:
+        raise UsageError(f"--aim-at {aim_at}: give JOINT=NODE")
+    pairs = [(aim_at[:k], aim_at[k + 1 :]) for k in cuts]
+    found = [pair for pair in pairs if all(rig.has(name) for name in pair)]
+    joint, node = found[0] if len(found) == 1 else pairs[0]
+    if rig.find(joint) == rig.find(node, "node"):
+        raise UsageError(f"--aim-at {aim_at}: a joint cannot aim at itself")
+    return joint, node

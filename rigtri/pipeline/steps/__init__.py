@@ -65,7 +65,7 @@ def _is_file(one: Option) -> bool:
 
 
 class _Files:
-    """What is in the files that options name. edited: those that other programs have edited, as they were read."""
+    """What is in the files that options name. edited: those of other programs, as they were read."""
 
     def __init__(self, reading: ReadOptions, open_files: ExitStack) -> None:
         self.edited: list[Document] = []

@@ -19,7 +19,6 @@ from rigtri.formats import ReadOptions, read
 from rigtri.formats.usd.reading.joint_tokens import split_token, unsplit
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.recognition.limbs import given
@@ -271,7 +270,7 @@ def test_a_skeleton_inside_an_instance_is_refused_with_layer_and_path(tmp_path: 
     source, target = save(tmp_path, "\n".join(lines), "shot.usda"), tmp_path / "out.usda"
 
     def step(rig: Rig, report: Report) -> Rig:
-        options = OrientJointsOptions(on_nonuniform_scale="split", selection=Selection(joints=("elbow",)))
+        options = OrientJointsOptions(on_nonuniform_scale="split", joints=("elbow",))
         return orient_joints(rig, options=options, report=report)
 
     with pytest.raises(RigtriError, match=r"/World/One/.*inside an instance.*asset\.usda"):

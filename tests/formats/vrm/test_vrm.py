@@ -15,8 +15,6 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
-from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
 
@@ -113,19 +111,17 @@ def test_vrma_data_nodes_are_left_alone_with_a_note_whoever_names_them(tmp_path:
     }
     rig = opened(builder, tmp_path).rig
     report = Report()
-    data = OrientJointsOptions(selection=Selection(joints=("joint 5",)))
+    data = OrientJointsOptions(joints=("joint 5",))
     assert orient_joints(rig, options=data, report=report) is rig
     (notice,) = report.warnings
     assert (
         notice.text == "left alone: joint 5: its translation is the weight of the expression 'happy' (VRMA)"
     )
-    both = OrientJointsOptions(style=PRESETS["blender"], selection=Selection(joints=("joint 5", "joint 1")))
+    both = OrientJointsOptions(preset="blender", joints=("joint 5", "joint 1"))
     after = orient_joints(rig, options=both)
     changed = np.flatnonzero((after.rotation != rig.rotation).any(axis=1))
     assert changed.tolist() == [1, 2]
-    everything = orient_joints(
-        rig, options=OrientJointsOptions(style=PRESETS["blender"], selection=Selection(joints=("*",)))
-    )
+    everything = orient_joints(rig, options=OrientJointsOptions(preset="blender", joints=("*",)))
     assert (everything.rotation[5] == rig.rotation[5]).all()
     assert (everything.translation[5] == rig.translation[5]).all()
 

@@ -21,12 +21,9 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.verification.compare.compare import verify
 
-WORLD = AxisStyle(world=True)
 FLIP = np.diag([1.0, 1.0, -1.0])
 
 
@@ -75,7 +72,7 @@ def test_offsets_by_hand(tmp_path: Path) -> None:
     groups[0]["colliders"] = colliders
     document = GltfDocument.read(builder.glb(tmp_path / "a.vrm"))
     out = tmp_path / "b.vrm"
-    document.write(orient_joints(document.rig, options=OrientJointsOptions(style=WORLD)), out, out)
+    document.write(orient_joints(document.rig, options=OrientJointsOptions(world=True)), out, out)
     (written,) = glb_json(out)["extensions"]["VRM"]["secondaryAnimation"]["colliderGroups"][0]["colliders"]
     assert list(written["offset"]) == ["x", "y", "z", "note"]
     assert_allclose([written["offset"][axis] for axis in "xyz"], [0, 0.5, 0.25], atol=1e-12)
@@ -97,7 +94,7 @@ def test_a_file_that_is_as_vrm_0_wants_it_stays_to_the_byte(tmp_path: Path) -> N
 def test_all_else_in_the_extension_is_what_it_was(tmp_path: Path) -> None:
     document = GltfDocument.read(avatar_0(5).glb(tmp_path / "a.vrm"))
     out = tmp_path / "b.vrm"
-    document.write(orient_joints(document.rig, options=OrientJointsOptions(style=WORLD)), out, out)
+    document.write(orient_joints(document.rig, options=OrientJointsOptions(world=True)), out, out)
     before, after = (glb_json(path)["extensions"]["VRM"] for path in (tmp_path / "a.vrm", out))
     for vrm in (before, after):
         vrm["firstPerson"].pop("firstPersonBoneOffset")
@@ -114,7 +111,7 @@ def test_all_else_in_the_extension_is_what_it_was(tmp_path: Path) -> None:
 def test_the_end_of_a_swinging_chain_hangs_as_before(tmp_path: Path) -> None:
     """Viewers hang it along its translation, which its parent sees: both turn alike."""
     rig = GltfDocument.read(avatar_0(6).glb(tmp_path / "a.vrm")).rig
-    after = orient_joints(rig, options=OrientJointsOptions(style=WORLD))
+    after = orient_joints(rig, options=OrientJointsOptions(world=True))
     end = NODES["hair_end"]
     tails = [r.translation[end] @ r.world[end, :3, :3] for r in (rig, after)]
     assert_allclose(tails[1], tails[0], atol=1e-12)
@@ -124,11 +121,10 @@ def test_the_end_of_a_swinging_chain_hangs_as_before(tmp_path: Path) -> None:
     "options",
     [
         OrientJointsOptions(),
-        OrientJointsOptions(style=PRESETS["blender"]),
-        OrientJointsOptions(style=WORLD, offset=(0, 0, 90)),
-        OrientJointsOptions(style=WORLD, mirror="behavior"),
+        OrientJointsOptions(preset="blender"),
+        OrientJointsOptions(world=True, offset=(0, 0, 90)),
+        OrientJointsOptions(world=True, mirror="behavior"),
         OrientJointsOptions(frames={"rigtri": "frames", "v": 1, "joints": {}}),
-        OrientJointsOptions(style=WORLD, chain_styles=(("hips", "head", AxisStyle()),)),
     ],
 )
 def test_all_other_axes_are_refused_with_the_reason_and_what_to_do(
@@ -142,16 +138,16 @@ def test_all_other_axes_are_refused_with_the_reason_and_what_to_do(
 def test_a_name_that_is_not_there_is_told_first(tmp_path: Path) -> None:
     rig = GltfDocument.read(avatar_0(1).glb(tmp_path / "a.vrm")).rig
     with pytest.raises(NameNotFoundError, match="Did you mean 'head'"):
-        orient_joints(rig, options=OrientJointsOptions(selection=Selection(joints=("haed",))))
+        orient_joints(rig, options=OrientJointsOptions(joints=("haed",)))
 
 
 @pytest.mark.parametrize(
     "options",
     [
-        OrientJointsOptions(style=WORLD, selection=Selection(joints=("head",))),
-        OrientJointsOptions(style=WORLD, selection=Selection(exclude=("head",))),
-        OrientJointsOptions(style=WORLD, root="hips"),
-        OrientJointsOptions(style=WORLD, pose="bind"),
+        OrientJointsOptions(world=True, joints=("head",)),
+        OrientJointsOptions(world=True, exclude=("head",)),
+        OrientJointsOptions(world=True, root="hips"),
+        OrientJointsOptions(world=True, pose="bind"),
     ],
 )
 def test_a_part_of_the_bones_is_a_mistake(options: OrientJointsOptions, tmp_path: Path) -> None:
@@ -168,7 +164,7 @@ def test_turned_nodes_above_the_bones_turn_back_too(tmp_path: Path) -> None:
     )
     builder.gltf["scenes"][0]["nodes"][0] = len(builder.gltf["nodes"]) - 1
     rig = GltfDocument.read(builder.glb(tmp_path / "a.vrm")).rig
-    after = orient_joints(rig, options=OrientJointsOptions(style=WORLD))
+    after = orient_joints(rig, options=OrientJointsOptions(world=True))
     assert_allclose(after.rotation[after.find("armature", "node")], IDENTITY, atol=1e-12)
     assert_allclose(after.rotation[after.find("hips")], IDENTITY, atol=1e-12)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from avatars import avatar, avatar_0
+from flat_options import axes_of
 from gltf_files import Builder, glb_bytes, small
 from wrong_values import places
 
@@ -59,7 +60,7 @@ def test_every_value_of_a_block_may_be_wrong(
         path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
         try:
             document = GltfDocument.read(path)
-            rig = orient_joints(document.rig, options=OrientJointsOptions(style=style), report=Report())
+            rig = orient_joints(document.rig, options=OrientJointsOptions(**axes_of(style)), report=Report())
             document.write(rig, out, out)
         except RigtriError:
             outcomes["refused"] += 1

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from avatars import CONSTRAINTS, NODES, Driven, avatar, mul, quaternion
+from flat_options import joints_of
 from gltf_files import Builder, glb_json, small
 from numpy.testing import assert_allclose
 
@@ -22,7 +23,7 @@ from rigtri.frames.node_constraints import broken
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.constraint_policy import bonds
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
@@ -84,7 +85,7 @@ def test_constraints_move_everything_as_before_whatever_turn_is_asked_for(seed: 
 def test_constraints_mean_the_same_under_every_preset(preset: str, tmp_path: Path) -> None:
     rig = opened(avatar(1), tmp_path)
     for selection in (Selection(), ALL):
-        after = orient_joints(rig, options=OrientJointsOptions(style=PRESETS[preset], selection=selection))
+        after = orient_joints(rig, options=OrientJointsOptions(preset=preset, **joints_of(selection)))
         assert deviation(rig, after) < 1e-9
 
 
@@ -101,7 +102,7 @@ def test_a_turn_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Pat
 
 def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    after = orient_joints(rig, options=OrientJointsOptions(selection=ALL), report=report)
+    after = orient_joints(rig, options=OrientJointsOptions(**joints_of(ALL)), report=report)
     turns = turns_between(rig, after)
     source = turns[NODES["upper_arm"]]
     assert rotates(turns_of(rig, after)[NODES["upper_arm"]])
@@ -116,9 +117,7 @@ def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_pa
 
 def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    after = orient_joints(
-        rig, options=OrientJointsOptions(selection=Selection(joints=("upper_arm",))), report=report
-    )
+    after = orient_joints(rig, options=OrientJointsOptions(joints=("upper_arm",)), report=report)
     turns = rotates(turns_of(rig, after))
     # The lower arm too: what rolls below it goes by the upper arm's axes.
     assert {name for name in NODES if turns[NODES[name]]} == {"upper_arm", "sleeve", "cuff", "lower_arm"}
@@ -127,7 +126,7 @@ def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) ->
 
 def test_what_is_driven_does_not_turn_its_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    options = OrientJointsOptions(selection=Selection(joints=("sleeve", "hand")))
+    options = OrientJointsOptions(joints=("sleeve", "hand"))
     after = orient_joints(rig, options=options, report=report)
     assert {name for name in NODES if rotates(turns_of(rig, after))[NODES[name]]} == {"hand"}
     reasons = {entry["joint"]: entry.get("reason", "") for entry in report.joints}
@@ -154,7 +153,7 @@ def test_a_driven_node_that_is_no_joint_follows_and_one_that_leads_stays(tmp_pat
 def test_a_second_run_changes_no_byte_and_like_brings_the_rules_home(preset: str, tmp_path: Path) -> None:
     source = avatar(5).glb(tmp_path / "a.vrm")
     once, twice, home = (tmp_path / f"{name}.vrm" for name in ("once", "twice", "home"))
-    options = OrientJointsOptions(style=PRESETS[preset], selection=ALL)
+    options = OrientJointsOptions(preset=preset, **joints_of(ALL))
     for before, after, how in (
         (source, once, options),
         (once, twice, options),
@@ -169,9 +168,7 @@ def test_a_second_run_changes_no_byte_and_like_brings_the_rules_home(preset: str
 
 def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
-    after = orient_joints(
-        rig, options=OrientJointsOptions(selection=Selection(exclude=("cuff",))), report=report
-    )
+    after = orient_joints(rig, options=OrientJointsOptions(exclude=("cuff",)), report=report)
     turns = rotates(turns_of(rig, after))
     assert not turns[[NODES[n] for n in ("upper_arm", "sleeve", "cuff", "lower_arm")]].any()
     assert turns[[NODES["hand"], NODES["spine"]]].all()
@@ -182,9 +179,7 @@ def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:
 def test_a_roll_axis_is_told_in_the_new_frame(tmp_path: Path) -> None:
     source, out = avatar(4).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
     document = GltfDocument.read(source)
-    options = OrientJointsOptions(
-        style=AxisStyle("x", "y"), selection=Selection(joints=("arm_twist", "lower_arm"))
-    )
+    options = OrientJointsOptions(aim="x", up="y", joints=("arm_twist", "lower_arm"))
     document.write(orient_joints(document.rig, options=options), out, out)
     constraint = glb_json(out)["nodes"][NODES["arm_twist"]]["extensions"]["VRMC_node_constraint"]
     # Its bone ran along Y, and now runs along X; weight and source are what they were.

@@ -15,13 +15,12 @@ from rigtri.pipeline.rigspec.models.controls import (
     AddRivet,
     Constrain,
 )
-from rigtri.pipeline.rigspec.models.joints import AddTwist, MakeLimb, Mirror, OrientJoints, Strip
+from rigtri.pipeline.rigspec.models.joints import AddTwist, MakeLimb, Mirror, Strip
 from rigtri.pipeline.rigspec.models.motion import Bake, Pose, Snap, TakeClips
 from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
 _OLD: dict[str, type[StepModel]] = {
-    "orient-joints": OrientJoints,
     "make-limb": MakeLimb,
     "add-twist": AddTwist,
     "add-controls": AddControls,

@@ -6,9 +6,20 @@ import typing
 from functools import cache
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, Strict, WithJsonSchema, create_model
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Strict,
+    WithJsonSchema,
+    create_model,
+)
+from pydantic_core import CoreSchema, core_schema
 
 from rigtri.declaration.option import Kind, Option, options_of
+from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.models import values
 from rigtri.pipeline.rigspec.models.base import StepModel
@@ -25,6 +36,7 @@ _KINDS: dict[str, Any] = {
     "rig file": values.File,
     "edited file": values.File,
     "json file": values.File,
+    "axis": values.Axis,
     "direction": values.Direction,
     "point": values.Point,
     "points": values.Points,
@@ -39,14 +51,20 @@ _KINDS: dict[str, Any] = {
 def step_model(name: str) -> type[StepModel]:
     """The model of an operation's steps."""
     declared: Any = options_class(name)
-    fields: dict[str, Any] = {"do": (Literal[name], ...)}
+    words = str(declared.__doc__).partition("\n")[0]
+    fields = {"do": (Literal[name], ...), **_fields(declared)}
+    return create_model(name.title().replace("-", ""), __base__=StepModel, __doc__=words, **fields)
+
+
+def _fields(declared: Any) -> dict[str, Any]:
+    """What pydantic makes fields of, by their names."""
+    found = {}
     for option in options_of(declared).values():
         if option.where == "all":
             kind = spec_type(option)
-            about = Field(_default(option), alias=option.key, description=option.help)
-            fields[option.name] = (kind | None if option.optional else kind, about)
-    words = str(declared.__doc__).partition("\n")[0]
-    return create_model(name.title().replace("-", ""), __base__=StepModel, __doc__=words, **fields)
+            about = Field(_default(option), alias=option.key, description=option.help or None)
+            found[option.name] = (kind | None if option.optional else kind, about)
+    return found
 
 
 def _default(option: Option) -> Any:
@@ -89,3 +107,38 @@ def _number(hint: type, kind: Kind | None) -> Any:
         le=None if above else high,
     )
     return Annotated[hint, Strict(), about, AfterValidator(values.workable)]
+
+
+def _styled(value: Any) -> Any:
+    """[START, END] as the mapping of a chain."""
+    if isinstance(value, list) and len(value) == 2:
+        return {"start": value[0], "end": value[1]}
+    return value
+
+
+def _one_chain(value: Any) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], str))
+
+
+class _Chain:
+    """A pair of names for a chain without axes of its own; in the JSON Schema too."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(_styled, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+        return {"anyOf": [pair, handler(schema)]}
+
+
+_StyledChain: Any = create_model(
+    "StyledChain",
+    __config__=ConfigDict(extra="forbid"),
+    __doc__=str(StyledChain.__doc__),
+    **_fields(StyledChain),
+)
+_KINDS["styled chains"] = Annotated[
+    tuple[Annotated[_StyledChain, _Chain()], ...], values.OneOrMany(_one_chain)
+]

@@ -1,0 +1,207 @@
+"""What orient-joints can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from rigtri.declaration.kinds import (
+    Above,
+    Direction,
+    JsonFile,
+    Limbs,
+    Names,
+    Node,
+    Nodes,
+    RigFile,
+    Vector,
+)
+from rigtri.declaration.option import Kind, option, refuse
+from rigtri.errors import UsageError
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
+
+if TYPE_CHECKING:
+    from rigtri.operations.aim_targets import Branch
+    from rigtri.operations.joint_selection import Selection
+
+BRANCHES = ("chain", "first", "average", "longest", "incoming", "keep")
+Policy = Literal["snap", "skip", "split", "error"]
+_AXES = ("aim", "up", "up_from")
+# Options that say where axes go, which frames from elsewhere have said already.
+_GEOMETRY = ("preset", *_AXES, "aim_at", "branch", "end", "per_joint_plane", "facing", "world")
+
+
+def _degrees(text: str) -> Vector:
+    """Three angles with commas between. ValueError for anything else."""
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+        if all(abs(angle) <= 360 for angle in (x, y, z)):
+            return x, y, z
+    except ValueError:
+        pass
+    raise ValueError("give three angles in degrees, e.g. 0,0,90")
+
+
+@dataclass(frozen=True)
+class StyledChain:
+    """A chain of joints and, where given, the axes that are for it alone."""
+
+    start: Node
+    end: Node
+    aim: str | None = option(None, choices=("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"))
+    up: str | None = option(None, choices=("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"))
+    up_from: str | None = None
+
+    def style(self, base: AxisStyle) -> AxisStyle:
+        """The chain's axes over those of all joints."""
+        own = {name: getattr(self, name) for name in _AXES if getattr(self, name) is not None}
+        return replace(base, **own)
+
+
+def _chains(_flag: str, chains: Iterable[Any]) -> tuple[StyledChain, ...]:
+    """Chains from pairs of names, mappings, or what has the fields of one."""
+    names = ("start", "end", *_AXES)
+    return tuple(
+        StyledChain(*chain)
+        if isinstance(chain, tuple)
+        else StyledChain(**(chain if isinstance(chain, dict) else {n: getattr(chain, n) for n in names}))
+        for chain in chains
+    )
+
+
+Axis = Annotated[str, Kind("axis", "AXIS")]
+
+
+@dataclass(frozen=True)
+class OrientJointsOptions:
+    """Give joints new axes; nothing that can be seen moves.
+
+    keep: joints have their axes already; only ``mirror`` turns those of the other side. plane: of the
+    character's own space; across: the same in the world, where that is known already.
+    """
+
+    preset: str | None = option(
+        None, choices=PRESETS, help="The axes of another program: aim, up and where up comes from."
+    )
+    aim: Axis | None = option(None, help="Axis that aims at the child. [x]")
+    up: Axis | None = option(None, help="Axis that goes up. [y]")
+    up_from: str | None = option(
+        None,
+        metavar="SOURCE",
+        help="plane (the hinge, +n), pole (towards the bend), world:+y, vector:x,y,z, node:NAME, "
+        "noderot:axis:NAME, parent, child, keep. [plane]",
+    )
+    joints: Nodes = option((), help="Turn these joints. Repeatable.")
+    chain: Annotated[
+        tuple[StyledChain | tuple[str, str], ...], Kind("styled chains", "START END", read=_chains)
+    ] = option((), help="Turn this chain; --aim, --up, --up-from behind it are for it alone. Repeatable.")
+    below: Nodes = option((), metavar="NAME", help="Turn this joint and all below it.")
+    skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
+    exclude: Nodes = option((), help="Leave these joints as they are.")
+    aim_at: Annotated[tuple[tuple[str, str] | str, ...], Kind("node to node", "JOINT=NODE")] = option(
+        (), help="Aim one joint at any node. Repeatable."
+    )
+    limb: Limbs = option((), help="Three joints that bend as one limb and share its hinge. Repeatable.")
+    branch: Names = option(
+        (),
+        metavar="RULE",
+        help="At several children: chain, first, average, longest, incoming, keep, or the NAME of "
+        "a child. [chain]",
+    )
+    end: Literal["tip", "parent", "incoming", "keep", "world"] = option(
+        "tip", help="What a joint without child aims at."
+    )
+    per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).")
+    facing: Direction | None = option(
+        None, help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing."
+    )
+    pose: str | None = option(
+        None,
+        metavar="bind|nodes|CLIP@TIME",
+        help="Where positions are taken. [bind where one skin holds the chain, else nodes]",
+    )
+    world: bool = option(False, help="Make every frame parallel to the world.")
+    on_nonuniform_scale: Policy = option(
+        "snap",
+        help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
+        "a node of its own above it (USD: with --allow-rename), or stop.",
+    )
+    on_constraint: Literal["freeze", "error"] = option(
+        "freeze",
+        help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
+        "constraint allows or not at all, and say so; or stop.",
+    )
+    snap: bool = option(False, help="Turn only to the nearest cardinal axes.")
+    offset: Annotated[Vector, Kind("point", "X,Y,Z", parse=_degrees)] = option(
+        (0.0, 0.0, 0.0), help="Afterwards turn about the new axes, in degrees: X, then Y, then Z."
+    )
+    mirror: Literal["behavior", "orientation", "blender"] | None = option(
+        None, help="Give the other side the mirrored axes of --from-side."
+    )
+    from_side: Literal["left", "right"] = option(
+        "left", help="With --mirror: the side that is copied onto the other."
+    )
+    plane: Literal["yz", "xz", "xy"] = option("yz", help="The mirror.")
+    like: RigFile = option(
+        None, excludes=["frames"], help="Give each joint the axes of its namesake in FILE's bind pose."
+    )
+    frames: JsonFile = option(None, help="Apply the changes of a --save-frames file.")
+    inverse: bool = option(False, help="With --frames: undo them.")
+    root: str | None = option(None, where="shared")
+    tolerance: Above = option(1e-5, where="shared")
+    keep: bool = option(False, where="python")
+    across: Any = option(None, where="python")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for options that contradict each other, and for letters that make no frame."""
+        elsewhere = self.frames is not None or self.like is not None
+        if self.inverse and self.frames is None:
+            raise UsageError("--inverse goes with --frames")
+        if self.mirror and elsewhere:
+            raise UsageError("--mirror does not go with --like or --frames")
+        if not self.mirror:
+            refuse(given, ["from_side", "plane"], "goes with --mirror")
+        if self.frames is not None:
+            refuse(given, [*_GEOMETRY, "offset", "snap"], "does not go with --frames")
+        if self.like is not None:
+            refuse(given, _GEOMETRY, "does not go with --like")
+        if self.world or self.preset == "vrm":
+            refuse(given, _AXES, "does not go with axes parallel to the world")
+        if self.world and self.preset not in (None, "vrm"):
+            raise UsageError("give --preset or --world, not both")
+        if sum(word in BRANCHES for word in self.branch) > 1:
+            raise UsageError("give one rule with --branch, and any number of names of children")
+        for style in (self.style, *(style for _, _, style in self.chain_styles)):
+            style.checked()
+
+    @cached_property
+    def style(self) -> AxisStyle:
+        """The axes of all joints that have none of their own."""
+        base = PRESETS[self.preset] if self.preset else AxisStyle()
+        own = {name: getattr(self, name) for name in _AXES if getattr(self, name) is not None}
+        return replace(base, **own, world=base.world or self.world)
+
+    @cached_property
+    def chain_styles(self) -> tuple[tuple[str, str, AxisStyle], ...]:
+        """The chains, from where to where, with their axes."""
+        return tuple((chain.start, chain.end, chain.style(self.style)) for chain in _chains("", self.chain))
+
+    @cached_property
+    def selection(self) -> Selection:
+        """The joints that are named, besides those of chains."""
+        from rigtri.operations.joint_selection import Selection
+
+        return Selection(joints=self.joints, below=self.below, skin=self.skin, exclude=self.exclude)
+
+    @property
+    def branch_rule(self) -> Branch:
+        """What a joint with several children aims at, where none of them is named."""
+        rules: list[Any] = [word for word in self.branch if word in BRANCHES]
+        return rules[-1] if rules else "chain"
+
+    @property
+    def branch_to(self) -> tuple[str, ...]:
+        """The children that are named."""
+        return tuple(word for word in self.branch if word not in BRANCHES)
