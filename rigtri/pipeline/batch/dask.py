@@ -1,14 +1,15 @@
-"""A Dask cluster as the engine of a batch: chunks of files are tasks, each file has a process of its own."""
+"""A Dask cluster as the engine of a batch: each file is a task, and has a process of its own."""
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import pickle
 import queue
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 from uuid import uuid4
@@ -17,53 +18,20 @@ from rigtri.errors import FileError, UsageError
 from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError
 from rigtri.pipeline.batch import urls
-from rigtri.pipeline.batch.dask_worker import Chunk, Message, do
-from rigtri.pipeline.batch.hashes import Hashes
+from rigtri.pipeline.batch.dask_worker import Event, Settings, do
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.local_engine import Heard
 from rigtri.pipeline.batch.work import Assignment, Record
 
-# A task of Dask costs some milliseconds; so many files share one where there are many.
-CHUNK = 25
-# A file that so many workers have died on is not given to another.
-DEATHS = 3
 # Seconds to wait for the scheduler, and for a first worker.
 REACHED, STAFFED = 10.0, 60.0
 _STEP = 0.2
 
 
-@dataclass
-class _Sent:
-    """A chunk on its way. left: numbers of what is not done, in the order of doing."""
-
-    left: list[int]
-    future: Any = None
-    attempt: str = ""
-    begun: bool = False
-
-
-@dataclass
-class _State:
-    """A run: what is on its way, and what is known of each assignment by its number."""
-
-    assignments: list[Assignment]
-    heard: Heard
-    waiting: list[list[int]]
-    sent: dict[int, _Sent] = field(default_factory=dict)
-    told: dict[int, Record] = field(default_factory=dict)
-    deaths: dict[int, int] = field(default_factory=dict)
-
-
-def _chunks(count: int, threads: int) -> list[list[int]]:
-    """Numbers up to ``count`` in chunks, some for each thread so that all end at about the same time."""
-    size = max(1, min(CHUNK, count // (4 * max(threads, 1))))
-    return [list(range(k, min(k + size, count))) for k in range(0, count, size)]
-
-
 class Cluster:
     """The workers of a Dask scheduler, as an `rigtri.pipeline.batch.local_engine.Engine`.
 
-    jobs: how many chunks are on their way at once, None for as many as keep all workers busy. All else as
+    jobs: how many files are submitted at once, None for as many as keep all workers busy. All else as
     `local_engine.Local`; with max_errors, other workers end the file that they have begun.
     Used as a context, which connects and looks whether the workers can do what is to be done.
     """
@@ -83,11 +51,13 @@ class Cluster:
         self._limits: dict[str, Any] = {"seconds": seconds, "memory": memory, "dry_run": dry_run}
         self._max_errors, self._failed = max_errors, 0
         self._at = os.getcwd()
-        self._topic, self._number = f"rigtri-{uuid4().hex}", 0
+        self._topic = f"rigtri-{uuid4().hex}"
         self._stopped = self._killed = False
-        self._inbox: queue.SimpleQueue[Message | int] = queue.SimpleQueue()
+        self._inbox: queue.SimpleQueue[int | Exception] = queue.SimpleQueue()
         self._client: Any = None
-        self._hashes = Hashes()
+        self._assignments: list[Assignment] = []
+        self._heard: Heard = lambda *_: None
+        self._begun: Counter[int] = Counter()  # how many workers have begun a file
 
     def __enter__(self) -> Self:
         """Connect. UsageError without the extra, FileError where the scheduler does not answer."""
@@ -108,7 +78,7 @@ class Cluster:
                 "one with: dask scheduler"
             ) from error
         with self._alive():
-            self._client.subscribe_topic(self._topic, lambda event: self._inbox.put(pickle.loads(event[1])))
+            self._client.subscribe_topic(self._topic, self._received)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -168,28 +138,34 @@ class Cluster:
 
     def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
-        every = list(assignments)
+        self._assignments, self._heard = list(assignments), heard
         with self._alive():
-            yield from self._run(every, heard)
+            yield from self._run()
 
-    def _run(self, every: list[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
-        threads = sum(self._client.nthreads().values())
-        state = _State(every, heard, _chunks(len(every), threads)[::-1])
+    def _run(self) -> Iterator[tuple[Assignment, Record]]:
+        waiting, sent = [*range(len(self._assignments))][::-1], dict[int, Any]()
         try:
             while not self._killed:
-                self._send(state)
-                if not state.sent:
+                self._submit(waiting, sent)
+                if not sent:
                     return
                 with suppress(queue.Empty):
-                    message = self._inbox.get(timeout=_STEP)
-                    for number, record in self._received(message, state):
-                        self._failed += record.failed
-                        if self._max_errors is not None and self._failed > self._max_errors:
-                            self._stopped = True
-                        yield state.assignments[number], record
+                    number = self._inbox.get(timeout=_STEP)
+                    if isinstance(number, Exception):
+                        raise number
+                    if number not in sent:  # cancelled
+                        continue
+                    record = self._record(number, sent.pop(number))
+                    if record is None:
+                        waiting.append(number)
+                        continue
+                    self._failed += record.failed
+                    if self._max_errors is not None and self._failed > self._max_errors:
+                        self._stopped = True
+                    yield self._assignments[number], record
         finally:
             with suppress(OSError):
-                self._client.cancel([sent.future for sent in state.sent.values()])
+                self._client.cancel([*sent.values()])
 
     def stop(self) -> None:
         """As `Engine.stop`."""
@@ -199,89 +175,56 @@ class Cluster:
         """As `Engine.kill`; workers see within a second that nobody waits for them."""
         self._stopped = self._killed = True
 
-    def _send(self, state: _State) -> None:
+    def _submit(self, waiting: list[int], sent: dict[int, Any]) -> None:
         """Keep all workers busy, and no more, so that a million files need no memory there."""
         if self._stopped:
-            state.waiting.clear()
+            waiting.clear()
+            idle = [number for number in sent if not self._begun[number]]
+            if idle:
+                self._client.cancel([sent.pop(number) for number in idle])
         room = self._jobs or max(2, 2 * sum(self._client.nthreads().values()))
-        while state.waiting and len(state.sent) < room:
-            self._number += 1
-            left = state.waiting.pop()
-            mine = {number: state.assignments[number] for number in left}
-            chunk = Chunk(
-                self._number, self._topic, mine, self._folder, self._at, urls.secrets(), **self._limits
-            )
-            key = f"{self._topic}-{self._number}"
-            future = self._client.submit(do, pickle.dumps(chunk), key=key, pure=False)
-            state.sent[self._number] = _Sent(left, future)
-            future.add_done_callback(lambda _, number=self._number: self._inbox.put(number))
+        while waiting and len(sent) < room:
+            number = waiting.pop()
+            # Packed, as the scheduler, which unpickles arguments, need not have rigtri.
+            settings = Settings(self._topic, self._folder, self._at, urls.secrets(), self._limits)
+            packed = pickle.dumps((number, self._assignments[number], settings))
+            sent[number] = self._client.submit(do, packed, pure=False, retries=2)
+            sent[number].add_done_callback(lambda _, number=number: self._inbox.put(number))
 
-    def _received(self, message: Message | int, state: _State) -> Iterator[tuple[int, Record]]:
-        """What a message tells is done. A number: the end of that chunk."""
-        if isinstance(message, int):
-            yield from self._ended(state.sent.pop(message), state)
+    async def _received(self, event: tuple[float, bytes]) -> None:
+        """A worker begins a file, or waits until it is on record what that is about to become."""
+        from distributed import Event as Answer
+
+        message: Event = pickle.loads(event[1])
+        if message.record is None:
+            self._begun[message.number] += 1
             return
-        sent = state.sent.get(message.chunk)
-        if message.kind == "begin":
-            yield from self._begun(message, sent, state)
+        try:
+            await asyncio.to_thread(self._heard, self._assignments[message.number], message.record)
+        except Exception as error:  # noqa: BLE001 - raised where records are waited for
+            self._inbox.put(error)
             return
-        mine = sent is not None and sent.attempt == message.attempt and message.assignment in sent.left
-        record = message.record
-        if message.kind == "ready":
-            if mine and record is not None:
-                state.heard(state.assignments[message.assignment], record)
-                state.told[message.assignment] = record
-            self._answer(message, "no" if not mine else "last" if self._stopped else "go")
-        elif mine and sent is not None and record is not None:
-            sent.left.remove(message.assignment)
-            yield message.assignment, record
+        await Answer(message.answer, client=self._client).set()
 
-    def _begun(self, message: Message, sent: _Sent | None, state: _State) -> Iterator[tuple[int, Record]]:
-        """A worker begins a chunk; perhaps another one died on it."""
-        if sent is None or self._stopped:
-            self._answer(message, ([], None))
-            return
-        if sent.begun:
-            yield from self._died(sent, state)
-        sent.attempt, sent.begun = message.attempt, True
-        most = None if self._max_errors is None else self._max_errors - self._failed
-        self._answer(message, (list(sent.left), most))
-
-    def _died(self, sent: _Sent, state: _State) -> Iterator[tuple[int, Record]]:
-        """What the worker had done without saying so; and what it was at comes last, or not again."""
-        for number in [n for n in sent.left if n in state.told]:
-            if self._hashes.same(state.told[number].made, self._folder):
-                sent.left.remove(number)
-                yield number, state.told[number]
-        if sent.left:
-            last = sent.left.pop(0)
-            self._recover(state.assignments[last])
-            state.deaths[last] = state.deaths.get(last, 0) + 1
-            if state.deaths[last] < DEATHS:
-                sent.left.append(last)
-            else:
-                name = state.assignments[last].entry.source
-                text = f"{name}: {DEATHS} workers of the cluster died on this file"
-                yield last, Record("crashed", CrashError.kind, text, CrashError.exit_code)
-
-    def _ended(self, sent: _Sent, state: _State) -> Iterator[tuple[int, Record]]:
-        """A chunk is done, or Dask has given it up."""
+    def _record(self, number: int, future: Any) -> Record | None:
+        """What became of a file; None for one that is to be done again."""
         from distributed.scheduler import KilledWorker
 
-        if sent.future.status == "finished":
-            for number, record in sent.future.result():
-                if number in sent.left:
-                    sent.left.remove(number)
-                    yield number, record
-            return
-        error = sent.future.exception() if sent.future.status == "error" else None
-        if isinstance(error, KilledWorker) and sent.begun:
-            yield from self._died(sent, state)
-            if sent.left:
-                state.waiting.append(sent.left)
-            return
-        said = f"{type(error).__name__}: {error}" if error else f"its tasks are {sent.future.status}"
-        raise self._broken(said)
+        target = self._assignments[number].entry.target
+        if self._begun[number] > 1 and not (self._limits["dry_run"] or urls.is_url(target)):
+            with suppress(OSError):  # what a dead worker has left beside the output
+                recover(Path(target), alone=True)
+        if future.status == "finished":
+            record: Record = future.result()
+            return record
+        error = future.exception() if future.status == "error" else None
+        if not isinstance(error, KilledWorker):
+            raise self._broken(f"{type(error).__name__}: {error}" if error else f"a task is {future.status}")
+        if self._begun[number] <= error.allowed_failures:  # it only waited for the workers that died
+            return None
+        name, deaths = self._assignments[number].entry.source, self._begun[number]
+        text = f"{name}: {deaths} workers of the cluster died on this file"
+        return Record("crashed", CrashError.kind, text, CrashError.exit_code)
 
     @contextmanager
     def _alive(self) -> Iterator[None]:
@@ -293,19 +236,8 @@ class Cluster:
         except (OSError, CancelledError) as error:
             raise self._broken(str(error)) from error
 
-    def _broken(self, said: str) -> FileError:
+    def _broken(self, reason: str) -> FileError:
         return FileError(
-            f"the Dask cluster at {self._address} cannot go on ({said}). What is done is done; run it again "
-            "for the rest"
+            f"the Dask cluster at {self._address} cannot go on ({reason}). What is done is done; run it "
+            "again for the rest"
         )
-
-    def _recover(self, assignment: Assignment) -> None:
-        """Remove what a dead worker has left beside an output."""
-        if not self._limits["dry_run"] and not urls.is_url(assignment.entry.target):
-            with suppress(OSError):  # it is done again all the same
-                recover(Path(assignment.entry.target), alone=True)
-
-    def _answer(self, message: Message, what: object) -> None:
-        from distributed import Variable
-
-        Variable(message.answer, client=self._client).set(what)

@@ -1,8 +1,7 @@
-"""A chunk of a batch, on a worker of a Dask cluster: this machine's engine, and a line to who has sent it.
+"""A file of a batch as a task of Dask: this machine's engine, and messages to the process that submitted it.
 
-What is about to appear is told before it does, and appears only when the sender has put it down, as
-in a batch of one machine. So a sender that was killed finds all that has appeared in its manifest,
-and of a worker that was killed everybody knows how far it was.
+An output appears only when the submitter has its record in the manifest, as in a batch of one machine:
+a submitter that is killed finds in its manifest all that has appeared.
 """
 
 from __future__ import annotations
@@ -10,138 +9,140 @@ from __future__ import annotations
 import multiprocessing
 import pickle
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 from uuid import uuid4
 
 from rigtri.pipeline.batch import urls
-from rigtri.pipeline.batch.local_engine import Local
+from rigtri.pipeline.batch.local_engine import FileProcess
 from rigtri.pipeline.batch.work import Assignment, Record
 
-# A worker looks this often, in seconds, whether it is still wanted.
+# A worker looks this often, in seconds, whether anybody still waits for the file.
 _LOOK = 0.5
+# A process ends that has had no file for so many seconds.
+_KEPT = 10.0
 # A child imports what its parent was started with, which takes longer than some files.
 _PRELOADED = ("distributed.cli.dask_worker",)
 
 
-class ForsakenError(Exception):
-    """Whoever has sent the chunk is gone, or has given it to another worker."""
+class AbandonedError(Exception):
+    """The submitter of a file is gone, or has cancelled it."""
 
 
 @dataclass(frozen=True)
-class Chunk:
-    """Some assignments by their numbers in the batch, and how to do them, as `local_engine.Local`.
+class Settings:
+    """What all files of a batch have in common.
 
-    topic: where the sender listens. at: the folder that relative paths are seen from.
+    topic: where the submitter listens. folder, limits, at: as `local_engine.FileProcess` takes them.
     """
 
-    number: int
     topic: str
-    assignments: dict[int, Assignment]
     folder: str
     at: str
     secrets: urls.Secrets
-    seconds: float | None
-    memory: int | None
-    dry_run: bool
+    limits: dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Message:
-    """What a worker says of its chunk. kind: begin, ready or done.
+class Event:
+    """What a worker reports of a file: that it begins or, with a record, that its output is about to appear.
 
-    attempt: another each time that a chunk is begun. answer: the name that an answer is waited for at.
+    answer: the name of the `distributed.Event` that lets it appear.
     """
 
-    kind: str
-    chunk: int
-    attempt: str
-    answer: str = ""
-    assignment: int = -1
+    number: int
     record: Record | None = None
+    answer: str = ""
 
 
-def do(packed: bytes) -> list[tuple[int, Record]]:
-    """Do a pickled `Chunk` as a task of Dask; records by the numbers of their assignments."""
-    chunk: Chunk = pickle.loads(packed)
+def do(packed: bytes) -> Record:
+    """Do one file. packed: its number, its `Assignment` and the `Settings`, pickled."""
+    from distributed import Event as Answer
+    from distributed import get_client, get_worker
+
+    number, assignment, settings = pickle.loads(packed)
     # Workers are children of Dask's nannies, which may have none of their own otherwise.
     multiprocessing.current_process().daemon = False
-    urls.remember(chunk.secrets)
-    line = _Line(chunk)
-    wanted, most = line.ask("begin")
-    numbers = {id(chunk.assignments[number]): number for number in wanted}
-    limits: dict[str, Any] = {"seconds": chunk.seconds, "memory": chunk.memory, "max_errors": most}
-    engine = Local(1, chunk.folder, **limits, dry_run=chunk.dry_run, at=chunk.at, preload=_PRELOADED)
+    urls.remember(settings.secrets)
+    worker, client = get_worker(), get_client()
+    task = worker.get_current_task()
 
-    def heard(assignment: Assignment, record: Record) -> None:
-        said = line.ask("ready", numbers[id(assignment)], record)
-        if said == "no":
-            raise ForsakenError(chunk.number)
-        if said == "last":
-            engine.stop()
+    def send(event: Event) -> None:
+        worker.log_event(settings.topic, pickle.dumps(event))
 
-    found = []
-    with line.watched(engine):
-        for assignment, record in engine.run([chunk.assignments[number] for number in wanted], heard):
-            number = numbers[id(assignment)]
-            line.tell(Message("done", chunk.number, line.attempt, assignment=number, record=record))
-            found.append((number, record))
-    return found
+    def ready(_: Assignment, record: Record) -> None:
+        answer = Answer(f"{settings.topic}-{uuid4().hex}", client=client)
+        send(Event(number, record, answer.name))
+        while not answer.wait(timeout=_LOOK):
+            if _abandoned(worker, task):
+                raise AbandonedError(assignment.entry.source)
+        answer.clear()
+
+    send(Event(number))
+    with _process(settings, worker, task) as process:
+        record = process.do(assignment, ready)
+        if _abandoned(worker, task):
+            raise AbandonedError(assignment.entry.source)
+        return record
 
 
-class _Line:
-    """The way from a task to the one who has sent it: events there, variables back, both by the scheduler."""
+def _abandoned(worker: Any, task: str) -> bool:
+    """Whether nobody waits for a task any more."""
+    state = worker.state.tasks.get(task)
+    alive = worker.status.name in ("init", "running", "paused")
+    return state is None or state.state == "cancelled" or not alive
 
-    def __init__(self, chunk: Chunk) -> None:
-        from distributed import get_client, get_worker
 
-        self._chunk, self.attempt, self._asked = chunk, uuid4().hex, 0
-        self._worker, self._client = get_worker(), get_client()
-        self._task = self._worker.get_current_task()
+@dataclass
+class _Processes:
+    """The processes of a batch on this worker: those without a file, and by their tasks those at work."""
 
-    def tell(self, message: Message) -> None:
-        self._worker.log_event(self._chunk.topic, pickle.dumps(message))
+    idle: list[FileProcess] = field(default_factory=list)
+    busy: dict[str, FileProcess] = field(default_factory=dict)
 
-    def ask(self, kind: str, assignment: int = -1, record: Record | None = None) -> Any:
-        """Tell something, and wait for what is said to it. ForsakenError where nobody will."""
-        from distributed import Variable
 
-        self._asked += 1
-        name = f"{self._chunk.topic}-{self.attempt}-{self._asked}"
-        answer = Variable(name, client=self._client)
-        self.tell(Message(kind, self._chunk.number, self.attempt, name, assignment, record))
-        while not self._forsaken():
-            try:
-                said = answer.get(timeout=_LOOK)
-            except TimeoutError:
-                continue
-            answer.delete()
-            return said
-        raise ForsakenError(self._chunk.number)
+_batches: dict[str, _Processes] = {}
+_lock = threading.Lock()
 
-    def _forsaken(self) -> bool:
-        """Whether nobody waits for this task any more, as its sender is gone or the scheduler is."""
-        task = self._worker.state.tasks.get(self._task)
-        alive = self._worker.status.name in ("init", "running", "paused")
-        return task is None or task.state == "cancelled" or not alive
 
-    @contextmanager
-    def watched(self, engine: Local) -> Iterator[None]:
-        """Meanwhile the engine's work is given up when nobody waits for it."""
-        ended = threading.Event()
+@contextmanager
+def _process(settings: Settings, worker: Any, task: str) -> Iterator[FileProcess]:
+    """A process for a file: one that has done another of the batch, or a new one."""
+    with _lock:
+        if settings.topic not in _batches:
+            _batches[settings.topic] = _Processes()
+            threading.Thread(target=_watch, args=(settings.topic, worker), daemon=True).start()
+        ours = _batches[settings.topic]
+        if ours.idle:
+            process = ours.idle.pop()
+        else:
+            process = FileProcess(settings.folder, at=settings.at, preload=_PRELOADED, **settings.limits)
+        ours.busy[task] = process
+    try:
+        yield process
+        ours.idle.append(process)
+    except BaseException:
+        process.close()
+        raise
+    finally:
+        with _lock:
+            del ours.busy[task]
 
-        def look() -> None:
-            while not ended.wait(_LOOK):
-                if self._forsaken():
-                    engine.kill()
-                    return
 
-        watcher = threading.Thread(target=look, daemon=True)
-        watcher.start()
-        try:
-            yield
-        finally:
-            ended.set()
-            watcher.join()
+def _watch(topic: str, worker: Any) -> None:
+    """Kill processes whose file is abandoned; end those of a batch that has had no file for a while."""
+    ours, used = _batches[topic], time.monotonic()
+    while topic in _batches:
+        time.sleep(_LOOK)
+        with _lock:
+            for task, process in ours.busy.items():
+                used = time.monotonic()
+                if _abandoned(worker, task):
+                    process.kill()
+            if time.monotonic() - used >= _KEPT:
+                del _batches[topic]
+    for process in ours.idle:
+        process.close()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import queue
+import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, Self
 
 from rigtri.errors import RigtriError
 from rigtri.files import temp_dirs
@@ -59,32 +60,95 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-class Local:
-    """Processes of this machine, each with a thread that hands it one file after another.
+class FileProcess:
+    """A process of this machine that does one file after another, wherever they are.
 
     seconds, memory: what one file may take, as `rigtri.files.worker_process.Confined` understands them.
-    folder: where the manifest is. max_errors: once more files than that have failed, no other is begun.
-    at: the folder that relative paths are seen from, where it is not this process's own.
-    preload: further modules that processes need.
+    folder: where the manifest is. at: the folder that relative paths are seen from, where it is not this
+    process's own. preload: further modules that the process needs.
     """
 
     def __init__(
         self,
-        jobs: int,
         folder: str,
         *,
         seconds: float | None = None,
         memory: int | None = None,
         dry_run: bool = False,
-        max_errors: int | None = None,
         at: str = "",
         preload: Sequence[str] = (),
     ) -> None:
-        self._folder, self._max_errors, self._failed = folder, max_errors, 0
-        self._dry_run, self._at = dry_run, at
-        self._scratch = ""
-        modules = (*_PRELOADED, *preload)
-        self._children = [Confined(seconds=seconds, memory=memory, preload=modules) for _ in range(jobs)]
+        self._folder, self._dry_run, self._at = folder, dry_run, at
+        self._child = Confined(seconds=seconds, memory=memory, preload=(*_PRELOADED, *preload))
+        # Of this object, for a process that is killed cannot remove what it has written for itself.
+        self._temporary: tempfile.TemporaryDirectory[str] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the process, and remove its temporary files."""
+        self._child.close()
+        if self._temporary is not None:
+            self._temporary.cleanup()
+
+    def kill(self) -> None:
+        """End the process in the middle of its file, from any thread."""
+        self._child.kill()
+
+    def do(self, assignment: Assignment, heard: Heard) -> Record:
+        """Do one file; ``heard`` as `Engine.run` has it."""
+        if not is_elsewhere(assignment.entry):
+            return self._near(assignment, heard)
+        name = assignment.entry.source
+        try:
+            return Fetched(
+                assignment,
+                self._folder,
+                self._temporary_folder(),
+                references=lambda path: self._child(name, references, Path(path)),
+                near=self._near,
+                dry_run=self._dry_run,
+            ).done(heard)
+        except CrashError as error:
+            return Record("crashed", error.kind, str(error), error.exit_code)
+
+    def _temporary_folder(self) -> str:
+        if self._temporary is None:
+            self._temporary = temp_dirs.folder()
+        return self._temporary.name
+
+    def _near(self, assignment: Assignment, heard: Heard) -> Record:
+        """One file of this machine, whatever becomes of the process."""
+        name = assignment.entry.source
+        try:
+            place = self._folder, self._temporary_folder(), self._dry_run, self._at
+            return self._child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
+        except CrashError as error:
+            record = Record("crashed", error.kind, str(error), error.exit_code)
+        except RigtriError:
+            raise
+        except RuntimeError as error:  # a mistake of ours, with its traceback
+            record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
+        if not self._dry_run:
+            with suppress(OSError):  # it is told that the file has failed, and the next run tries again
+                recover(Path(self._at, assignment.entry.target), alone=True)
+        return record
+
+
+class Local:
+    """Processes of this machine, each with a thread that hands it one file after another.
+
+    folder, limits: as `FileProcess` takes them. max_errors: once more files than that have failed, no other
+    is begun.
+    """
+
+    def __init__(self, jobs: int, folder: str, *, max_errors: int | None = None, **limits: Any) -> None:
+        self._max_errors, self._failed = max_errors, 0
+        self._processes = [FileProcess(folder, **limits) for _ in range(jobs)]
         self._stopped, self._killed = threading.Event(), threading.Event()
         self._lock = threading.Lock()
         self._results: queue.SimpleQueue[tuple[Assignment, Record] | BaseException | None] = (
@@ -93,14 +157,10 @@ class Local:
 
     def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
-        # A worker that is killed cannot remove what it has written for itself.
-        with temp_dirs.folder() as self._scratch:
-            yield from self._run(iter(assignments), heard)
-
-    def _run(self, source: Iterator[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+        source = iter(assignments)
         threads = [
-            threading.Thread(target=self._serve, args=(child, source, heard), daemon=True)
-            for child in self._children
+            threading.Thread(target=self._serve, args=(process, source, heard), daemon=True)
+            for process in self._processes
         ]
         for thread in threads:
             thread.start()
@@ -129,19 +189,19 @@ class Local:
         """As `Engine.kill`."""
         self._stopped.set()
         self._killed.set()
-        for child in self._children:
-            child.kill()
+        for process in self._processes:
+            process.kill()
 
-    def _serve(self, child: Confined, source: Iterator[Assignment], heard: Heard) -> None:
-        """The life of a thread: the next assignment for its child, until there are none."""
+    def _serve(self, process: FileProcess, source: Iterator[Assignment], heard: Heard) -> None:
+        """The life of a thread: the next assignment for its process, until there are none."""
         try:
-            with child:
+            with process:
                 while not self._stopped.is_set():
                     with self._lock:
                         assignment = next(source, None)
                     if assignment is None:
                         break
-                    record = self._done(child, assignment, heard)
+                    record = process.do(assignment, heard)
                     self._count(record)
                     if not self._killed.is_set():
                         self._results.put((assignment, record))
@@ -157,37 +217,3 @@ class Local:
             self._failed += record.failed
             if self._max_errors is not None and self._failed > self._max_errors:
                 self._stopped.set()
-
-    def _done(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
-        """One file, wherever it is."""
-        if not is_elsewhere(assignment.entry):
-            return self._near(child, assignment, heard)
-        name = assignment.entry.source
-        try:
-            return Fetched(
-                assignment,
-                self._folder,
-                self._scratch,
-                references=lambda path: child(name, references, Path(path)),
-                near=lambda one, told: self._near(child, one, told),
-                dry_run=self._dry_run,
-            ).done(heard)
-        except CrashError as error:
-            return Record("crashed", error.kind, str(error), error.exit_code)
-
-    def _near(self, child: Confined, assignment: Assignment, heard: Heard) -> Record:
-        """One file of this machine, whatever becomes of the child."""
-        name = assignment.entry.source
-        try:
-            place = self._folder, self._scratch, self._dry_run, self._at
-            return child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
-        except CrashError as error:
-            record = Record("crashed", error.kind, str(error), error.exit_code)
-        except RigtriError:
-            raise
-        except RuntimeError as error:  # a mistake of ours, with its traceback
-            record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
-        if not self._dry_run:
-            with suppress(OSError):  # it is told that the file has failed, and the next run tries again
-                recover(Path(self._at, assignment.entry.target), alone=True)
-        return record

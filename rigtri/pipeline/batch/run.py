@@ -119,8 +119,8 @@ class Run:
         for assignment, record in engine.run(plan.assignments, self._heard):
             entry = assignment.entry
             told = self._told.pop(entry.target, None)
-            if record.status == "crashed" and told is not None and self._stands(told):
-                record = told  # it was killed when its work was done
+            if record.failed and told is not None and self._stands(told):
+                record = told  # its process or worker was killed when its work was done
             record = self._alone(entry, record)
             if self._manifest is not None:
                 if record.made:  # as long as its name is not on the disk it is not done

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import json
 import os
+import pickle
 import re
 import shutil
 import signal
@@ -18,13 +20,15 @@ from typing import Any
 
 import pytest
 from batch_tasks import Turn
+from distributed import Client
+from distributed.scheduler import KilledWorker, WorkerState
 from places import BUILDERS, slow
 from program import cli
 
 from rigtri import edit, orient_joints
 from rigtri.errors import FileError
 from rigtri.pipeline.batch import dask
-from rigtri.pipeline.batch.dask_worker import Message
+from rigtri.pipeline.batch.dask_worker import Event
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.work import Assignment, Record
 
@@ -67,6 +71,12 @@ class Machines:
                 stdout=log,
                 stderr=log,
             )
+
+    def is_idle(self) -> bool:
+        """Whether no worker does anything."""
+        with Client(self.address, set_as_default=False) as client:
+            executing = client.run(lambda dask_worker: dask_worker.state.executing_count)
+        return not any(executing.values())
 
     def end(self) -> None:
         for process in (*self.workers, self.scheduler):
@@ -176,7 +186,7 @@ def test_a_killed_worker_and_a_killed_submitter_lose_nothing_and_do_nothing_twic
     wait(lambda: len(list(out.glob("slow*.glb"))) >= 9)
     first.kill()
     first.communicate()
-    time.sleep(1)  # what a worker is at may appear; nothing else does
+    wait(machines.is_idle)  # what a worker is at may appear; nothing else does
     before = {path: path.stat().st_mtime_ns for path in out.glob("slow*.glb")}
     assert 9 <= len(before) < 24
     second = begin("--dask", machines.address)
@@ -204,7 +214,7 @@ def test_a_file_that_takes_its_worker_along_is_named_and_costs_no_other(
     told, said = process.communicate(timeout=120)
     assert process.returncode == 7, said
     assert statuses(told) == dict.fromkeys(names, "ok") | {"hang": "crashed", "slay": "crashed"}
-    assert "slay.glb: 3 workers of the cluster died on this file" in said
+    assert "slay.glb: 4 workers of the cluster died on this file" in said
     assert "hang.glb: took longer than 2 s" in said
     assert set(outputs(tmp_path)) == set(names)
 
@@ -234,63 +244,71 @@ def test_what_is_no_address_is_told_at_once(tmp_path: Path, address: str) -> Non
     assert not [found for found in gc.get_objects() if type(found).__name__ == "Client"]
 
 
-class Silent:
-    """A client whose chunks end when their messages have been read."""
+class Dying:
+    """A client of a cluster whose workers die on one file, while the others wait for them."""
 
-    status = "finished"
+    def __init__(self, engine: dask.Cluster, dies: str) -> None:
+        self._engine, self._dies, self.submitted = engine, dies, list[str]()
 
     def nthreads(self) -> dict[str, int]:
         return {}
 
-    def submit(self, *_: object, **__: object) -> Silent:
-        return self
-
-    def add_done_callback(self, _: object) -> None:
-        pass
-
-    def result(self, **_: object) -> list[tuple[int, Record]]:
-        return []
+    def submit(self, _: object, packed: bytes, **__: object) -> Any:
+        number, assignment, _settings = pickle.loads(packed)
+        self.submitted.append(assignment.entry.source)
+        if assignment.entry.source == self._dies:
+            for _ in range(4):
+                asyncio.run(self._engine._received((0.0, pickle.dumps(Event(number)))))
+        elif self.submitted.count(assignment.entry.source) > 1:
+            return Ended(record=Record("ok"))
+        return Ended(KilledWorker("a", WorkerState.__new__(WorkerState), 3))
 
     def cancel(self, _: object) -> None:
         pass
 
 
-def test_only_what_three_workers_died_on_is_named_and_comes_last_till_then(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(dask.Cluster, "_answer", lambda _, __, what: answers.append(what))
-    answers: list[tuple[list[int], None]] = []
+class Ended:
+    """A future that has ended."""
+
+    def __init__(self, error: Exception | None = None, *, record: Record | None = None) -> None:
+        self._error, self._record = error, record
+        self.status = "error" if error else "finished"
+
+    def add_done_callback(self, done: Callable[[object], None]) -> None:
+        done(self)
+
+    def result(self, **_: object) -> Record | None:
+        return self._record
+
+    def exception(self) -> Exception | None:
+        return self._error
+
+
+def test_what_waited_for_a_worker_that_died_is_done_again_and_what_killed_it_is_named(tmp_path: Path) -> None:
     engine = dask.Cluster("", str(tmp_path))
-    engine._client = Silent()
-    assignments = [Assignment(Entry(name, f"out/{name}"), Turn()) for name in ("a", "b", "c")]
-    monkeypatch.setattr(dask, "_chunks", lambda count, _: [list(range(count))])
-
-    def begin(attempt: str) -> None:
-        engine._inbox.put(Message("begin", 1, attempt))
-
-    def done(attempt: str, number: int) -> None:
-        engine._inbox.put(Message("done", 1, attempt, assignment=number, record=Record("ok")))
-
-    begin("1st")  # with a, b, c; a worker dies on a
-    begin("2nd")
-    done("1st", 2)  # whoever has been given up is not heard any more
-    done("2nd", 1)  # b, and it dies on c
-    begin("3rd")  # it dies on a
-    begin("4th")
-    done("4th", 2)  # c, and it dies on a
-    begin("5th")
-    engine._inbox.put(1)
+    client = Dying(engine, dies="a")
+    engine._client = client
+    assignments = [Assignment(Entry(name, f"out/{name}"), Turn()) for name in ("a", "b")]
     found = [(a.entry.source, r.status, r.message) for a, r in engine.run(assignments, lambda *_: None)]
-    died = "a: 3 workers of the cluster died on this file"
-    assert found == [("b", "ok", None), ("c", "ok", None), ("a", "crashed", died)]
-    assert answers == [([0, 1, 2], None), ([1, 2, 0], None), ([0, 2], None), ([2, 0], None), ([], None)]
+    died = "a: 4 workers of the cluster died on this file"
+    assert found == [("a", "crashed", died), ("b", "ok", None)]
+    assert client.submitted == ["a", "b", "b"]
 
 
-class Asked(Silent):
+class Asked:
     """A client of two workers, the second of which says something else about one question."""
 
     def __init__(self, question: str, answer: object) -> None:
         self._question, self._answer = question, answer
+
+    def submit(self, *_: object, **__: object) -> Ended:
+        return Ended()
+
+    def cancel(self, _: object) -> None:
+        pass
+
+    def nthreads(self) -> dict[str, int]:
+        return {}
 
     def run(self, what: Callable[..., object], of: str, on_error: str) -> dict[str, object]:
         first = what(of)
