@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.declaration.option import made
+from rigtri.operations.declaration.option import made
 
 from .asked import given, given_options, read_options
 from .editing import copy_ahead, run_edit

@@ -78,7 +78,7 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.declaration import kinds
+    from rigtri.operations.declaration import kinds
 
     try:
         return kinds.direction(value)

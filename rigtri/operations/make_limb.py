@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.declaration.kinds import vector
 from rigtri.errors import GeometryError, UsageError
 from rigtri.limits import refuse_points
 from rigtri.maths.matrices import determinant
@@ -22,6 +21,7 @@ from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpen
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, AddPolevectorOptions, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.declaration.kinds import vector
 from rigtri.operations.operation import operation
 from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, group, noted, plain_name

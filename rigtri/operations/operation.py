@@ -10,8 +10,8 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from rigtri.declaration.option import check, described
 from rigtri.model.rig import Rig
+from rigtri.operations.declaration.option import check, described
 from rigtri.operations.option_keywords import from_keywords, known
 from rigtri.report import Report
 

@@ -17,12 +17,12 @@ from functools import cache
 from numbers import Integral
 from typing import Any, Literal, TypeVar
 
-from rigtri.declaration.kinds import direction
 from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.declaration.kinds import direction
 from rigtri.recognition.limbs import given
 
 T = TypeVar("T")

@@ -6,9 +6,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from rigtri.declaration.kinds import Above, Auto, Bends, Chains, Direction, EndKind, Limbs, Node
-from rigtri.declaration.option import option, refuse
 from rigtri.errors import UsageError
+from rigtri.operations.declaration.kinds import Above, Auto, Bends, Chains, Direction, EndKind, Limbs, Node
+from rigtri.operations.declaration.option import option, refuse
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from rigtri.declaration.kinds import (
+from rigtri.errors import UsageError
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.declaration.kinds import (
     Above,
     Direction,
     JsonFile,
@@ -18,9 +20,7 @@ from rigtri.declaration.kinds import (
     RigFile,
     Vector,
 )
-from rigtri.declaration.option import Kind, option, refuse
-from rigtri.errors import UsageError
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.declaration.option import Kind, option, refuse
 
 if TYPE_CHECKING:
     from rigtri.operations.aim_targets import Branch

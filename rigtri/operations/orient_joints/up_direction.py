@@ -19,7 +19,6 @@ from math import sqrt
 
 import numpy as np
 
-from rigtri.declaration.kinds import vector
 from rigtri.errors import UsageError
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.quaternions import between, rotate
@@ -29,6 +28,7 @@ from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import normalise, unit_of
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import Aim, chain_child, limb_path
+from rigtri.operations.declaration.kinds import vector
 from rigtri.recognition.bend_plane import Bend, area_and_sine, bend, direction_of, in_pose
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report

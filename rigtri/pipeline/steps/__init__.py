@@ -9,12 +9,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from rigtri.declaration.option import Option, made, options_of
 from rigtri.errors import RigtriError
 from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain, json_of
 from rigtri.formats import Document, ReadOptions, read
 from rigtri.model.rig import Rig
+from rigtri.operations.declaration.option import Option, made, options_of
 from rigtri.operations.registry import OPERATIONS, operation, options_class
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.report import Report

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigtri.declaration.kinds import vector
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions
+from rigtri.operations.declaration.kinds import vector
 from rigtri.operations.joint_selection import Selection
 from rigtri.pipeline.steps.request import Request, Step
 from rigtri.recognition.limbs import given

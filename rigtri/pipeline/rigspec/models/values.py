@@ -19,10 +19,10 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from rigtri.declaration.kinds import direction
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
 from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.declaration.kinds import direction
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
 UNKNOWN = "unknown_node"

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
-from rigtri.declaration.option import Kind
 from rigtri.errors import UsageError
 from rigtri.model.limb import Limb
+from rigtri.operations.declaration.option import Kind
 
 Vector = tuple[float, float, float]
 
