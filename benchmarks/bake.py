@@ -63,7 +63,7 @@ def animated(rig: Rig, frames: int) -> Rig:
     random = np.random.default_rng(0)
     tracks = []
     for node in np.flatnonzero(rig.is_joint).tolist():
-        if rig.notes.get(node, {}).get("type") == "twist":
+        if rig.metadata.get(node, {}).get("type") == "twist":
             continue
         angle = 0.4 * np.sin(times * random.uniform(1.0, 4.0) + random.uniform(0.0, 6.0))
         turns = multiply(rig.rotation[node], from_axis_angle(random.normal(size=3), angle))

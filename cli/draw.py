@@ -118,7 +118,7 @@ def command(source: str, target: str, **values: Any) -> None:
             report=report,
         )
         for document in documents:  # meshes are read, and found unreadable, while they are drawn
-            report.hear(document.warnings)
+            report.extend(document.warnings)
         lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
     pictures.deliver(svg, target, report)
     if values["as_json"]:

@@ -49,9 +49,9 @@ class Report:
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:
         """Note something that the user should know; the same words only once."""
-        self.hear([Notice(code, text, joint, geometry)])
+        self.extend([Notice(code, text, joint, geometry)])
 
-    def hear(self, notices: Iterable[Notice]) -> None:
+    def extend(self, notices: Iterable[Notice]) -> None:
         """Take up notices that are not here yet."""
         if len(self._known) != len(self.warnings):
             self._known = set(self.warnings)
@@ -66,11 +66,11 @@ class Report:
             more = f" ({len(self.warnings) - 1} more)" if len(self.warnings) > 1 else ""
             raise GeometryError(f"--strict: {self.warnings[0].text}{more}")
 
-    def take(self, other: Report) -> None:
+    def merge(self, other: Report) -> None:
         """Add what another report tells."""
         for name in (*(("joints",) if self.records else ()), "limbs", "added", "removed"):
             getattr(self, name).extend(getattr(other, name))
-        self.hear(other.warnings)
+        self.extend(other.warnings)
         for key, columns in other.driven.items():
             self.driven.setdefault(key, set()).update(columns)
         self.reposed |= other.reposed

@@ -58,7 +58,7 @@ def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
     """For each node those that it depends on. without: a node whose note does not count."""
     found: Dependencies = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") in ("control", "poleVector") and node != without:
             named = note.get("chain") or ([note.get("joint")] if note.get("kind") == "fk" else [])
             for name in named if isinstance(named, list | tuple) else []:
@@ -69,7 +69,7 @@ def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
         if node != without:
             for child in rule.chain or (rule.child,):
                 found.setdefault(child, set()).update(rule.sources)
-    for constraint in rig.constraints:
+    for constraint in rig.node_constraints:
         if constraint.kind != "tail":
             found.setdefault(constraint.node, set()).add(constraint.source)
     return found

@@ -194,6 +194,6 @@ class Solver:
 
 def refuse_cycles(rig: Rig) -> None:
     """ControlCycleError where controls and constraints depend on each other, whichever are active."""
-    fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
+    fk = {node for node, note in rig.metadata.items() if note.get("kind") in ("fk", "root")}
     for driven in (None, fk):
         _ = Solver(rig, driven).steps

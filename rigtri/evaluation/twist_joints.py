@@ -65,7 +65,7 @@ def twist_joints(rig: Rig) -> list[TwistJoint]:
     Raises NameNotFoundError for a joint that is no longer there, GeometryError for a bone
     without length.
     """
-    return [twist_of(rig, node, note) for node, note in sorted(rig.notes.items()) if is_twist(note)]
+    return [twist_of(rig, node, note) for node, note in sorted(rig.metadata.items()) if is_twist(note)]
 
 
 def is_twist(note: Mapping[str, Any] | None) -> bool:

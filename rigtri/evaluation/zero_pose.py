@@ -54,9 +54,9 @@ class ControlsAtZero:
         self.limbs: list[IkLimb] = []
         self.roots: list[FkControl] = []
         poles = {
-            _chain(rig, note): node for node, note in rig.notes.items() if note.get("type") == "poleVector"
+            _chain(rig, note): node for node, note in rig.metadata.items() if note.get("type") == "poleVector"
         }
-        for node, note in sorted(rig.notes.items()):
+        for node, note in sorted(rig.metadata.items()):
             if note.get("type") != "control":
                 continue
             joint = rig.known(note.get("joint"))
@@ -89,7 +89,7 @@ class ControlsAtZero:
         """The world matrices of all nodes while controls are zero, (n, 4, 4)."""
         rig = self.rig
         world = np.empty((len(rig), 4, 4))
-        controls = {node for node, note in rig.notes.items() if note.get("type") == "control"}
+        controls = {node for node, note in rig.metadata.items() if note.get("type") == "control"}
         moved = self._posed(controls)
         for node in range(len(rig)):
             above = int(rig.parents[node])

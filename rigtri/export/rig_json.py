@@ -20,7 +20,7 @@ def description(rig: Rig) -> dict[str, Any]:
     return {
         "rigtri": "rig",
         "v": VERSION,
-        "nodes": [_node(rig, node) for node in range(len(rig)) if "type" in rig.notes.get(node, {})],
+        "nodes": [_node(rig, node) for node in range(len(rig)) if "type" in rig.metadata.get(node, {})],
     }
 
 
@@ -37,4 +37,4 @@ def _node(rig: Rig, node: int) -> dict[str, Any]:
     else:
         for name in ("translation", "rotation", "scale"):
             entry[name] = getattr(rig, name)[node].tolist()
-    return {**entry, "note": dict(rig.notes[node])}
+    return {**entry, "note": dict(rig.metadata[node])}

@@ -65,7 +65,7 @@ def describe(rig: Rig, *, report: Report | None = None, width: int | None = None
         ),
         ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
         ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
-        ("notes", columns([_note_words(seen, node) for node in sorted(rig.notes)])),
+        ("notes", columns([_note_words(seen, node) for node in sorted(rig.metadata)])),
         (
             "warnings",
             [f"{w.code}: {plain(w.text, one_line=True)}" for w in (report.warnings if report else ())],
@@ -92,9 +92,9 @@ def as_json(rig: Rig) -> dict[str, Any]:
         "constraints": [
             {"kind": c.kind, "node": rig.labels[c.node], "source": rig.labels[c.source]}
             | ({"axis": _direction(c.axis)} if c.axis.any() else {})
-            for c in rig.constraints
+            for c in rig.node_constraints
         ],
-        "notes": {rig.labels[node]: dict(note) for node, note in sorted(rig.notes.items())},
+        "notes": {rig.labels[node]: dict(note) for node, note in sorted(rig.metadata.items())},
     }
 
 
@@ -113,7 +113,7 @@ class _Seen:
         self.weighted = _weighted(rig)
         points = self.position[np.isfinite(self.position).all(axis=1)]
         self.follows: dict[int, list[str]] = {}
-        for constraint in rig.constraints:
+        for constraint in rig.node_constraints:
             self.follows.setdefault(constraint.node, []).append(_constraint_words(rig, constraint))
         self.size = float(length(np.ptp(points, axis=0))) if len(points) else 0.0
 
@@ -223,7 +223,7 @@ def _flags(seen: _Seen, node: int) -> Iterator[str]:
     for bone, holder in rig.humanoid.items():
         if holder == node:
             yield f"vrm:{bone}"
-    if rig.payload[node] >= 0:
+    if rig.attachment[node] >= 0:
         yield "carries a mesh, camera or light"
     scale = seen.scale[node]
     if not np.allclose(scale, 1.0, rtol=0, atol=SAME_SCALE):
@@ -293,7 +293,7 @@ def _clip_words(clip: Clip, number: int) -> list[str]:
 
 def _note_words(seen: _Seen, node: int) -> list[str]:
     """``forearm_pole  under -  at 1 12.4142 0  poleVector  chain upper_arm forearm hand``."""
-    rig, note = seen.rig, seen.rig.notes[node]
+    rig, note = seen.rig, seen.rig.metadata[node]
     parent = int(rig.parents[node])
     rest = [f"{key} {_value(note[key])}" for key in sorted(note) if key not in ("v", "type")]
     words = [

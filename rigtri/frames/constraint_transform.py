@@ -30,12 +30,12 @@ _REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "
 
 def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
     """The notes of a rig, with its rules told in the frames that turn by ``delta``, (n, 4)."""
-    notes = dict(rig.notes)
+    notes = dict(rig.metadata)
     for node, rule in rules_of(rig).items():
         if _touched(rig, rule, delta) and not _lost(rig, rule, delta):
             stored = note_of(rig, _reoriented(rig, rule, delta))
             notes[node] = {**notes[node], **{key: stored[key] for key in _REORIENTED if key in stored}}
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") == "poseReader":
             notes[node] = _reoriented_reader(rig, note, delta)
         elif note.get("type") == "twist" and "axis" in note:

@@ -208,7 +208,7 @@ def _squares(rows: Sequence[Floats]) -> tuple[list[Floats], list[Floats]]:
 def frames_shown(rig: Rig, meshes: Sequence[Mesh]) -> list[int]:
     """The nodes that show something of which only the frame is known: cameras, lights, not ours."""
     drawn = {mesh.node for mesh in meshes} | rig.own
-    return [node for node in np.flatnonzero(rig.payload >= 0).tolist() if node not in drawn]
+    return [node for node in np.flatnonzero(rig.attachment >= 0).tolist() if node not in drawn]
 
 
 def _corner(axes: Floats) -> Floats:

@@ -39,7 +39,7 @@ def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
 
 def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
     """The constraints that would not mean the same after the turns, (n, 4)."""
-    return [c for c in rig.constraints if not (_alike(rig, c, delta) and axis_fits(c, delta[c.node]))]
+    return [c for c in rig.node_constraints if not (_alike(rig, c, delta) and axis_fits(c, delta[c.node]))]
 
 
 def _alike(rig: Rig, constraint: NodeConstraint, delta: Floats) -> bool:
@@ -69,7 +69,7 @@ def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[NodeConstraint, ...
     """The constraints of a rig, with their axes told in the turned frames."""
     return tuple(
         replace(c, axis=np.rint(_seen(c, delta[c.node])) + 0.0) if (delta[c.node] != IDENTITY).any() else c
-        for c in rig.constraints
+        for c in rig.node_constraints
     )
 
 
@@ -80,7 +80,7 @@ def constraints_from_metadata(rig: Rig) -> dict[int, str]:
     goes with the note.
     """
     found = {}
-    for note in rig.notes.values():
+    for note in rig.metadata.values():
         if note.get("type") == "constraint" and "vrm" in note:
             child = rig.known(note.get("child"))
             if child is not None:

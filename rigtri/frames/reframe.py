@@ -58,8 +58,8 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
     rig = _reorient_clips(rig, delta, above, fold, scales)
     rig = replace(
         _reorient_bound(rig, delta),
-        constraints=reoriented_constraints(rig, delta),
-        notes=reoriented_notes(rig, delta),
+        node_constraints=reoriented_constraints(rig, delta),
+        metadata=reoriented_notes(rig, delta),
     )
     return _hand_over_payload(rig, delta)
 
@@ -77,7 +77,7 @@ def split(rig: Rig, turns: Mapping[int, Floats]) -> Rig:
     signs = ScaleTable.of(rig).sign
     above = rig.insert_above({node: f"{rig.names[node] or 'joint'}_orient" for node in turns})
     translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
-    notes, lifted = dict(above.notes), {}
+    notes, lifted = dict(above.metadata), {}
     for before, node in enumerate(sorted(turns)):
         delta, holder, old = turns[node], node + before, node + before + 1
         translation, rotation, scale = _parts(rig, node, signs[node])
@@ -93,7 +93,7 @@ def split(rig: Rig, turns: Mapping[int, Floats]) -> Rig:
         replace(clip, tracks=tuple(_lifted(t, lifted) for t in clip.tracks)) for clip in above.clips
     )
     return replace(
-        above, translation=translations, rotation=rotations, matrix=matrices, clips=clips, notes=notes
+        above, translation=translations, rotation=rotations, matrix=matrices, clips=clips, metadata=notes
     )
 
 
@@ -218,14 +218,14 @@ def _reorient_bound(rig: Rig, delta: Floats) -> Rig:
 
 def _hand_over_payload(rig: Rig, delta: Floats) -> Rig:
     """Give what a turned node shows to a new child that stands as the node stood."""
-    carriers = np.flatnonzero(rotates(delta) & (rig.payload[: len(delta)] >= 0)).tolist()
+    carriers = np.flatnonzero(rotates(delta) & (rig.attachment[: len(delta)] >= 0)).tolist()
     if not carriers:
         return rig
-    shown = rig.payload[carriers]
-    payload = rig.payload.copy()
-    payload[carriers] = -1
+    shown = rig.attachment[carriers]
+    attachment = rig.attachment.copy()
+    attachment[carriers] = -1
     names = [f"{rig.names[node] or 'node'}_payload" for node in carriers]
-    moved = replace(rig, payload=payload).with_nodes(
+    moved = replace(rig, attachment=attachment).with_nodes(
         names, carriers, np.zeros((len(carriers), 3)), conjugate(delta[carriers]), shown.tolist()
     )
     return _redirect_weights(moved, dict(zip(carriers, range(len(rig), len(moved)), strict=True)))

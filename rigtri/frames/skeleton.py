@@ -61,13 +61,13 @@ def skeleton(
     if joints:
         joints = sorted(joints)
     elif root is not None:
-        joints = [node for node in rig.below(rig.find(root, "node")) if rig.payload[node] < 0]
+        joints = [node for node in rig.below(rig.find(root, "node")) if rig.attachment[node] < 0]
     else:
         joints = np.flatnonzero(rig.is_joint).tolist()
         if not joints and "hips" in rig.humanoid:
             joints = rig.below(rig.humanoid["hips"])
         elif not joints and plain:
-            joints = [node for node in range(len(rig)) if rig.payload[node] < 0]
+            joints = [node for node in range(len(rig)) if rig.attachment[node] < 0]
     joints = [joint for joint in joints if joint not in rig.holders]
     if not joints and root is not None:
         raise FileError(
@@ -94,7 +94,7 @@ def skeleton(
 
 
 def _carries(rig: Rig, joints: list[int]) -> Booleans:
-    carries = rig.payload >= 0
+    carries = rig.attachment >= 0
     for skin in rig.skins:
         carries[skin.joints[skin.weighted]] = True
     for node in range(len(rig) - 1, -1, -1):

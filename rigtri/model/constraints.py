@@ -118,7 +118,7 @@ def rules_of(rig: Rig) -> dict[int, Rule]:
     Notes are what a file says: another program, or somebody, may have changed them.
     """
     found = {}
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") == "constraint" and _whole(note):
             names = (note["child"], *note["drivers"], *note.get("chain", ()))
             names += (note["worldUpObject"],) if "worldUpObject" in note else ()

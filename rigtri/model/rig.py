@@ -41,10 +41,10 @@ class Rig(NodeNames):
     than its own index. translation (n, 3), rotation xyzw (n, 4), scale (n, 3):
     the rest pose as stored, signs and unnormalised quaternions included; a node
     with ``has_matrix`` keeps its rest in ``matrix`` (n, 4, 4) instead.
-    payload: (n,), the node whose mesh, camera or light a node shows, −1 for none.
+    attachment: (n,), the node whose mesh, camera or light a node shows, −1 for none.
     keys: what only the format understands; None for a node that is new. labels: ``#index`` in the file.
     bound: vectors that the format keeps in the frame of a node. humanoid: VRM bone names.
-    notes: what rigtri has stored on a node. rules: what the format prescribes. pending: what is to be done
+    metadata: what rigtri has stored on a node. rules: what the format prescribes. pending: what is to be done
     to the file when the rig is written. content: what the file draws, read when needed.
     source: the file, of a rig that `rigtri.read` gave.
     """
@@ -56,15 +56,15 @@ class Rig(NodeNames):
     scale: Floats
     matrix: Floats
     has_matrix: Booleans
-    payload: Integers
+    attachment: Integers
     keys: tuple[Hashable, ...]
     labels: tuple[str, ...]
     skins: tuple[Skin, ...] = ()
     clips: tuple[Clip, ...] = ()
     bound: tuple[Bound, ...] = ()
-    constraints: tuple[NodeConstraint, ...] = ()
+    node_constraints: tuple[NodeConstraint, ...] = ()
     humanoid: Mapping[str, int] = field(default_factory=dict)
-    notes: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+    metadata: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     rules: FormatRules = field(default_factory=FormatRules)
     pending: PendingEdits = field(default_factory=PendingEdits)
     content: Content = field(default_factory=Content)
@@ -125,26 +125,26 @@ class Rig(NodeNames):
     @cached_property
     def own(self) -> frozenset[int]:
         """Nodes that rigtri has added, with what shows the lines of controls and holds joints of ours."""
-        made = {node for node, note in self.notes.items() if note.get("type") in ADDED}
+        made = {node for node, note in self.metadata.items() if note.get("type") in ADDED}
         drawings = (
             child
             for node in made
             for child in self.children[node]
-            if self.names[child] == _DRAWING and self.payload[child] == child and not self.children[child]
+            if self.names[child] == _DRAWING and self.attachment[child] == child and not self.children[child]
         )
         # A skeleton that holds none but joints of ours is a prim between them and the group.
         between = (
             child
             for node in made
             for child in self.children[node]
-            if self.payload[child] < 0 and made.issuperset(self.children[child] or (-1,))
+            if self.attachment[child] < 0 and made.issuperset(self.children[child] or (-1,))
         )
         # What the script of export-blender puts below IK ends.
         switches = (
             child
             for node in made
             for child in self.children[node]
-            if SWITCH.fullmatch(self.names[child]) and self.payload[child] < 0 and not self.children[child]
+            if SWITCH.fullmatch(self.names[child]) and self.attachment[child] < 0 and not self.children[child]
         )
         return frozenset(made.union(drawings, between, switches))
 
@@ -171,7 +171,7 @@ class Rig(NodeNames):
             scale=self.scale[keep],
             matrix=self.matrix[keep],
             has_matrix=self.has_matrix[keep],
-            payload=np.full(len(keep), -1),
+            attachment=np.full(len(keep), -1),
             keys=tuple(self.keys[node] for node in keep),
             labels=tuple(self.labels[node] for node in keep),
             clips=clips,
@@ -206,7 +206,7 @@ class Rig(NodeNames):
         """Joints whose axes a node of their own above them holds (``type: frame`` with ``joint``)."""
         return {
             child: node
-            for node, note in self.notes.items()
+            for node, note in self.metadata.items()
             if note.get("type") == "frame" and "joint" in note
             for child in self.children[node][:1]
         }
@@ -255,7 +255,7 @@ class Rig(NodeNames):
             scale=self.scale[old],
             matrix=self.matrix[old],
             has_matrix=self.has_matrix[old],
-            payload=moved(self.payload[old]),
+            attachment=moved(self.attachment[old]),
             keys=tuple(self.keys[k] for k in order),
             labels=tuple(self.labels[k] for k in order),
             skins=tuple(replace(skin, joints=place[skin.joints]) for skin in self.skins),
@@ -264,9 +264,11 @@ class Rig(NodeNames):
                 for clip in self.clips
             ),
             bound=tuple(replace(b, node=new[b.node]) for b in self.bound),
-            constraints=tuple(replace(c, node=new[c.node], source=new[c.source]) for c in self.constraints),
+            node_constraints=tuple(
+                replace(c, node=new[c.node], source=new[c.source]) for c in self.node_constraints
+            ),
             humanoid={bone: new[k] for bone, k in self.humanoid.items()},
-            notes={new[k]: note for k, note in self.notes.items()},
+            metadata={new[k]: note for k, note in self.metadata.items()},
             rules=self.rules.reordered(new),
             pending=self.pending.reordered(new),
             content=self.content.reordered(new),
@@ -278,7 +280,7 @@ class Rig(NodeNames):
         parents: Sequence[int],
         translation: Floats,
         rotation: Floats,
-        payload: Sequence[int] | None = None,
+        attachment: Sequence[int] | None = None,
     ) -> Rig:
         """This rig with new nodes (scale 1) appended; their keys are None."""
         count = len(names)
@@ -291,7 +293,7 @@ class Rig(NodeNames):
             scale=np.concatenate([self.scale, np.ones((count, 3))]),
             matrix=np.concatenate([self.matrix, np.broadcast_to(np.eye(4), (count, 4, 4))]),
             has_matrix=np.append(self.has_matrix, np.zeros(count, dtype=bool)),
-            payload=np.append(self.payload, [-1] * count if payload is None else payload),
+            attachment=np.append(self.attachment, [-1] * count if attachment is None else attachment),
             keys=(*self.keys, *[None] * count),
             labels=(*self.labels, *(f"+{name}" for name in names)),
         )

@@ -173,7 +173,9 @@ class _Builder:
         """
         options, found = self.options, list[int]()
         if options.selection.named or options.whole_character:
-            found = [k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.notes.get(k))]
+            found = [
+                k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.metadata.get(k))
+            ]
             if not options.selection.named:
                 found = [joint for joint in found if self.tree.carries[joint]]
         missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
@@ -235,7 +237,7 @@ class _Builder:
         told = {word: value for word, value in given.items() if value is not None}
         if control is None or not told:
             return
-        note = {word: value for word, value in self.rig.notes[control].items() if word not in told}
+        note = {word: value for word, value in self.rig.metadata[control].items() if word not in told}
         note |= {word: value for word, value in told.items() if value}
         self.rig = noted(self.rig, control, note)
 
@@ -332,16 +334,16 @@ class _Builder:
         """A pole vector for every IK limb, drawn where it is new."""
         if not self.limbs:
             return
-        before = set(self.rig.notes)
+        before = set(self.rig.metadata)
         limbs = tuple(dict.fromkeys(self.limbs))
         wanted = replace(self.options.poles, limb=limbs, limbs=None, as_=self.options.ends)
         self.rig = add_polevector(self.rig, options=wanted, report=self.report)
         for node in self._drawn_poles(limbs):
-            middle = self.rig.find(str(self.rig.notes[node]["chain"][1]))
+            middle = self.rig.find(str(self.rig.metadata[node]["chain"][1]))
             drawing = self._drawing("pole", middle, 0.5 * self._size(middle)[0], np.array([1.0, 0.0, 0.0]))
             if node not in before:
                 self.rig = draw(self.rig, node, drawing)
-            elif "shape" in self.rig.notes[node]:
+            elif "shape" in self.rig.metadata[node]:
                 asked = self._asked("pole", middle)
                 self.rig = draw_anew(self.rig, node, drawing, asked, self.report)
 

@@ -244,7 +244,7 @@ def _placed(
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
-        drawing = {key: rig.notes[node][key] for key in KEYS if key in rig.notes[node]}
+        drawing = {key: rig.metadata[node][key] for key in KEYS if key in rig.metadata[node]}
         rig = noted(rig, node, note | drawing)
         return (move_joint if joint else stand)(rig, node, position, axes), node
     if options.as_ == "joint":

@@ -110,7 +110,7 @@ def aim_of(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
 def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
     """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
-    below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.notes.get(k))]
+    below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.metadata.get(k))]
     weighted = [k for k in below if tree.carries[k]]
     some = weighted or below
     if not some:
@@ -200,7 +200,7 @@ def _tip(tree: Skeleton, joint: int) -> int | None:
     bare = [
         k
         for k in rig.children[joint]
-        if k not in tree.above and not rig.children[k] and rig.payload[k] < 0 and k not in rig.notes
+        if k not in tree.above and not rig.children[k] and rig.attachment[k] < 0 and k not in rig.metadata
     ]
     named = [k for k in bare if rig.names[k].lower().endswith(("_end", ".end", "_tip", "end"))]
     one = named if len(named) == 1 else bare

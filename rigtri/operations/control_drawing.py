@@ -37,14 +37,14 @@ def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:
     color = (float(drawing.color[0]), float(drawing.color[1]), float(drawing.color[2]))
     size = float(drawing.size)
     lines = drawn(drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead)
-    note = {**rig.notes[node], "shape": drawing.shape, "size": size, "color": list(color)}
+    note = {**rig.metadata[node], "shape": drawing.shape, "size": size, "color": list(color)}
     pending = replace(rig.pending, shapes={**rig.pending.shapes, node: lines})
     return replace(noted(rig, node, note), pending=pending)
 
 
 def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], report: Report) -> Rig:
     """Draw at a known node what is ``asked`` for, of KEYS; the rest stays, and what a user has edited."""
-    note = rig.notes[node]
+    note = rig.metadata[node]
     if not asked:
         return rig
     if node not in rig.pending.shapes and not _is_ours(rig, node, note):

@@ -47,7 +47,7 @@ def call(rig: Rig, wanted: Mapping[int, str], rule: str, report: Report) -> Rig:
     every = list(rig.names)
     for node, name in names.items():
         above = int(rig.parents[node])
-        if rig.notes.get(above, {}).get("type") == "offset" and _goes_along(rig, node, above):
+        if rig.metadata.get(above, {}).get("type") == "offset" and _goes_along(rig, node, above):
             offsets[above] = f"{name}_offset"
         every[node] = name
     rig = replace(rig, names=tuple(every))
@@ -61,7 +61,7 @@ def call(rig: Rig, wanted: Mapping[int, str], rule: str, report: Report) -> Rig:
 def remembered(rig: Rig, nodes: Any) -> Rig:
     """The rig with notes that say what nodes are called, so that another name is known as a user's."""
     for node in nodes:
-        rig = noted(rig, node, {**rig.notes[node], "named": rig.names[node]})
+        rig = noted(rig, node, {**rig.metadata[node], "named": rig.names[node]})
     return rig
 
 
@@ -69,7 +69,7 @@ def _may_change(rig: Rig, node: int, name: str, report: Report) -> bool:
     """Whether a control has the name that it was given, or none yet."""
     if rig.keys[node] is None or rig.names[node] == name:
         return True
-    mine = rig.notes[node].get("named") == rig.names[node]
+    mine = rig.metadata[node].get("named") == rig.names[node]
     if not mine or rig.is_joint[node]:
         why = "joints keep their names" if mine else "that name was not given by rigtri"
         report.warn("name-kept", f"'{rig.title(node)}' is not renamed to '{name}': {why}")
@@ -86,7 +86,7 @@ def _addressed(before: Rig, rig: Rig, nodes: list[int]) -> Rig:
     now = {old: new for old, new in now.items() if old != new}
     if not now:
         return rig
-    for node, note in list(rig.notes.items()):
+    for node, note in list(rig.metadata.items()):
         rig = noted(rig, node, {key: _follow(key, value, now) for key, value in note.items()})
     return rig
 

@@ -121,7 +121,7 @@ class _Stays:
     def __init__(self, tree: Skeleton, ref: ReferencePose) -> None:
         self._tree, self._ref = tree, ref
         self._eyes = {tree.rig.humanoid[eye] for eye in _EYES if eye in tree.rig.humanoid}
-        self._driven = {c.node for c in tree.rig.constraints if c.kind == "roll"}
+        self._driven = {c.node for c in tree.rig.node_constraints if c.kind == "roll"}
         self._carrying: dict[int, int] = {}
 
     def why(self, joint: int) -> str:

@@ -274,7 +274,7 @@ def _known(rig: Rig, title: str) -> list[int]:
     """The joints of a limb that an earlier run has made, root first."""
     found = [
         (int(note["part"]), node)
-        for node, note in rig.notes.items()
+        for node, note in rig.metadata.items()
         if note.get("type") == "limb" and note.get("limb") == title
     ]
     return [node for _, node in sorted(found)]

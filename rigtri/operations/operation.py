@@ -68,7 +68,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 with np.errstate(all="ignore"):
                     made = function(replace(rig, source=None), *others, report=own, **keywords)
             finally:
-                report.take(own)
+                report.merge(own)
             return replace(made, source=rig.source.after(own))
 
         called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]

@@ -51,7 +51,7 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
     solver = Solver(rig, at_work)
     posed = solver.run({} if timeline is None else sample_parts(rig, timeline.clip, np.array([time])))
     if report is not None:
-        report.hear(solver_warnings(solver, posed, lambda _: options.at))
+        report.extend(solver_warnings(solver, posed, lambda _: options.at))
     return posed
 
 
@@ -109,7 +109,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     pose that is no numbers.
     """
     posed = pose_of(rig, options, report)
-    kept = {node for node, note in rig.notes.items() if note.get("type") in _KEPT}
+    kept = {node for node, note in rig.metadata.items() if note.get("type") in _KEPT}
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):

@@ -22,7 +22,7 @@ _SAME_PLACE = 1e-7
 
 def group(rig: Rig) -> tuple[Rig, int]:
     """The node that holds everything rigtri adds; new where there is none: a root, or on the `Rig.shelf`."""
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") == "group":
             return rig, node
     return add(rig, GROUP, rig.rules.group_parent, {"v": 1, "type": "group"})
@@ -43,12 +43,12 @@ def add(rig: Rig, name: str, parent: int, note: Mapping[str, Any]) -> tuple[Rig,
 
 def noted(rig: Rig, node: int, note: Mapping[str, Any]) -> Rig:
     """The rig with another note on a node."""
-    return rig if rig.notes.get(node) == note else replace(rig, notes={**rig.notes, node: note})
+    return rig if rig.metadata.get(node) == note else replace(rig, metadata={**rig.metadata, node: note})
 
 
 def find(rig: Rig, **said: Any) -> int | None:
     """The first node whose note says all of ``said``; None where there is none."""
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if all(note.get(key) == value for key, value in said.items()):
             return node
     return None
@@ -96,7 +96,7 @@ def unposed(rig: Rig, node: int) -> Floats:
     """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
     world = np.eye(4)
     while node >= 0:
-        if rig.notes.get(node, {}).get("type") != "control":
+        if rig.metadata.get(node, {}).get("type") != "control":
             world = multiply(world, rig.local[node])
         node = int(rig.parents[node])
     return world

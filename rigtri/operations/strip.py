@@ -37,12 +37,12 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     Raises GeometryError where a node of someone else hangs below one of ours.
     """
     gone = _gone(rig)
-    readers = [node for node in gone if rig.notes.get(node, {}).get("type") == "poseReader"]
+    readers = [node for node in gone if rig.metadata.get(node, {}).get("type") == "poseReader"]
     rig, driven = restored(rig, readers, report)
     for node, columns in driven.items():
         report.driven.setdefault(rig.keys[node], set()).update(columns)
     notes = {}
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if node in gone:
             continue
         if note.get("type") == "frame" and "joint" in note and not options.splits:
@@ -50,7 +50,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
             continue
         report.removed.append({"node": rig.address(node), "type": str(note.get("type", "")), "kept": True})
     for node in sorted(gone):
-        kind = str(rig.notes.get(node, {}).get("type", "shape"))
+        kind = str(rig.metadata.get(node, {}).get("type", "shape"))
         report.removed.append({"node": rig.address(node), "type": kind, "kept": False})
     if not report.removed:
         return rig
@@ -59,8 +59,8 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     stripped = replace(
         rig,
         names=names,
-        notes=notes,
-        constraints=_others(rig),
+        metadata=notes,
+        node_constraints=_others(rig),
         pending=replace(
             rig.pending,
             removed=rig.pending.removed | gone,
@@ -127,7 +127,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
                 )
             rows[row] = rows[heir] if heir >= 0 else 0
             if heir >= 0:
-                note = rig.notes[int(skin.joints[row])]
+                note = rig.metadata[int(skin.joints[row])]
                 at[row] = float(note["at"])
                 at[heir] = 1.0 if rig.known(note["driver"]) == int(skin.joints[heir]) else 0.0
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
@@ -138,7 +138,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
 def _widths(rig: Rig, gone: frozenset[int]) -> dict[int, int]:
     """How many joints each point of a mesh had before its weights were split, by the mesh's node."""
     found: dict[int, int] = {}
-    for entry in (entry for node in sorted(gone) for entry in rig.notes.get(node, {}).get(INFLUENCES, ())):
+    for entry in (entry for node in sorted(gone) for entry in rig.metadata.get(node, {}).get(INFLUENCES, ())):
         mesh = rig.known(entry["mesh"])
         if mesh is not None:
             found[mesh] = min(int(entry["count"]), found.get(mesh, int(entry["count"])))
@@ -156,7 +156,7 @@ def _weighted(rig: Rig, number: int) -> Booleans:
 
 def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
     """The row of the bone that a twist joint stands along, which its weight was split from; -1 for none."""
-    note = rig.notes.get(node, {})
+    note = rig.metadata.get(node, {})
     bone = rig.known(note.get("joint")) if note.get("type") == "twist" else None
     places = np.flatnonzero(skin.joints == (-1 if bone is None or bone in gone else bone))
     return int(places[0]) if len(places) else -1
@@ -165,7 +165,7 @@ def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
 def _others(rig: Rig) -> tuple[NodeConstraint, ...]:
     """The node constraints that no rule of ours is told by."""
     ours = constraints_from_metadata(rig)
-    return tuple(c for c in rig.constraints if ours.get(c.node) != c.kind)
+    return tuple(c for c in rig.node_constraints if ours.get(c.node) != c.kind)
 
 
 def _gone(rig: Rig) -> frozenset[int]:
@@ -174,7 +174,7 @@ def _gone(rig: Rig) -> frozenset[int]:
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:
-                joint = rig.notes.get(node, {}).get("joint")
+                joint = rig.metadata.get(node, {}).get("joint")
                 where = f"'{joint}' or another node that stays" if joint else "a node that stays"
                 raise GeometryError(
                     f"'{rig.title(child)}' hangs below '{rig.title(node)}', which is to go, and is not "

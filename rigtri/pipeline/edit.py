@@ -120,7 +120,7 @@ def edit(
                         changed = rig is not document.rig
                         ready(Outcome(report, result, True, changed, clock.laps, rig, files), written)
                     written.finish()
-                    report.hear(_left_behind(document, path, final, needed))
+                    report.extend(_left_behind(document, path, final, needed))
             except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
@@ -198,7 +198,7 @@ def _deliver(
     result = _compared(document, path, rig, written, names, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
-        report.hear(document.warnings)  # which meshes could only be bounded
+        report.extend(document.warnings)  # which meshes could only be bounded
         raise DeviationError(
             f"The result would look different: {result.summary(tolerance)}. Nothing was written."
             f"{why_near(document.rig, rig, result, tolerance)}"
@@ -239,7 +239,7 @@ def _to_stdout(written: Written) -> None:
 
 def _hear(document: Document, report: Report, strict: bool) -> None:
     """Take the document's notices into the report; with ``strict`` the first of all is an error."""
-    report.hear(document.warnings)
+    report.extend(document.warnings)
     if strict:
         report.refuse_warnings()
 

@@ -34,14 +34,22 @@ def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
 def known(document: Document, path: Path, options: ReadOptions, content: bytes | None = None) -> Rig:
     """The rig of a document that was read from ``path``, or from ``content``, able to be written."""
     told = Report()
-    told.hear(document.warnings)
+    told.extend(document.warnings)
     _protect(document.rig)
     return replace(document.rig, source=Origin(path, document, options, told, content))
 
 
 def _protect(rig: Rig) -> None:
     """Let nobody write over numbers of a file: what is compared with them would not see it."""
-    numbers = [rig.parents, rig.translation, rig.rotation, rig.scale, rig.matrix, rig.has_matrix, rig.payload]
+    numbers = [
+        rig.parents,
+        rig.translation,
+        rig.rotation,
+        rig.scale,
+        rig.matrix,
+        rig.has_matrix,
+        rig.attachment,
+    ]
     numbers += [bound.vector for bound in rig.bound]
     numbers += [each for skin in rig.skins for each in (skin.joints, skin.inverse_bind)]
     numbers += [each for clip in rig.clips for track in clip.tracks for each in (track.times, track.values)]
@@ -70,7 +78,7 @@ def write(
         raise UsageError("this rig was not read by rigtri.read; there is no file to write it back into")
 
     def step(first: Rig, report: Report) -> Rig:
-        report.take(origin.told)
+        report.merge(origin.told)
         same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "origin")
         return first if same else replace(rig, source=None)
 

@@ -29,6 +29,6 @@ class Origin:
     def after(self, report: Report) -> Origin:
         """This origin for a rig to which something more was done; other rigs of the file keep theirs."""
         told = Report()
-        told.take(self.told)
-        told.take(report)
+        told.merge(self.told)
+        told.merge(report)
         return replace(self, told=told)

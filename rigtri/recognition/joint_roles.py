@@ -52,7 +52,7 @@ def _role(
     if names:
         return names[0], 0.9, [f"its name says {names[0]}"]
     if not rig.is_joint[node] and rig.is_joint.any():
-        if rig.payload[node] >= 0 or rig.children[node]:
+        if rig.attachment[node] >= 0 or rig.children[node]:
             return "attachment", 0.9, ["no joint of a skin: something that hangs at one"]
         return "end", 0.9, ["no joint of a skin, and nothing below it: where the bone above ends"]
     return next(_by_place(draft, node), ("deform", 0.6, ["moves points"]))

@@ -279,7 +279,7 @@ class Driven:
         for track in rig.clips[0].tracks if key is not None else ():
             self.local[track.node] = track.values[key]
         self.ready: set[int] = set()
-        for constraint in rig.constraints if key is not None else ():
+        for constraint in rig.node_constraints if key is not None else ():
             self._drive(constraint.node)
 
     def world(self, node: int) -> tuple[Floats, Floats]:
@@ -297,7 +297,7 @@ class Driven:
             node = int(self.rig.parents[node])
 
     def _drive(self, node: int) -> None:
-        constraint = next((c for c in self.rig.constraints if c.node == node), None)
+        constraint = next((c for c in self.rig.node_constraints if c.node == node), None)
         if node in self.ready or constraint is None:
             return
         self.ready.add(node)

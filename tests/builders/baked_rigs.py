@@ -71,7 +71,7 @@ def moved(rig: Rig, node: int, by: Floats) -> Rig:
 def control(rig: Rig, joint: str, kind: str) -> int:
     return next(
         node
-        for node, note in rig.notes.items()
+        for node, note in rig.metadata.items()
         if note.get("type") == "control" and note["kind"] == kind and note["joint"] == joint
     )
 

@@ -118,7 +118,7 @@ def _posereader(rig: Rig, report: Report) -> Rig:
         ((("up", rig.address(m.node), "0"),) for m in rig.meshes if len(m.morphs)),
         (),
     )
-    control = next((k for k, note in rig.notes.items() if note.get("type") == "control"), None)
+    control = next((k for k, note in rig.metadata.items() if note.get("type") == "control"), None)
     values = (("ahead", rig.address(control), "bend"),) if control is not None else ()
     wanted = posereader.AddPosereaderOptions(
         driver=rig.address(driver), targets=goals, morphs=morphs, attributes=values, name="reader"

@@ -51,7 +51,7 @@ def character(seed: int = 0) -> Held:
         PARENTS,
         random.normal(size=(8, 3)),
         unit(random.normal(size=(8, 4))),
-        payload=np.array([-1, -1, -1, -1, SWORD, CAMERA, BODY, FACE]),
+        attachment=np.array([-1, -1, -1, -1, SWORD, CAMERA, BODY, FACE]),
     )
     joints = np.array([SPINE, HIPS, HAND, ARM])
     skin = Skin("skin", joints, inverse(rig.world[joints]), key=0)

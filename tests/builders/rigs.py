@@ -29,7 +29,7 @@ def rig_of(
         "scale": np.ones((n, 3)),
         "matrix": np.broadcast_to(np.eye(4), (n, 4, 4)).copy(),
         "has_matrix": np.zeros(n, dtype=bool),
-        "payload": np.full(n, -1),
+        "attachment": np.full(n, -1),
     }
     return Rig(
         names=tuple(names),
@@ -70,7 +70,7 @@ def random_rig(seed: int, *, joints: int = 6) -> Rig:
         scale=random.uniform(0.5, 2, (n, 1)) * random.choice([-1.0, 1.0], (n, 3)),
         has_matrix=has_matrix,
         matrix=_matrices(random, n),
-        payload=np.where(random.random(n) < 0.3, np.arange(n), -1),
+        attachment=np.where(random.random(n) < 0.3, np.arange(n), -1),
     )
     skin = Skin("skin", random.permutation(n), _matrices(random, n))
     clip = Clip("clip", tuple(_tracks(random, np.flatnonzero(~has_matrix).tolist())))
@@ -86,7 +86,9 @@ def random_turns(seed: int, count: int) -> Floats:
 
 def lawful(rig: Rig, turns: Floats) -> Floats:
     """The same turns, but none for nodes that are held by the file or by constraints."""
-    ties = [(c.node, c.source, int(rig.parents[c.node]), int(rig.parents[c.source])) for c in rig.constraints]
+    ties = [
+        (c.node, c.source, int(rig.parents[c.node]), int(rig.parents[c.source])) for c in rig.node_constraints
+    ]
     held = {*rig.rules.fixed, *(node for tie in ties for node in tie if node >= 0)}
     turns = turns.copy()
     turns[list(held)] = IDENTITY

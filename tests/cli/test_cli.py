@@ -78,7 +78,7 @@ def test_notes_in_written_files_keep_to_their_schema(samples: Path, tmp_path: Pa
         for name in ("biped.glb", "biped.usda"):
             out = tmp_path / f"{number}{name}"
             run("add-polevector", samples / name, "-o", out, *options)
-            for note in read(out).rig.notes.values():
+            for note in read(out).rig.metadata.values():
                 schema.validate(note)
                 found += note["type"] == "poleVector"
     assert found == 2 * (4 + 1)

@@ -48,7 +48,7 @@ def kept_of(solver: Solver, parts: dict[int, Parts], block: int, frames: int) ->
 def test_blocks_change_no_bit_of_what_controls_get(block: int) -> None:
     solver, parts = moving(100)
     whole = kept_of(solver, parts, 100, 100)
-    assert {note["type"] for node, note in solver.rig.notes.items() if node in whole} == {
+    assert {note["type"] for node, note in solver.rig.metadata.items() if node in whole} == {
         "control",
         "offset",
         "poleVector",

@@ -52,7 +52,7 @@ def expected(rig: Rig, controls: dict[str, Any], only_fk: bool) -> dict[str, Flo
         rig.find(name): Parts(*(np.array([channels[word]]) for word in ONE))
         for name, channels in controls.items()
     }
-    fk = {node for node, note in rig.notes.items() if note.get("kind") in ("fk", "root")}
+    fk = {node for node, note in rig.metadata.items() if note.get("kind") in ("fk", "root")}
     solver = Solver(rig, fk if only_fk else None)
     posed, rest = solver.run(parts), solver.reference.world
     joints = np.flatnonzero(rig.is_joint).tolist()
@@ -550,7 +550,7 @@ def test_bones_of_real_characters_follow_controls(name: str, tmp_path: Path) -> 
     document = read(rigged)
     rig, meters = document.rig, document.scenery().whole.get("metersPerUnit", 1.0)
     ends, fk = (
-        [rig.names[node] for node, note in rig.notes.items() if (note["type"], note.get("kind")) == wanted]
+        [rig.names[node] for node, note in rig.metadata.items() if (note["type"], note.get("kind")) == wanted]
         for wanted in (("control", "ik"), ("control", "fk"))
     )
     size = float(np.linalg.norm(np.ptp(rig.world[np.flatnonzero(rig.is_joint), 3, :3], axis=0)))

@@ -154,7 +154,7 @@ def scaled(rig: Rig, scale: list[float]) -> Rig:
             "fixed: its axes mean something",
         ),
         (lambda rig: replace(rig, humanoid={"head": 0}), "vrm:head"),
-        (lambda rig: replace(rig, payload=np.array([0, -1, -1])), "carries a mesh, camera or light"),
+        (lambda rig: replace(rig, attachment=np.array([0, -1, -1])), "carries a mesh, camera or light"),
         (
             lambda rig: replace(
                 rig, skins=(replace(rig.skins[0], weigh=lambda: np.array([False, True, True])),)
@@ -197,7 +197,7 @@ def test_notes_and_warnings_come_last() -> None:
     note = {"v": 1, "type": "poleVector", "chain": ["a", "b", "c"], "reach": 0.5}
     report = Report()
     report.warn("straight", "a - b - c is straight")
-    text = describe(replace(rig, notes={3: note}), report=report)
+    text = describe(replace(rig, metadata={3: note}), report=report)
     assert "  b_pole  under -  at 1 12.4142 0  poleVector  chain a b c  reach 0.5" in text
     assert text.endswith("\n\nwarnings\n  straight: a - b - c is straight")
 

@@ -24,7 +24,7 @@ def test_the_sidecar_describes_what_the_file_holds(samples: Path, tmp_path: Path
     assert said == json.loads(json.dumps(description(rig)))
     for entry in said["nodes"]:
         node = rig.find(entry["node"], "node")
-        assert entry["note"] == dict(rig.notes[node])
+        assert entry["note"] == dict(rig.metadata[node])
         assert entry["parent"] is None or rig.find(entry["parent"], "node") == rig.parents[node]
     kinds = {entry["note"]["type"] for entry in said["nodes"]}
     assert kinds == {"group", "control", "offset", "poleVector"}

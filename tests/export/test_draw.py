@@ -119,13 +119,13 @@ def test_a_straight_limb_has_its_chord_alone() -> None:
 def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> None:
     rig = _poles(_controls(read(SAMPLES / "biped.glb").rig, Report()), Report())
     marks = seen(rig)
-    poles = [k for k, note in rig.notes.items() if note["type"] == "poleVector"]
+    poles = [k for k, note in rig.metadata.items() if note["type"] == "poleVector"]
     found = {mark.node: mark.points[0] for mark in of_kind(marks, "locator")}
     assert set(found) == {rig.address(k) for k in poles}
     for node in poles:
         assert np.allclose(found[rig.address(node)], rig.world[node, 3, :3])
     controls = {mark.node for mark in of_kind(marks, "control")}
-    assert {rig.address(k) for k, note in rig.notes.items() if note["type"] == "control"} <= controls
+    assert {rig.address(k) for k, note in rig.metadata.items() if note["type"] == "control"} <= controls
     assert 'style="stroke:#' in draw(rig)
 
 

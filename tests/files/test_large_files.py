@@ -158,7 +158,7 @@ def test_mapped_files_are_closed_with_the_document(tmp_path: Path, all_mapped: N
 def test_a_glb_that_would_grow_over_4_gib_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     source = holed_glb(tmp_path / "a.glb", small(), LIMIT - 3)
     with pytest.raises(FileError, match=r"4 GiB a GLB can hold; convert it to \.gltf"):
-        edit(source, tmp_path / "b.glb", lambda rig, _: replace(rig, notes={0: {"v": 1, "type": "group"}}))
+        edit(source, tmp_path / "b.glb", lambda rig, _: replace(rig, metadata={0: {"v": 1, "type": "group"}}))
     assert [path.name for path in tmp_path.iterdir()] == ["a.glb"]
 
 

@@ -53,8 +53,8 @@ def test_what_a_joint_shows_stays_where_it_was(seed: int) -> None:
     rig = random_rig(seed)
     turned = reframe(rig, random_turns(seed, len(rig)))
     before, after = poses(rig), poses(turned)
-    shown = {int(origin): node for node, origin in enumerate(turned.payload) if origin >= 0}
-    assert set(shown) == set(rig.payload[rig.payload >= 0].tolist())
+    shown = {int(origin): node for node, origin in enumerate(turned.attachment) if origin >= 0}
+    assert set(shown) == set(rig.attachment[rig.attachment >= 0].tolist())
     for origin, node in shown.items():
         assert_allclose(after[:, node], before[:, origin], atol=1e-9)
 
@@ -62,7 +62,7 @@ def test_what_a_joint_shows_stays_where_it_was(seed: int) -> None:
 @given(seeds)
 def test_there_and_back_is_where_one_was(seed: int) -> None:
     rig, turn = random_rig(seed), random_turns(seed, 6)
-    rig = replace(rig, payload=np.full(len(rig), -1))
+    rig = replace(rig, attachment=np.full(len(rig), -1))
     back = reframe(reframe(rig, turn), conjugate(turn))
     assert_allclose(poses(back), poses(rig), atol=1e-9)
     assert_allclose(back.skins[0].inverse_bind, rig.skins[0].inverse_bind, atol=1e-9)
@@ -75,7 +75,7 @@ def test_there_and_back_is_where_one_was(seed: int) -> None:
 @given(seeds)
 def test_two_turns_are_their_product(seed: int) -> None:
     rig, first, second = random_rig(seed), random_turns(seed, 6), random_turns(seed + 1, 6)
-    rig = replace(rig, payload=np.full(len(rig), -1), scale=np.abs(rig.scale))
+    rig = replace(rig, attachment=np.full(len(rig), -1), scale=np.abs(rig.scale))
     one_by_one = reframe(reframe(rig, first), second)
 
     at_once = reframe(rig, then(first, second))
@@ -129,12 +129,12 @@ def test_a_vector_that_a_format_keeps_in_a_frame_follows() -> None:
 
 
 def test_a_payload_gets_a_node_of_its_own_and_its_morphs_follow() -> None:
-    rig = replace(chain((0, 0, 0), (1, 0, 0)), payload=np.array([0, -1]))
+    rig = replace(chain((0, 0, 0), (1, 0, 0)), attachment=np.array([0, -1]))
     weights = Track(0, "weights", "STEP", np.array([0.0]), np.array([[1.0]]))
     rig = replace(rig, clips=(Clip("clip", (weights,)),))
     turned = reframe(rig, np.stack([QUARTER, IDENTITY]))
     assert turned.names[2] == "a_payload"
-    assert turned.payload.tolist() == [-1, -1, 0]
+    assert turned.attachment.tolist() == [-1, -1, 0]
     assert turned.clips[0].tracks[0].node == 2
     assert_allclose(turned.world[2], np.eye(4), atol=1e-15)
 
@@ -180,14 +180,14 @@ def test_splits_at_once_are_those_one_after_another(seed: int) -> None:
     assert at_once.names == one_by_one.names
     assert at_once.labels == one_by_one.labels
     assert at_once.keys == one_by_one.keys
-    for array in ("parents", "translation", "rotation", "scale", "matrix", "has_matrix", "payload"):
+    for array in ("parents", "translation", "rotation", "scale", "matrix", "has_matrix", "attachment"):
         assert_array_equal(getattr(at_once, array), getattr(one_by_one, array))
     assert_array_equal(at_once.skins[0].joints, one_by_one.skins[0].joints)
     for one, other in zip(at_once.clips, one_by_one.clips, strict=True):
         for a, b in zip(one.tracks, other.tracks, strict=True):
             assert (a.node, a.path) == (b.node, b.path)
             assert_array_equal(a.values, b.values)
-    assert at_once.notes.keys() == one_by_one.notes.keys()
+    assert at_once.metadata.keys() == one_by_one.metadata.keys()
 
 
 def test_a_chain_split_at_each_joint_alternates_holders_and_joints() -> None:

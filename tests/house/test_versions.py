@@ -48,7 +48,7 @@ def test_every_version_has_its_kept_files() -> None:
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_a_kept_file_is_read_and_taken_apart(path: Path, samples: Path, tmp_path: Path) -> None:
     document = read(path)
-    notes = document.rig.notes
+    notes = document.rig.metadata
     assert {note["type"] for note in notes.values()} == set(KNOWN)
     for note in notes.values():
         validator("node").validate(note)
@@ -57,7 +57,7 @@ def test_a_kept_file_is_read_and_taken_apart(path: Path, samples: Path, tmp_path
     edit(path, bare, stripped)
     assert verify(read(samples / path.name), read(bare)).deviation == 0.0
     assert not diff(samples / path.name, bare).rig
-    assert not read(bare).rig.notes
+    assert not read(bare).rig.metadata
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.name}")

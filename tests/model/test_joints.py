@@ -218,7 +218,7 @@ def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: P
     assert len(after.skins[0].joints) == len(before.skins[0].joints) + 8
     world = after.world
     for node in after.skins[0].joints[-8:].tolist():
-        told = after.notes[node]
+        told = after.metadata[node]
         validator("node").validate(told)
         start = after.find(told["chain"][0])
         assert not after.is_below(node, start)
@@ -305,7 +305,7 @@ def test_strip_takes_joints_out_again(suffix: str, samples: Path, tmp_path: Path
     edit(built, back, lambda rig, report: strip(rig, report=report))
     before, after = read(source).rig, read(back).rig
     assert after.names == before.names
-    assert after.notes == {}
+    assert after.metadata == {}
     assert [after.names[k] for k in after.skins[0].joints] == [
         before.names[k] for k in before.skins[0].joints
     ]

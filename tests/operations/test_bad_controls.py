@@ -53,7 +53,9 @@ def limb(name: str) -> tuple[Rig, int, int, Floats, Floats]:
     rig = rigged(name)
     end = control(rig, "hand_L", "ik")
     pole = next(
-        n for n, note in rig.notes.items() if note.get("type") == "poleVector" and "forearm_L" in rig.names[n]
+        n
+        for n, note in rig.metadata.items()
+        if note.get("type") == "poleVector" and "forearm_L" in rig.names[n]
     )
     root, hand = (rig.world[rig.find(joint), 3, :3] for joint in (ARM[0], ARM[2]))
     return rig, end, pole, root, hand
@@ -249,9 +251,9 @@ def test_controls_that_go_round_in_a_circle_are_named(name: str) -> None:
     # `constrain` refuses circles, so somebody else wrote this one.
     notes = {
         node: {**note, "drivers": ["hand_L"]} if note.get("type") == "constraint" else note
-        for node, note in rig.notes.items()
+        for node, note in rig.metadata.items()
     }
-    circle = replace(rig, notes=notes)
+    circle = replace(rig, metadata=notes)
     at = f"{rig.clips[0].name}@0.5"
     for run in (
         lambda: bake(circle, options=BakeOptions()),

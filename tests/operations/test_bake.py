@@ -186,8 +186,8 @@ def test_a_constraint_is_worked_out_in_every_clip() -> None:
 def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float, float], far: float) -> None:
     """Nor when it folds far the other way: the pole, as the bone saw it at rest, comes onto the line."""
     rig = rigged("tpose.glb")
-    limb = next(note["chain"] for note in rig.notes.values() if note.get("type") == "poleVector")
-    pole = next(node for node, note in rig.notes.items() if note.get("type") == "poleVector")
+    limb = next(note["chain"] for note in rig.metadata.values() if note.get("type") == "poleVector")
+    pole = next(node for node, note in rig.metadata.items() if note.get("type") == "poleVector")
     middle = rig.find(limb[1])
     times = np.linspace(0.0, 1.0, 321)
     turns = np.stack([from_axis_angle(np.array(hinge), angle) for angle in np.linspace(-far, far, 321)])
@@ -316,8 +316,8 @@ def test_a_joint_that_only_the_root_control_carries_keeps_its_motion(name: str) 
 
 def without_fk(rig: Rig) -> Rig:
     """The rig whose limbs have IK alone, as other builders make them."""
-    notes = {node: note for node, note in rig.notes.items() if note.get("kind") != "fk"}
-    return replace(rig, notes=notes)
+    notes = {node: note for node, note in rig.metadata.items() if note.get("kind") != "fk"}
+    return replace(rig, metadata=notes)
 
 
 def growing(rig: Rig) -> Rig:

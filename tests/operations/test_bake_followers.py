@@ -54,8 +54,8 @@ def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
 
 def turned(rig: Rig, joint: str) -> Rig:
     """The control of the joint turns by half a right angle, at other times than the joint did."""
-    control = next(n for n, note in rig.notes.items() if note.get("type") == "control")
-    assert rig.notes[control]["joint"] == joint
+    control = next(n for n, note in rig.metadata.items() if note.get("type") == "control")
+    assert rig.metadata[control]["joint"] == joint
     times = np.array([0.0, 0.5, 1.0]) * rig.rules.per_second
     values = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in (0.0, 0.5, 0.8)])
     values = values.astype(np.float32).astype(np.float64)
@@ -70,7 +70,7 @@ def off_surface(rig: Rig, clip: Clip, times: Floats) -> float:
     mesh = next(m for m in rig.meshes if m.name.startswith("Skin") or "Skin" in m.name)
     world = sampling.worlds(rig, sampling.locals_at(rig, clip, times))
     points = skinning.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, times))
-    middle = points[:, np.array(rig.notes[node]["vertices"], dtype=np.int64)].mean(axis=1)
+    middle = points[:, np.array(rig.metadata[node]["vertices"], dtype=np.int64)].mean(axis=1)
     return float(np.linalg.norm(world[:, node, 3, :3] - middle, axis=-1).max())
 
 
@@ -163,7 +163,7 @@ def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_told(tmp_path: Path) -
     source, joint, mesh = source_of("glb", tmp_path)
     rig = turned(built(read(source).rig, joint, mesh, Report()), joint)
     rivet = rig.find("button", "node")
-    rig = replace(rig, notes={**rig.notes, rivet: {**rig.notes[rivet], "mesh": "Coat"}})
+    rig = replace(rig, metadata={**rig.metadata, rivet: {**rig.metadata[rivet], "mesh": "Coat"}})
     report = Report()
     baked = bake(rig, options=BakeOptions(), report=report)
     assert [notice.code for notice in report.warnings] == ["follower-kept"]
@@ -175,8 +175,8 @@ def test_the_seat_is_that_of_the_rivet_not_of_its_number(tmp_path: Path) -> None
     source, joint, mesh = source_of("glb", tmp_path)
     rig = built(read(source).rig, joint, mesh, Report())
     node = rig.find("button", "node")
-    note = dict(rig.notes[node])
+    note = dict(rig.metadata[node])
     baked = bake(turned(rig, joint), options=BakeOptions())
-    assert dict(baked.notes[node]) == note
+    assert dict(baked.metadata[node]) == note
     seat = SkinnedPoints(baked, baked.meshes[0], np.array(note["vertices"])).at_rest().mean(axis=0)
     assert_allclose(baked.world[node, 3, :3], seat, atol=1e-6)

@@ -36,7 +36,7 @@ def off(rig: Rig, clip: str) -> float:
     times = sampling.key_times(rig.clip(clip))
     world = sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))
     far = 0.0
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") == "control" and note["kind"] == "fk":
             joint = rig.find(note["joint"])
             place = np.abs(world[:, node, 3, :3] - world[:, joint, 3, :3]).max() / size(rig)
@@ -77,16 +77,16 @@ def test_the_offsets_of_a_limb_move_and_no_others() -> None:
     rig = rigged()
     up = bake(rig, options=BakeOptions(to="controls"))
     moved = {t.node for clip in up.clips for t in clip.tracks}
-    offsets = {node for node, note in up.notes.items() if note.get("type") == "offset"} & moved
-    limbs = {j for note in up.notes.values() if note.get("kind") == "ik" for j in note.get("chain", ())}
-    assert {up.notes[node]["joint"] for node in offsets} == limbs
-    assert {up.notes[node]["kind"] for node in offsets} == {"fk"}
+    offsets = {node for node, note in up.metadata.items() if note.get("type") == "offset"} & moved
+    limbs = {j for note in up.metadata.values() if note.get("kind") == "ik" for j in note.get("chain", ())}
+    assert {up.metadata[node]["joint"] for node in offsets} == limbs
+    assert {up.metadata[node]["kind"] for node in offsets} == {"fk"}
 
 
 def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
     rig = rigged()
     up = bake(rig, options=BakeOptions(to="controls"))
-    offsets = {node for node, note in up.notes.items() if note.get("type") == "offset"}
+    offsets = {node for node, note in up.metadata.items() if note.get("type") == "offset"}
     clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node not in offsets)) for c in up.clips)
     with_them, without = (
         bake(up, options=BakeOptions()),
@@ -100,7 +100,7 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     rig = rigged()
     hand = next(
         node
-        for node, note in rig.notes.items()
+        for node, note in rig.metadata.items()
         if note.get("type") == "control" and note["kind"] == "fk" and note["joint"] == "hand_L"
     )
     rule = ConstrainOptions(kind="parent", child="staff", drivers=((rig.names[hand], 1.0),))
@@ -108,7 +108,7 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     offset = rig.world[rig.find("staff")] @ np.linalg.inv(rig.world[hand])
     up = bake(rig, options=BakeOptions(to="controls"))
     # A file whose offsets have no keys: the solver itself must put the control there.
-    still = {node for node, note in up.notes.items() if note.get("type") == "offset"}
+    still = {node for node, note in up.metadata.items() if note.get("type") == "offset"}
     clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node not in still)) for c in up.clips)
     home = bake(replace(up, clips=clips), options=BakeOptions())
     times = sampling.key_times(rig.clip("walk"))

@@ -176,7 +176,7 @@ def test_offset_and_joint_orient_go_together() -> None:
     rotation[0] = about_z(80)
     out = replace(made, rotation=rotation)
     assert_allclose(solved(out)[2], compose([0, 0, 0], about_z(105), [1, 1, 1]), atol=1e-12)
-    (rule,) = (rule_of(out, note) for note in out.notes.values() if note["type"] == "constraint")
+    (rule,) = (rule_of(out, note) for note in out.metadata.values() if note["type"] == "constraint")
     local = apply_constraints(out, out.normalised_local[np.newaxis])[0, 2]
     assert_allclose(np.degrees(rotate_of(rule, to_parts(local).rotation)), [0, 0, 65], atol=1e-10)
     # Taking the joint orient out of the world turn, before the parent, is what fails in the article.
@@ -330,7 +330,7 @@ def test_an_aim_without_direction_or_up_is_defined() -> None:
     out.translation[0] = 0
     assert_allclose(solved(replace(out))[1], np.eye(4), atol=1e-12)
     with pytest.raises(GeometryError, match="no direction to aim in"):
-        constrain(replace(out, notes={}), options=options("aim", "driver"))
+        constrain(replace(out, metadata={}), options=options("aim", "driver"))
 
 
 ARM = chain((0, 0, 0), (1, 0.2, 0), (2, 0, 0), names="abc")
@@ -346,7 +346,7 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
     for keep, wanted in ((True, [1, 3, 0]), (False, [1, 0, 3])):
         given = ConstrainOptions("polevector", drivers=(("knee", 1.0),), limb=limb, maintain_offset=keep)
         out = constrain(rig, options=given)
-        (note,) = (note for note in out.notes.values() if note["type"] == "constraint")
+        (note,) = (note for note in out.metadata.values() if note["type"] == "constraint")
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
         rule = rule_of(out, note)
         # In the plane of the bend, as far from the line of root and end as the driver.
@@ -468,7 +468,7 @@ def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Pat
     assert outcome.verification.deviation == 0.0
     rig = read(once, TRUSTING).rig
     says = validator("node")
-    for note in rig.notes.values():
+    for note in rig.metadata.values():
         says.validate(note)
     report = edit(once, twice, step, options=TRUSTING).report
     assert once.read_bytes() == twice.read_bytes()
@@ -520,7 +520,7 @@ def test_three_vrm_evaluates_the_exported_constraints_as_we_do(samples: Path, tm
     document.write(out, path, path)
     assert glb_json(path)["extensionsUsed"].count("VRMC_node_constraint") == 1
     rig = read(path).rig
-    assert sorted(c.kind for c in rig.constraints) == ["aim", "roll", "roll", "rotation", "rotation"]
+    assert sorted(c.kind for c in rig.node_constraints) == ["aim", "roll", "roll", "rotation", "rotation"]
     assert_three_vrm_agrees(path, 5, tmp_path)
 
 
@@ -529,7 +529,7 @@ def assert_three_vrm_agrees(path: Path, count: int, folder: Path) -> None:
     rig = read(path).rig
     (shown,) = three_vrm(path, folder=folder)
     assert shown["constraints"] == count
-    free = {rig.find(str(note["child"])) for note in rig.notes.values() if note["type"] == "constraint"}
+    free = {rig.find(str(note["child"])) for note in rig.metadata.values() if note["type"] == "constraint"}
     moved = dict.fromkeys(free, 0.0)
     for step in range(0, 40, 3):
         local = locals_at(rig, rig.clips[0], [step / 60])
@@ -561,7 +561,7 @@ def test_three_vrm_evaluates_constraints_on_real_avatars_in_random_poses_as_we_d
     document = read(posed)
     rig = told(looking(document.rig, "head", "hand.R"), *REAL)
     document.write(rig, out, out)
-    assert sorted(c.kind for c in read(out).rig.constraints) == ["aim", "roll", "roll", "rotation"]
+    assert sorted(c.kind for c in read(out).rig.node_constraints) == ["aim", "roll", "roll", "rotation"]
     assert_three_vrm_agrees(out, 4, tmp_path)
 
 
@@ -630,7 +630,7 @@ def test_what_vrm_cannot_say_stays_in_extras_and_is_told(
 ) -> None:
     report = Report()
     out = constrain(read(samples / "biped.glb").rig, options=given, report=report)
-    assert not out.constraints
+    assert not out.node_constraints
     (notice,) = (notice for notice in report.warnings if notice.code == "constraint-not-vrm")
     assert why in notice.text
 
@@ -688,7 +688,7 @@ def test_every_kind_is_the_same_in_both_formats(
     out = tmp_path / f"out{suffix}"
     edit(samples / f"biped{suffix}", out, following(given))
     rig = read(out).rig
-    (note,) = (note for note in rig.notes.values() if note["type"] == "constraint")
+    (note,) = (note for note in rig.metadata.values() if note["type"] == "constraint")
     validator("node").validate(note)
     mine = constrain(read(samples / "biped.glb").rig, options=given).notes
     (theirs,) = (other for other in mine.values() if other["type"] == "constraint")
@@ -710,7 +710,7 @@ def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -
         lambda rig, report: add_controls(rig, options=AddControlsOptions(root_control=True)),
     )
     rig = read(first).rig
-    (control,) = (rig.names[node] for node, note in rig.notes.items() if note["type"] == "control")
+    (control,) = (rig.names[node] for node, note in rig.metadata.items() if note["type"] == "control")
     given = ConstrainOptions("parent", "staff", ((control, 1.0), ("hand_L", 1.0)))
     edit(first, out, following(given))
     stage = Usd.Stage.Open(str(out))
@@ -763,7 +763,7 @@ def test_usd_has_no_vrm_constraints(samples: Path, tmp_path: Path) -> None:
     cli("constrain", source, "-o", out, *arguments, "--vrm-constraints", code=2)
     told = NodeConstraint("rotation", 2, 1, np.zeros(3))
     with pytest.raises(FileError, match="--vrm-constraints"):
-        edit(source, out, lambda rig, report: replace(rig, constraints=(told,)))
+        edit(source, out, lambda rig, report: replace(rig, node_constraints=(told,)))
     assert not out.exists()
 
 
@@ -816,7 +816,7 @@ def test_notes_are_what_they_were(
     """To the last bit. Where they change on purpose: pytest --update-golden, and say so in the changelog."""
     out, golden = tmp_path / name, GOLDENS / f"constrain_{name}.json"
     edit(samples / name, out, lambda rig, report: told(rig, *GOLDEN))
-    notes = [note for note in read(out).rig.notes.values() if note["type"] == "constraint"]
+    notes = [note for note in read(out).rig.metadata.values() if note["type"] == "constraint"]
     text = "[\n" + ",\n".join(json.dumps(note, sort_keys=True) for note in notes) + "\n]\n"
     if pytestconfig.getoption("--update-golden"):
         golden.write_text(text, "utf-8", newline="\n")
@@ -848,10 +848,10 @@ def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> No
     rig = constrain(random_pose(1), options=options("orient", "driver", "other"))
     node = len(rig) - 1
     assert set(rules_of(rig)) == {node}
-    broken = replace(rig, notes={**rig.notes, node: {**rig.notes[node], **wrong}})
+    broken = replace(rig, metadata={**rig.metadata, node: {**rig.metadata[node], **wrong}})
     assert not rules_of(broken)
     local = broken.normalised_local[np.newaxis]
     assert apply_constraints(broken, local).tolist() == local.tolist()
     turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))
-    assert reframe(broken, turns).notes == broken.notes
+    assert reframe(broken, turns).notes == broken.metadata
     assert len(constrain(broken, options=options("point", "driver"))) == len(rig) + 1

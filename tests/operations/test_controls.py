@@ -37,7 +37,7 @@ def controls(rig: Rig, kind: str = "fk") -> dict[str, int]:
     """The controls of a kind by their joints."""
     return {
         str(note["joint"]): node
-        for node, note in rig.notes.items()
+        for node, note in rig.metadata.items()
         if note["type"] == "control" and note["kind"] == kind
     }
 
@@ -85,7 +85,7 @@ def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
 def test_sides_have_their_colours(samples: Path) -> None:
     out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
     blue, red, yellow = (
-        [s.color for n, s in out.pending.shapes.items() if out.notes[n].get("side") == side]
+        [s.color for n, s in out.pending.shapes.items() if out.metadata[n].get("side") == side]
         for side in ("left", "right", "")
     )
     assert len(set(blue)) == len(set(red)) == len(set(yellow)) == 1
@@ -134,7 +134,7 @@ def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> N
     (root,) = controls(out, "root").values()
     ik = controls(out, "ik")
     assert len(ik) == 4
-    poles = [node for node, note in out.notes.items() if note["type"] == "poleVector"]
+    poles = [node for node, note in out.metadata.items() if note["type"] == "poleVector"]
     assert {int(out.parents[node]) for node in poles} == {root}
     assert {int(out.parents[out.parents[node]]) for node in ik.values()} == {root}
     assert_allclose(out.world[root, :3, :3], np.eye(3), atol=1e-12)
@@ -163,7 +163,7 @@ def test_controls_change_nothing_and_come_only_once(path: Path, tmp_path: Path) 
     assert once.read_bytes() == twice.read_bytes()
     assert not any(entry["new"] for entry in report.added)
     says = validator("node")
-    for note in read(once, TRUSTING).rig.notes.values():
+    for note in read(once, TRUSTING).rig.metadata.values():
         says.validate(note)
 
 
@@ -255,7 +255,7 @@ def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
         rig = read(whole).rig
         fk = [
             note["joint"]
-            for note in rig.notes.values()
+            for note in rig.metadata.values()
             if (note["type"], note.get("kind")) == ("control", "fk")
         ]
         assert len(fk) == len(set(fk)) > 10  # one for each joint
@@ -287,7 +287,7 @@ def test_what_is_asked_for_later_is_drawn_anew_where_nobody_has_edited(
     assert four.read_bytes() == one.read_bytes()  # nothing asked for, nothing changed
     before, after = (read(path).rig for path in (one, two))
     for joint in ("forearm_L", "hand_L"):
-        was, now = (rig.notes[controls(rig)[joint]] for rig in (before, after))
+        was, now = (rig.metadata[controls(rig)[joint]] for rig in (before, after))
         assert (was["shape"], now["shape"]) == ("circle", "cube")
         assert now["size"] == pytest.approx(2 * was["size"])
         assert np.abs(lines(after, joint).segments).max() == pytest.approx(now["size"])
@@ -297,9 +297,9 @@ def test_what_is_asked_for_later_is_drawn_anew_where_nobody_has_edited(
     assert three.read_bytes() == two.read_bytes()
     # One thing asked for leaves the others as they are.
     redone(two, five, colors={"left": (1.0, 0.0, 0.0)})
-    note = read(five).rig.notes[controls(read(five).rig)["hand_L"]]
+    note = read(five).rig.metadata[controls(read(five).rig)["hand_L"]]
     assert (note["shape"], note["color"]) == ("cube", [1.0, 0.0, 0.0])
-    assert note["size"] == pytest.approx(2 * before.notes[controls(before)["hand_L"]]["size"])
+    assert note["size"] == pytest.approx(2 * before.metadata[controls(before)["hand_L"]]["size"])
 
 
 def test_lines_that_a_user_has_edited_stay_and_are_named(samples: Path, tmp_path: Path) -> None:
@@ -330,7 +330,7 @@ def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
         return add_controls(rig, options=options, report=report)
 
     assert not edit(one, two, cubes).report.warnings
-    drawn = {note["shape"] for note in read(two).rig.notes.values() if note["type"] == "poleVector"}
+    drawn = {note["shape"] for note in read(two).rig.metadata.values() if note["type"] == "poleVector"}
     assert drawn == {"cube"}
     edit(two, three, cubes)
     assert three.read_bytes() == two.read_bytes()
@@ -355,7 +355,7 @@ def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
     rig = read(three).rig
     assert rig.names[controls(rig)["hand_L"]] == "hand_L_anim"
     assert rig.names[rig.parents[controls(rig)["hand_L"]]] == "hand_L_anim_offset"
-    (constraint,) = (note for note in rig.notes.values() if note["type"] == "constraint")
+    (constraint,) = (note for note in rig.metadata.values() if note["type"] == "constraint")
     assert constraint["drivers"] == ["hand_L_anim"]
     if suffix == "usda":
         from pxr import Usd
@@ -415,7 +415,7 @@ def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) 
     run = partial(cli, code=0)
 
     def note(path: Path, joint: str) -> Any:
-        notes = read(path).rig.notes.values()
+        notes = read(path).rig.metadata.values()
         return next(
             n for n in notes if n.get("kind") == "ik" and n["type"] == "control" and n["joint"] == joint
         )
@@ -443,7 +443,9 @@ def test_limbs_with_ik_have_fk_controls_below_it_though_no_point_hangs_on_them(w
     options = AddControlsOptions(whole_character=True) if whole else AddControlsOptions(ik=(limb,))
     made = add_controls(replace(rig, skins=skins), options=options)
     fk = {
-        note["joint"] for note in made.notes.values() if note.get("kind") == "fk" and note["type"] != "offset"
+        note["joint"]
+        for note in made.metadata.values()
+        if note.get("kind") == "fk" and note["type"] != "offset"
     }
     assert {"thigh_L", "shin_L", "foot_L"} <= fk
     assert "toe_L" not in fk

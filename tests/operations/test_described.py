@@ -42,7 +42,7 @@ def shown(source: Path, out: Path, defaults: bool = True) -> Path:
         for node in document["nodes"]:
             node.pop("extras", None)
         for track in rig.clip("walk").tracks:
-            if track.node in rig.notes:
+            if track.node in rig.metadata:
                 document["nodes"][int(rig.labels[track.node][1:])][track.path] = track.values[0].tolist()
         out.write_text(json.dumps(document))
         return out
@@ -114,8 +114,10 @@ def test_a_file_that_has_its_notes_takes_those_of_the_rig_that_is_named(name: st
 
 def moved_note(rig: Rig) -> tuple[Rig, int]:
     """The rig with another softness for its first limb."""
-    node = next(n for n, note in rig.notes.items() if note.get("kind") == "ik" and note["type"] == "control")
-    return replace(rig, notes={**rig.notes, node: {**rig.notes[node], "soft": 0.25}}), node
+    node = next(
+        n for n, note in rig.metadata.items() if note.get("kind") == "ik" and note["type"] == "control"
+    )
+    return replace(rig, metadata={**rig.metadata, node: {**rig.metadata[node], "soft": 0.25}}), node
 
 
 def biped() -> Rig:
@@ -140,11 +142,11 @@ def test_notes_of_the_rig_that_is_named_win_and_that_is_told() -> None:
 
 def test_joints_keep_their_rest_and_their_controls_get_that_of_the_other() -> None:
     rig = biped()
-    control = next(n for n, note in rig.notes.items() if note["type"] == "control")
+    control = next(n for n, note in rig.metadata.items() if note["type"] == "control")
     joint = int(np.flatnonzero(rig.is_joint)[0])
     translation = rig.translation.copy()
     translation[[control, joint]] += 0.5
-    found = as_described(replace(rig, notes={}, translation=translation), rig)
+    found = as_described(replace(rig, metadata={}, translation=translation), rig)
     assert (found.translation[control] == rig.translation[control]).all()
     assert (found.translation[joint] == translation[joint]).all()
 
@@ -156,7 +158,7 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     rotation = rig.rotation.copy()
     rotation[control] = turn
     report = Report()
-    found = as_described(replace(rig, notes={}, rotation=rotation), rig, report=report)
+    found = as_described(replace(rig, metadata={}, rotation=rotation), rig, report=report)
     assert (found.rotation[control] == rig.rotation[control]).all()
     (notice,) = report.warnings
     assert (notice.code, notice.geometry) == ("held-without-keys", False)
@@ -170,15 +172,15 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
         assert len(track.times) == 1
     # A key of the same property in any clip says that what is stored as rest is a frame of it.
     key = Track(control, "rotation", "STEP", np.zeros(1), turn[np.newaxis])
-    keyed = replace(rig, notes={}, rotation=rotation, clips=(*rig.clips, Clip("nod", (key,))))
+    keyed = replace(rig, metadata={}, rotation=rotation, clips=(*rig.clips, Clip("nod", (key,))))
     assert as_described(keyed, rig).clips == keyed.clips
     # And so does a clip of the other file, which this one need not have, that moves it past the pose.
     turns = np.array([[0.0, 0, 0, 1], [np.sin(0.7), 0, 0, np.cos(0.7)]])
     nod = Clip("nod", (Track(control, "rotation", "LINEAR", np.array([0.0, 1.0]), turns),))
-    left = replace(rig, notes={}, rotation=rotation)
+    left = replace(rig, metadata={}, rotation=rotation)
     assert as_described(left, replace(rig, clips=(*rig.clips, nod))).clips == left.clips
     # Without clips there are no frames: it has been moved at rest.
-    still = as_described(replace(rig, notes={}, rotation=rotation, clips=()), rig)
+    still = as_described(replace(rig, metadata={}, rotation=rotation, clips=()), rig)
     assert (still.rotation[control] == turn).all()
 
 
@@ -202,8 +204,8 @@ def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() ->
     skin = rig.skins[0]
     inverse_bind = skin.inverse_bind.copy()
     inverse_bind[3, :3, :3] = inverse_bind[3, :3, :3][:, [1, 2, 0]]
-    turned = replace(rig, notes={}, skins=(replace(skin, inverse_bind=inverse_bind), *rig.skins[1:]))
-    offset = next(n for n, note in rig.notes.items() if note["type"] == "offset")
+    turned = replace(rig, metadata={}, skins=(replace(skin, inverse_bind=inverse_bind), *rig.skins[1:]))
+    offset = next(n for n, note in rig.metadata.items() if note["type"] == "offset")
     translation = rig.translation.copy()
     translation[offset] += 0.5
     found = as_described(replace(turned, translation=translation), rig, report=report)
@@ -216,11 +218,11 @@ def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() ->
 
 def test_what_hangs_on_another_node_keeps_its_rest_and_that_is_told() -> None:
     rig, report = biped(), Report()
-    offset = max(n for n, note in rig.notes.items() if note["type"] == "offset" and note["kind"] == "fk")
+    offset = max(n for n, note in rig.metadata.items() if note["type"] == "offset" and note["kind"] == "fk")
     parents, translation = rig.parents.copy(), rig.translation.copy()
     parents[offset] = 0
     translation[offset] += 0.5
-    still = replace(rig, notes={}, parents=parents, translation=translation)
+    still = replace(rig, metadata={}, parents=parents, translation=translation)
     assert (as_described(still, rig).translation == translation).all()  # no clip moves it
     track = Track(offset, "translation", "STEP", np.zeros(1), translation[[offset]])
     found = as_described(replace(still, clips=(Clip("new", (track,)),)), rig, report=report)
@@ -233,20 +235,20 @@ def test_joints_that_a_path_means_elsewhere_are_told_with_the_reason() -> None:
     rig = biped()
     notes = {
         node: {**note, "joint": rig.path(rig.find(note["joint"]))} if "joint" in note else note
-        for node, note in rig.notes.items()
+        for node, note in rig.metadata.items()
     }
     two = rig.with_nodes(["hips"], [-1], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
-    elsewhere = replace(rig, notes={}, names=("other", *rig.names[1:]))
+    elsewhere = replace(rig, metadata={}, names=("other", *rig.names[1:]))
     with pytest.raises(rigtri.RigtriError, match="2 nodes of that file are called 'hips'"):
-        as_described(elsewhere, replace(two, notes=notes))
+        as_described(elsewhere, replace(two, metadata=notes))
 
 
 def test_names_that_several_nodes_have_are_told() -> None:
     rig = biped()
-    own = sorted(rig.notes)
+    own = sorted(rig.metadata)
     names = [rig.names[node] for node in own]
     turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(own), 1))
-    twice = replace(rig, notes={}).with_nodes(names, [0] * len(own), np.ones((len(own), 3)), turns)
+    twice = replace(rig, metadata={}).with_nodes(names, [0] * len(own), np.ones((len(own), 3)), turns)
     # What stands at the same path is the same: so nothing may.
     names = ["up" if node == own[0] else name for node, name in enumerate(twice.names)]
     twice = replace(twice, names=tuple(names))

@@ -43,7 +43,7 @@ def made(points: Any = ARM, rig: Rig = EMPTY, **options: Any) -> tuple[Rig, list
 
 
 def pole(rig: Rig) -> int:
-    (node,) = [node for node, note in rig.notes.items() if note["type"] == "poleVector"]
+    (node,) = [node for node, note in rig.metadata.items() if note["type"] == "poleVector"]
     return node
 
 
@@ -101,7 +101,7 @@ def test_points_on_a_line_want_to_be_told_the_side() -> None:
     assert_allclose(out.world[joints[0], :3, :3], [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=1e-6)
     assert_allclose(out.world[pole(out), 3, :3], [1, 0, 1], atol=1e-6)
     assert report.limbs[0]["source"] == "given"
-    assert out.notes[joints[0]]["source"] == "given"
+    assert out.metadata[joints[0]]["source"] == "given"
     with pytest.raises(GeometryError, match="runs along the limb"):
         made(line, bend=(1.0, 0.0, 0.01))
     assert [n.code for n in made(bend=(0.0, 1.0, 0.0))[2].warnings] == ["bend-not-needed"]
@@ -135,9 +135,9 @@ def test_a_longer_chain_is_laid_into_the_plane_and_says_how_far() -> None:
     assert_allclose([entry["moved"] for entry in report.added], [0, 0.25, 0, 0.5, 0], atol=1e-12)
     normals = out.world[joints, 1, :3]
     assert_allclose(normals, np.tile([0, 0, -1.0], (5, 1)), atol=1e-6)
-    note = out.notes[joints[0]]
+    note = out.metadata[joints[0]]
     assert note["middle"] == "limb_3"
-    assert out.notes[pole(out)]["chain"] == ["limb_1", "limb_3", "limb_5"]
+    assert out.metadata[pole(out)]["chain"] == ["limb_1", "limb_3", "limb_5"]
     assert_allclose(out.world[pole(out), 3, 2], 0.0, atol=1e-6)
 
 
@@ -163,7 +163,7 @@ def test_locators_may_stand_anywhere_below_turned_and_scaled_nodes() -> None:
     out = make_limb(rig, options=MakeLimbOptions(locators=("a", "b", "c"), parent="top"), report=report)
     joints = [out.find(f"limb_{k}") for k in (1, 2, 3)]
     assert_allclose(out.world[joints, 3], out.world[[1, 2, 3], 3], atol=1e-5)
-    assert out.notes[joints[0]]["locators"] == ["a", "b", "c"]
+    assert out.metadata[joints[0]]["locators"] == ["a", "b", "c"]
     assert report.added[0]["parent"] == "top"
 
 
@@ -208,7 +208,7 @@ def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_pat
     rig = read(out).rig
     assert_allclose(rig.world[rig.find("arm_3"), 3, :3], [50, 140, -1], atol=1e-4)
     assert [rig.names[k] for k in rig.skins[0].joints] == ["arm_1", "arm_2", "arm_3"]
-    for note in rig.notes.values():
+    for note in rig.metadata.values():
         validator("node").validate(note)
     if "usd" in suffix:
         stage = Usd.Stage.Open(str(out))
@@ -274,7 +274,7 @@ def test_limbs_change_nothing_else_and_come_only_once(path: Path, tmp_path: Path
     report = edit(once, twice, step, options=TRUSTING).report
     assert once.read_bytes() == twice.read_bytes()
     assert not any(entry["new"] for entry in report.added)
-    for note in after.rig.notes.values():
+    for note in after.rig.metadata.values():
         validator("node").validate(note)
 
 

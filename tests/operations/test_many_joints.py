@@ -160,7 +160,7 @@ def test_words_that_were_said_are_not_said_again() -> None:
     report = Report()
     report.warn("a", "one")
     report.warnings.append(Notice("b", "two"))
-    report.hear([Notice("b", "two"), Notice("a", "one"), Notice("c", "three"), Notice("c", "three")])
+    report.extend([Notice("b", "two"), Notice("a", "one"), Notice("c", "three"), Notice("c", "three")])
     report.warn("c", "three")
     assert [notice.text for notice in report.warnings] == ["one", "two", "three"]
 

@@ -136,13 +136,13 @@ def test_what_one_arm_has_the_other_gets(samples: Path) -> None:
     out = mirror(left_arm(read(samples / "biped.glb").rig))
     for name in ("clavicle", "upper_arm", "forearm", "hand"):
         control = out.find(f"{name}_R_ctl", "node")
-        note = out.notes[control]
+        note = out.metadata[control]
         assert (note["joint"], note["side"], note["shape"]) == (f"{name}_R", "right", "square")
         joint = out.world[out.find(f"{name}_R")]
         assert_allclose(out.world[control, 3, :3], joint[3, :3], atol=1e-6)
-    assert out.notes[out.find("hand_R_ik_ctl", "node")]["chain"] == ["upper_arm_R", "forearm_R", "hand_R"]
+    assert out.metadata[out.find("hand_R_ik_ctl", "node")]["chain"] == ["upper_arm_R", "forearm_R", "hand_R"]
     here, there = (out.world[out.find(f"forearm_{s}_pole", "node")] for s in "LR")
-    assert out.notes[out.find("forearm_R_pole", "node")]["reach"] == 1.25
+    assert out.metadata[out.find("forearm_R_pole", "node")]["reach"] == 1.25
     assert_allclose(here[3, :3] * REFLECT, there[3, :3], atol=1e-6)
 
 

@@ -86,7 +86,7 @@ def about(x: float, y: float, z: float, angle: float = 0.7) -> Floats:
 
 
 def said(rig: Rig, name: str) -> dict[str, Any]:
-    return dict(rig.notes[rig.find(name, "node")])
+    return dict(rig.metadata[rig.find(name, "node")])
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_all_of_one_side_is_built_on_the_other_once_and_nothing_else_moves(
     edit(once, twice, both)
     assert twice.read_bytes() == once.read_bytes()
     rig = read(once).rig
-    for note in rig.notes.values():
+    for note in rig.metadata.values():
         validator("node").validate(note)
     found = asymmetry(rig)
     assert not found.worse()
@@ -205,7 +205,7 @@ def test_a_mirrored_reader_reads_the_same_of_the_mirrored_pose(built: Rig) -> No
 
 def readers(rig: Rig) -> dict[str, str]:
     """The pose readers and their drivers."""
-    return {n["name"]: n["driver"] for n in rig.notes.values() if n["type"] == "poseReader"}
+    return {n["name"]: n["driver"] for n in rig.metadata.values() if n["type"] == "poseReader"}
 
 
 def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path: Path) -> None:
@@ -231,7 +231,7 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
     assert not asymmetry(read(two).rig, options=MirrorOptions(from_side="right")).alone
     edit(two, back, lambda rig, report: mirror(rig, options=MirrorOptions(from_side="right"), report=report))
     assert readers(read(back).rig) == made
-    targets = {n["name"]: n["targets"] for n in read(two).rig.notes.values() if n["type"] == "poseReader"}
+    targets = {n["name"]: n["targets"] for n in read(two).rig.metadata.values() if n["type"] == "poseReader"}
     for a, b in (("bend", "bend_R_2"), ("bend_L", "bend_R"), ("tw", "tw_R")):
         lead, follow = (np.array(targets[name][0]["direction"]) for name in (a, b))
         world = read(two).rig.world
@@ -320,13 +320,13 @@ def test_a_mode_that_keeps_vrm_constraints_is_named_where_another_loses_them(
         report = Report()
         out = mirror(read(one).rig, options=MirrorOptions(mode=mode), report=report)
         told = {notice.code: notice.text for notice in report.warnings}
-        kinds = [note.get("vrm") for note in out.notes.values() if note.get("child") == "hand.R"]
+        kinds = [note.get("vrm") for note in out.metadata.values() if note.get("child") == "hand.R"]
         assert ("constraint-not-vrm" in told) == (kinds == [None])
         if kinds == [None]:
             lost.append(mode)
             (other,) = [text for code, text in told.items() if code == "mode-keeps-vrm"]
             kept = mirror(read(one).rig, options=MirrorOptions(mode=other.split()[1]))  # type: ignore[arg-type]
-            assert [n.get("vrm") for n in kept.notes.values() if n.get("child") == "hand.R"] == ["roll"]
+            assert [n.get("vrm") for n in kept.metadata.values() if n.get("child") == "hand.R"] == ["roll"]
         # A twin that keeps its axes for a reason of its own is a twin all the same.
         assert "'hand.R' keeps its axes, as its twin 'hand.L' does not turn" in told["no-twin"]
     assert 0 < len(lost) < len(MIRRORS)

@@ -265,7 +265,7 @@ def test_a_straight_limb_nobody_knows_is_marked_as_invented_and_strictly_refused
     out = oriented(rebound(rig), report)
     assert report.joints[1]["invented"]
     assert any(notice.geometry for notice in report.warnings)
-    assert out.notes[1]["invented"] is True
+    assert out.metadata[1]["invented"] is True
     assert np.isfinite(out.rotation).all()
     assert oriented(out) is out
 

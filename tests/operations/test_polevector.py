@@ -87,7 +87,7 @@ def test_a_second_run_finds_its_locator_and_moves_it() -> None:
     assert len(again) == len(once)
     assert_allclose(position(again), [3, 14, 0])
     same = placed(once)
-    assert same.notes == once.notes
+    assert same.metadata == once.metadata
     assert np.array_equal(same.translation, once.translation)
 
 

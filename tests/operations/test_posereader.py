@@ -174,7 +174,7 @@ def test_a_morph_follows_the_pose_and_the_other_keeps_its_keys(kind: str, tmp_pa
     assert_allclose(weights_of(once, np.array([0.0, second]))[:, 0], [0, 1], atol=1e-7)
     driven(once, twice, for_kind(kind))
     assert once.read_bytes() == twice.read_bytes()
-    for note in read(once).rig.notes.values():
+    for note in read(once).rig.metadata.values():
         validator("node").validate(note)
 
 
@@ -183,7 +183,7 @@ def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_pa
     source = source_of(kind, tmp_path)
     driven(source, tmp_path / f"out.{kind}", for_kind(kind))
     rig = read(tmp_path / f"out.{kind}").rig
-    (note,) = (note for note in rig.notes.values() if note["type"] == "poseReader")
+    (note,) = (note for note in rig.metadata.values() if note["type"] == "poseReader")
     second = 1.0 if kind == "glb" else 24.0
     times = np.linspace(0, second, 9)
     world = sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], times))
@@ -400,7 +400,9 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
         texts = [notice.text for notice in report.warnings if notice.code == "pose-clamped"]
         assert len(texts) == told
         assert all("runs from 0 to 1: its pose is that at 1" in text for text in texts)
-        readers.append(next(note for note in out.notes.values() if note["type"] == "poseReader")["targets"])
+        readers.append(
+            next(note for note in out.metadata.values() if note["type"] == "poseReader")["targets"]
+        )
     assert readers[0] == readers[1]
 
 
@@ -412,7 +414,7 @@ def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str
     out = orient_joints(rig, options=OrientJointsOptions())
     found = []
     for each in (rig, out):
-        note = next(note for note in each.notes.values() if note["type"] == "poseReader")
+        note = next(note for note in each.metadata.values() if note["type"] == "poseReader")
         clip = each.clip("walk")
         world = sampling.worlds(each, sampling.locals_at(each, clip, sampling.key_times(clip)))
         driver, frame = (world[:, each.find(note[key])] for key in ("driver", "frame"))

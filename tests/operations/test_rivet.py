@@ -103,7 +103,7 @@ def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path
     assert once.read_bytes() == twice.read_bytes()
     assert not any(entry["new"] for entry in again.added)
     says = validator("node")
-    for note in read(once, TRUSTING).rig.notes.values():
+    for note in read(once, TRUSTING).rig.metadata.values():
         says.validate(note)
 
 
@@ -117,7 +117,7 @@ def test_a_rivet_on_the_middle_of_a_triangle_by_hand(tmp_path: Path) -> None:
     edge = np.array([0.75, 2, 0]) / np.hypot(0.75, 2)
     assert_allclose(world[0, :3], edge, atol=1e-7)
     assert_allclose(world[1, :3], [0, 0, 1], atol=1e-7)
-    assert out.notes[node]["vertices"] == [0, 1, 2]
+    assert out.metadata[node]["vertices"] == [0, 1, 2]
 
 
 def test_a_rivet_follows_skinning_and_morphs_by_hand(tmp_path: Path) -> None:

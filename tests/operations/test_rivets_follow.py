@@ -26,7 +26,7 @@ def off(path: Path) -> float:
     """How far rivets are from their triangles, in all clips at 101 times, by the size of the mesh."""
     rig = read(path).rig
     worst = 0.0
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note["type"] != "rivet":
             continue
         mesh = next(mesh for mesh in rig.meshes if mesh.node == rig.known(note["mesh"]))

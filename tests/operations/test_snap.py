@@ -137,10 +137,10 @@ def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
     zero = {"translation": np.zeros((1, 3)), "rotation": np.array([[0.0, 0, 0, 1]]), "scale": np.ones((1, 3))}
     still = tuple(
         replace(t, interpolation="STEP", times=t.times[:1], values=zero[t.path])
-        if rig.notes.get(t.node, {}).get("type") == "control" and t.path in zero
+        if rig.metadata.get(t.node, {}).get("type") == "control" and t.path in zero
         else t
         for t in rig.clip("walk").tracks
-        if rig.notes.get(t.node, {}).get("type") not in ("poleVector", "offset")
+        if rig.metadata.get(t.node, {}).get("type") not in ("poleVector", "offset")
     )
     rig = replace(rig, clips=(replace(rig.clip("walk"), tracks=still),))
     done = snap(rig, options=SnapOptions("fk", ("walk@0.25",)))
@@ -305,7 +305,7 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
         before, after = read(source).rig, read(target).rig
         for moment in at:
             assert apart(before, after, moment) < BOUND
-        ends = {n for n, note in after.notes.items() if note.get("kind") == "ik"}
+        ends = {n for n, note in after.metadata.items() if note.get("kind") == "ik"}
         assert bool(ends & {t.node for t in timelines(after)[0].clip.tracks}) == (to == "ik")
 
 

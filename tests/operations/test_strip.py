@@ -45,7 +45,7 @@ def test_controls_put_in_and_taken_out_leave_the_file_as_it_was(path: Path, tmp_
     outcome = edit(built, bare, stripped, options=TRUSTING)
     assert outcome.verification is not None
     assert outcome.verification.deviation == 0.0
-    assert not read(bare, TRUSTING).rig.notes
+    assert not read(bare, TRUSTING).rig.metadata
     found = diff(path, bare, options=TRUSTING)
     assert not found.rig
     other = [str(change) for change in found.file or ()]

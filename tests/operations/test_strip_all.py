@@ -236,9 +236,9 @@ def test_joints_of_ours_that_are_turned_keep_what_says_how_they_were_made(
     axes = orient.OrientJointsOptions(aim="-z", up="x", joints=("*",))
     edit(built, turned, lambda rig, report: orient.orient_joints(rig, options=axes, report=report))
     before, after = read(built).rig, read(turned).rig
-    made = {before.names[node]: note["type"] for node, note in before.notes.items()}
+    made = {before.names[node]: note["type"] for node, note in before.metadata.items()}
     assert {"limb", "twist"} <= set(made.values())
-    known = {after.names[node]: note["type"] for node, note in after.notes.items()}
+    known = {after.names[node]: note["type"] for node, note in after.metadata.items()}
     assert made.items() <= known.items()
     own = [node for node in before.own if before.is_joint[node]]
     assert (before.rotation[own] != after.rotation[own]).any() or (

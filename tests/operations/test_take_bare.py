@@ -75,7 +75,7 @@ def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -
     animated = bake(add_controls(plain, options=CONTROLS), options=BakeOptions(to="controls"))
     edit(rigged, out, partial(taking, animated, TakeClipsOptions()))
     home = rig_of(out)
-    controls = {n for n, note in home.notes.items() if note["type"] == "control"}
+    controls = {n for n, note in home.metadata.items() if note["type"] == "control"}
     assert {t.node for clip in home.clips for t in clip.tracks} & controls
     baked = bake(home, options=BakeOptions())
     assert far(baked, bake(animated, options=BakeOptions())) < 1e-4

@@ -92,7 +92,7 @@ def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
     assert once.read_bytes() == twice.read_bytes()
     assert not any(entry["new"] for entry in report.added)
     says = validator("node")
-    for note in rig.notes.values():
+    for note in rig.metadata.values():
         says.validate(note)
 
 
@@ -108,7 +108,7 @@ def weight_on_bones(path: Path) -> dict[str, Floats]:
     document = read(path, TRUSTING)
     rig = document.rig
     heads = {
-        node: rig.find(str(note["joint"])) for node, note in rig.notes.items() if note["type"] == "twist"
+        node: rig.find(str(note["joint"])) for node, note in rig.metadata.items() if note["type"] == "twist"
     }
     known = sorted(node for node in range(len(rig)) if node not in heads)
     found = {}

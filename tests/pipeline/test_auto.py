@@ -38,7 +38,7 @@ def written(body: Body, folder: Path) -> Path:
 
 def kinds(rig: Rig) -> list[str]:
     """What was built, by kind of note."""
-    return [f"{note['type']} {note.get('kind', '')}".strip() for note in rig.notes.values()]
+    return [f"{note['type']} {note.get('kind', '')}".strip() for note in rig.metadata.values()]
 
 
 @pytest.fixture(params=["right arm"])

@@ -207,7 +207,14 @@ def test_what_operations_tell_comes_with_what_is_written(tmp_path: Path) -> None
 def test_numbers_of_a_file_cannot_be_written_over(name: str) -> None:
     rig = rigtri.read(SAMPLES / name)
     clips = [values for clip in rig.clips for track in clip.tracks for values in (track.times, track.values)]
-    for numbers in (rig.payload, rig.translation, rig.rotation, rig.scale, rig.skins[0].inverse_bind, *clips):
+    for numbers in (
+        rig.attachment,
+        rig.translation,
+        rig.rotation,
+        rig.scale,
+        rig.skins[0].inverse_bind,
+        *clips,
+    ):
         with pytest.raises(ValueError, match="read-only"):
             numbers[0] = 0.0
 

@@ -47,9 +47,9 @@ def written(source: Path, target: Path, to: str) -> None:
 
 def limb(rig: Rig, end: str) -> tuple[int, int, list[str]]:
     """The IK control of a limb, its pole, and the names of the limb's joints; any where no end is said."""
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") == "control" and note["kind"] == "ik" and (not end or note["joint"] == end):
-            poles = [k for k, n in rig.notes.items() if n.get("chain") == note["chain"] and k != node]
+            poles = [k for k, n in rig.metadata.items() if n.get("chain") == note["chain"] and k != node]
             if poles:
                 return node, poles[0], list(note["chain"])
     raise AssertionError("no limb has an IK control and a pole")

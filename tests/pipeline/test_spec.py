@@ -654,7 +654,7 @@ def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_pa
         cli(*line, code=0)
     again = cli("spec-init", source, "-o", spec, code=2)
     assert "--overwrite" in again.stderr
-    assert any(note["type"] == "control" for note in read(out).rig.notes.values())
+    assert any(note["type"] == "control" for note in read(out).rig.metadata.values())
 
 
 def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None:

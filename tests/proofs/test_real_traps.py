@@ -159,7 +159,7 @@ def test_a_locator_below_a_scaled_root_has_the_size_of_the_world(scale: float, t
     limb = Limb(*(after.find(name) for name in ("thigh", "shin", "foot")))
     out = add_polevector(after, options=AddPolevectorOptions(limb=(limb,), reach=0.5))
     wanted = pole_position(*np.asarray(PLACES)[1:], reach=0.5)
-    (locator,) = (node for node, note in out.notes.items() if note["type"] == "poleVector")
+    (locator,) = (node for node, note in out.metadata.items() if note["type"] == "poleVector")
     assert_allclose(out.world[locator, 3, :3], wanted, atol=1e-5)
     assert_allclose(np.linalg.norm(out.world[locator, :3, :3], axis=1), 1.0, rtol=1e-5)
 
@@ -348,8 +348,8 @@ def test_whatever_hangs_on_joints_stays_where_it_is(tmp_path: Path) -> None:
     before, after, _, found = leg.turn(tmp_path)
     assert found.deviation <= FLOOR
     assert found.lost == ()
-    assert (after.payload >= 0).sum() == (before.payload >= 0).sum()
-    names = {after.names[node] for node in np.flatnonzero(after.payload >= 0)}
+    assert (after.attachment >= 0).sum() == (before.attachment >= 0).sum()
+    names = {after.names[node] for node in np.flatnonzero(after.attachment >= 0)}
     assert {"thigh_payload", "shin_payload", "foot_payload", "prop 1"} <= names
 
 

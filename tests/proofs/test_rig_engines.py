@@ -154,7 +154,7 @@ def test_blender_draws_every_control_at_its_joint_and_keeps_the_bones(path: Path
     world, near = rig.world, CLOSE * size_of(rig) * (metres(path) if path.suffix in USD else 1.0)
     assert len(rig.pending.shapes) > 20
     for node, shape in rig.pending.shapes.items():
-        thing = things[key_of(dict(rig.notes[node]))]
+        thing = things[key_of(dict(rig.metadata[node]))]
         assert thing["visible"]
         assert_allclose(
             np.array(thing["world"])[:3, 3], in_blender(rig, world[node, 3, :3], path), rtol=0, atol=near
@@ -199,7 +199,7 @@ def test_blender_has_a_bone_more_for_each_joint_that_is_added(
     ((_, had),), ((_, has),) = before["bones"].items(), after["bones"].items()
     assert len(has) == len(had) + more
     world = rig.world
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if rig.is_joint[node] and note["type"] in ("limb", "poleVector", "twist"):
             place = in_blender(rig, world[node, 3, :3], out)
             assert_allclose(has[rig.names[node]], place, rtol=0, atol=CLOSE * size_of(rig))
@@ -209,12 +209,12 @@ def test_blender_reads_every_note_of_gltf_as_custom_properties(samples: Path, tm
     out, rig = built(samples / "biped.glb", everything, tmp_path)
     (scene,) = blender_scene(out, folder=tmp_path)
     stored = {thing["name"]: thing["stored"] for thing in scene["things"]}
-    loose = {rig.names[node]: dict(note) for node, note in rig.notes.items() if not rig.is_joint[node]}
+    loose = {rig.names[node]: dict(note) for node, note in rig.metadata.items() if not rig.is_joint[node]}
     assert {note["type"] for note in loose.values()} >= {
         "control", "offset", "group", "poleVector", "rivet", "poseReader",
     }  # fmt: skip
     assert stored.keys() == loose.keys()
-    written = {rig.names[k]: note for k, note in read(out).rig.notes.items() if not rig.is_joint[k]}
+    written = {rig.names[k]: note for k, note in read(out).rig.metadata.items() if not rig.is_joint[k]}
     assert stored == written
 
 
@@ -222,7 +222,7 @@ def test_blender_s_usd_import_keeps_the_words_of_notes(samples: Path, tmp_path: 
     out, rig = built(samples / "biped.usdz", everything, tmp_path)
     (scene,) = blender_scene(out, folder=tmp_path)
     stored = by_note(scene["things"], "stored")
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if not rig.is_joint[node]:
             for word, value in note.items():
                 if isinstance(value, str):
@@ -238,7 +238,7 @@ def test_blender_s_own_ik_with_our_pole_vector_leaves_the_elbow_in_place(path: P
 
     out, rig = built(path, step, tmp_path)
     (limbs,) = blender_ik(out, folder=tmp_path)
-    notes = [note for note in rig.notes.values() if note["type"] == "poleVector"]
+    notes = [note for note in rig.metadata.values() if note["type"] == "poleVector"]
     assert len(limbs) == len(notes) == 4
     for note in notes:
         found = limbs[rig.names[rig.find(str(note["chain"][1]))]]
@@ -259,7 +259,7 @@ def test_three_js_draws_every_control_at_its_joint(path: Path, tmp_path: Path) -
     world, near = rig.world, 1e-6 * size_of(rig)
     assert len(rig.pending.shapes) > 20
     for node, shape in rig.pending.shapes.items():
-        thing = things[key_of(dict(rig.notes[node]))]
+        thing = things[key_of(dict(rig.metadata[node]))]
         assert thing["visible"]
         assert thing["name"] == rig.names[node]
         assert_allclose(thing["world"][12:15], world[node, 3, :3], rtol=0, atol=near)
@@ -275,5 +275,5 @@ def test_three_js_reads_every_note_of_loose_nodes(samples: Path, tmp_path: Path)
     (scene,) = three_rig(out, folder=tmp_path)
     written = read(out).rig
     assert {thing["name"]: thing["note"] for thing in scene["things"]} == {
-        written.names[node]: note for node, note in written.notes.items()
+        written.names[node]: note for node, note in written.metadata.items()
     }

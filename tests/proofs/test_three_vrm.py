@@ -63,7 +63,10 @@ def test_vrm_1_moves_as_before(seed: int, preset: str, tmp_path: Path) -> None:
     turns = np.tile(IDENTITY, (len(document.rig), 1))
     turns[NODES["sleeve"]] = unit([0.3, -0.5, 0.2, 0.7])
     broken = written(
-        replace(reframe(replace(document.rig, constraints=()), turns), constraints=document.rig.constraints),
+        replace(
+            reframe(replace(document.rig, node_constraints=()), turns),
+            node_constraints=document.rig.node_constraints,
+        ),
         document,
         tmp_path / "c.vrm",
     )
@@ -95,7 +98,7 @@ def test_a_real_vrm_0_swings_as_before(assets: Path, tmp_path: Path) -> None:
     document = GltfDocument.read(assets / "vrm" / "Godette_v4.vrm")
     turns = unit(np.random.default_rng(1).normal(size=(len(document.rig), 4)))
     turns[~document.rig.is_joint] = IDENTITY
-    for constraint in document.rig.constraints:
+    for constraint in document.rig.node_constraints:
         turns[constraint.node] = turns[constraint.source]
     turned = written(reframe(document.rig, turns), document, tmp_path / "turned.vrm")
     again = GltfDocument.read(turned)

@@ -202,7 +202,7 @@ def test_nothing_is_wrong_with_what_rigtri_itself_stores(
     out, more = tmp_path / f"out{suffix}", list(BUILT[name])
     result = cli(name, samples / f"biped{suffix}", "-o", out, *more)
     assert result.exit_code == 0, result.stderr
-    notes = read(out).rig.notes
+    notes = read(out).rig.metadata
     assert name in ("orient-joints", "mirror") or notes
     before = {item.id for item in check(samples / f"biped{suffix}")}
     found = [item for item in check(out) if item.id not in before]

@@ -36,11 +36,11 @@ def turned(held: Held, seed: int = 1) -> Held:
 def opened_again(held: Held) -> Held:
     """As after writing and reading: nodes that were new have keys and show something of their own."""
     rig, count = held.rig, len(held.rig)
-    was = rig.payload
-    payload = np.where(was >= 0, np.arange(count), -1)
+    was = rig.attachment
+    attachment = np.where(was >= 0, np.arange(count), -1)
     shows = {int(old): new for new, old in enumerate(was) if old >= 0}
     drawn = tuple(replace(mesh, node=shows.get(mesh.node, mesh.node)) for mesh in held.drawn)
-    return Held(replace(rig, payload=payload, keys=tuple(range(count))), drawn)
+    return Held(replace(rig, attachment=attachment, keys=tuple(range(count))), drawn)
 
 
 def nudged(rig: Rig, node: int, by: float = 0.01) -> Rig:
@@ -144,7 +144,7 @@ def test_a_joint_that_is_not_a_number_in_one_only_is_infinitely_apart() -> None:
 
 @BOTH
 def test_numbers_come_from_the_box_of_all_points(compare: Compare) -> None:
-    rig = rig_of(["box"], [-1], np.zeros((1, 3)), payload=np.array([0]))
+    rig = rig_of(["box"], [-1], np.zeros((1, 3)), attachment=np.array([0]))
     mesh = Mesh("box", 0, np.array([[0.0, 0, 0], [2, 3, 6]]))  # diagonal 7
     result = compare(Held(rig, (mesh,)), Held(nudged(rig, 0, 0.7), (mesh,)))
     assert_allclose([result.diagonal, result.absolute, result.deviation], [7, 0.7, 0.1])
@@ -251,7 +251,7 @@ def test_nodes_found_by_name_need_no_keys() -> None:
         parents=np.where(rig.parents[order] >= 0, back[rig.parents[order]], -1),
         translation=rig.translation[order],
         rotation=rig.rotation[order],
-        payload=np.where(rig.payload[order] >= 0, np.arange(8), -1),
+        attachment=np.where(rig.attachment[order] >= 0, np.arange(8), -1),
         skins=(replace(rig.skins[0], joints=back[rig.skins[0].joints]),),
         clips=tuple(
             replace(c, tracks=tuple(replace(t, node=int(back[t.node])) for t in c.tracks)) for c in rig.clips

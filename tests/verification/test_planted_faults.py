@@ -104,7 +104,7 @@ def rest_mirrored(rig: Rig) -> Rig:
 def camera_turned(rig: Rig) -> Rig:
     """The new node that keeps the camera's old axes, were it not turned back."""
     rotation = rig.rotation.copy()
-    node = int(np.flatnonzero(rig.payload == CAMERA)[0])
+    node = int(np.flatnonzero(rig.attachment == CAMERA)[0])
     rotation[node] = multiply(rotation[node], A_TENTH)
     return replace(rig, rotation=rotation)
 
@@ -116,7 +116,7 @@ def sword_moved(rig: Rig) -> Rig:
 
 
 def sword_not_shown(rig: Rig) -> Rig:
-    return replace(rig, payload=np.where(rig.payload == SWORD, -1, rig.payload))
+    return replace(rig, attachment=np.where(rig.attachment == SWORD, -1, rig.attachment))
 
 
 def a_joint_lost(rig: Rig) -> Rig:

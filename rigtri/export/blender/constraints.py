@@ -194,7 +194,7 @@ def _left_out(report: Report, what: str) -> None:
 def left_out(plan: Plan, report: Report) -> None:
     """Warnings for what rigtri has noted that no constraint of Blender's can say."""
     rig = plan.rig
-    for node, note in sorted(rig.notes.items()):
+    for node, note in sorted(rig.metadata.items()):
         title, kind = rig.title(node), note.get("type")
         if kind == "poseReader":
             _left_out(report, f"the pose reader '{note.get('name', title)}'")

@@ -44,7 +44,7 @@ class Plan:
         if node not in self._words:
             rig = self.rig
             self._words[node] = f"n{len(self.nodes)}"
-            note = rig.notes.get(node, {})
+            note = rig.metadata.get(node, {})
             self.nodes.append(
                 {
                     "name": named(rig, node),

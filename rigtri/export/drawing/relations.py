@@ -11,7 +11,7 @@ from rigtri.recognition.limbs import recognise
 def limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
     """Root, middle and end of limbs, recognised or with a pole vector; and that, or −1."""
     found = {limb.triple: -1 for limb in recognise(rig)}
-    for node, note in sorted(rig.notes.items()):
+    for node, note in sorted(rig.metadata.items()):
         chain = (
             [rig.known(name) for name in note.get("chain", ())] if note.get("type") == "poleVector" else []
         )
@@ -23,10 +23,10 @@ def limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
 
 def follows(rig: Rig) -> Iterator[tuple[str, int, int]]:
     """Kind of a constraint, what a node follows, and the node: of the file's constraints and of ours."""
-    for constraint in rig.constraints:
+    for constraint in rig.node_constraints:
         if constraint.kind != "length" and constraint.source != constraint.node:
             yield constraint.kind, constraint.source, constraint.node
-    for note in rig.notes.values():
+    for note in rig.metadata.values():
         said = note.get("drivers") if note.get("type") == "constraint" else None
         child = rig.known(note.get("child"))
         for name in said if isinstance(said, list) and child is not None else ():

@@ -197,11 +197,11 @@ def _bend(a: Floats, b: Floats, c: Floats) -> str:
 def _controls(scene: Scene) -> Iterator[Mark]:
     """The lines that the file draws at controls, poles and what else rigtri has put there."""
     rig = scene.rig
-    for node in sorted(set(rig.notes) | set(rig.pending.shapes)) if scene.all else ():
+    for node in sorted(set(rig.metadata) | set(rig.pending.shapes)) if scene.all else ():
         drawn = rig.pending.shapes.get(node) or rig.content.read_lines(rig.keys[node])
         if drawn is None:
             continue
-        told = f"{rig.notes.get(node, {}).get('type', 'shape')} {rig.title(node)}"
+        told = f"{rig.metadata.get(node, {}).get('type', 'shape')} {rig.title(node)}"
         for strip in strips(transform_points(drawn.segments, scene.world[node])):
             color = tuple(map(float, drawn.color))
             yield Mark("line", "control", strip, rig.address(node), told=told, color=color)

@@ -48,7 +48,7 @@ def facts(rig: Rig) -> dict[str, Any]:
             for joints, pole in limbs(rig).items()
         ],
         "marks": [place[node] for node in nodes if _kind(rig, node) and not rig.is_joint[node]],
-        "controls": sum(rig.notes[node].get("type") == "control" for node in rig.notes),
+        "controls": sum(rig.metadata[node].get("type") == "control" for node in rig.metadata),
         "shapes": list(_shapes(rig, place)),
         "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
         "follows": [[place[source], place[node]] for source, node in _followed(rig)],
@@ -71,7 +71,7 @@ def _nodes(rig: Rig) -> list[int]:
     """The nodes to tell of, parents first: all of them where none is a joint."""
     if not rig.is_joint.any():
         return list(range(len(rig)))
-    wanted = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.notes)
+    wanted = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.metadata)
     wanted |= {track.node for track in _prim_tracks(rig)} | {node for pair in _followed(rig) for node in pair}
     wanted |= {node for joints, pole in limbs(rig).items() for node in (*joints, pole)} - {-1}
     for node in sorted(wanted, reverse=True):
@@ -138,7 +138,7 @@ def _keys(rig: Rig, nodes: list[int]) -> dict[int, int | str]:
 
 def _kind(rig: Rig, node: int) -> str:
     """What rigtri has made a node for, in words; "" for what it has not made."""
-    note = rig.notes.get(node, {})
+    note = rig.metadata.get(node, {})
     kind = note.get("type")
     if kind in (None, "frame", "group", "offset"):
         return ""
@@ -147,7 +147,7 @@ def _kind(rig: Rig, node: int) -> str:
 
 def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
     """The lines that USD files draw at nodes of ours; those of glTF any loader reads."""
-    for node in rig.notes:
+    for node in rig.metadata:
         lines = rig.content.read_lines(rig.keys[node]) if _of_usd(rig) else None
         if lines is not None and node in place:
             segments = _numbers(lines.segments)

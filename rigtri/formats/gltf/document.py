@@ -201,7 +201,7 @@ class GltfDocument:
             scale=rest.scale,
             matrix=rest.matrix,
             has_matrix=rest.has_matrix,
-            payload=np.array([k if shows(n) else -1 for k, n in enumerate(ordered)], dtype=np.int64),
+            attachment=np.array([k if shows(n) else -1 for k, n in enumerate(ordered)], dtype=np.int64),
             keys=tuple(tree.order),
             labels=tuple(f"#{index}" for index in tree.order),
             skins=skins,
@@ -210,12 +210,12 @@ class GltfDocument:
                 Bound(tree.place[node], np.array(vector), key=pointer)
                 for node, vector, pointer in bindings.bound
             ),
-            constraints=tuple(
+            node_constraints=tuple(
                 NodeConstraint(c.kind, tree.place[c.node], tree.place[c.source], np.array(c.axis), c.pointer)
                 for c in bindings.constraints
             ),
             humanoid={bone: tree.place[node] for bone, node in bindings.humanoid.items()},
-            notes=self._notes(extras),
+            metadata=self._notes(extras),
             rules=FormatRules(
                 fixed=fixed,
                 orient_locked=bindings.orient_locked,

@@ -216,7 +216,7 @@ class NodeWriter:
 
     def _move_payload(self) -> None:
         """Hand what a node shows to the node that shows it now, and whatever refers to it."""
-        for node, shown in enumerate(self._rig.payload.tolist()):
+        for node, shown in enumerate(self._rig.attachment.tolist()):
             if shown >= 0 and shown != node:
                 self.moved[self.index[shown]] = self.index[node]
                 self._hand_over(self._node(shown), self._node(node))
@@ -243,8 +243,8 @@ class NodeWriter:
 
     def _write_notes(self) -> None:
         for node, was in enumerate(self._was.tolist()):
-            now = self._rig.notes.get(node)
-            then = self._source.notes.get(was) if was >= 0 else None
+            now = self._rig.metadata.get(node)
+            then = self._source.metadata.get(was) if was >= 0 else None
             if now != then:
                 self._write_note(node, dict(now) if now is not None else None)
 
@@ -275,12 +275,12 @@ class NodeWriter:
                 holder[name] = stored_vector(bound.key, bound.vector.tolist(), holder.get(name))
 
     def _write_constraints(self) -> None:
-        before = {constraint.key: constraint.axis for constraint in self._source.constraints}
-        kept = {constraint.key for constraint in self._rig.constraints}
+        before = {constraint.key: constraint.axis for constraint in self._source.node_constraints}
+        kept = {constraint.key for constraint in self._rig.node_constraints}
         for key in before:
             if isinstance(key, tuple) and key not in kept:
                 self._remove_constraint(key[1])
-        for constraint in self._rig.constraints:
+        for constraint in self._rig.node_constraints:
             key = constraint.key
             if key is None and constraint.kind != "tail":
                 self._add_constraint(constraint)

@@ -69,7 +69,7 @@ class UsdDocument:
 
     def scenery(self, *, closely: bool = False) -> Scenery:
         """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
-        shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.payload >= 0).tolist()}
+        shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.attachment >= 0).tolist()}
         with quiet(f"{self._source.path}: USD cannot read what it shows"):
             return read_scenery(self._source.stage, shown, closely=closely)
 

@@ -189,7 +189,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
 
     Raises what `add_posereader` does, where what the note names is not there any more.
     """
-    note = rig.notes[node]
+    note = rig.metadata[node]
     report = report if report is not None else Report()
     return _Builder(rig, options_of(note).checked(), report, note=note, clips=frozenset(clips)).build()
 
@@ -240,7 +240,7 @@ class _Builder:
             rig, node = add(rig, self.name, parent, self.note)
         else:
             rig = self._given_back(rig, node)
-        self.note[replaced_keys.KEY] = list(rig.notes[node].get(replaced_keys.KEY, ()))
+        self.note[replaced_keys.KEY] = list(rig.metadata[node].get(replaced_keys.KEY, ()))
         self.rig = rig
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
@@ -267,7 +267,7 @@ class _Builder:
 
     def _given_back(self, rig: Rig, node: int) -> Rig:
         """The rig with the keys back that this reader has replaced, where it drives others from now on."""
-        note = rig.notes[node]
+        note = rig.metadata[node]
         wanted = [(output.get("mesh"), output.get("morph")) for output in self.note["outputs"]]
         had = [(output.get("mesh"), output.get("morph")) for output in note.get("outputs", ())]
         if set(had) <= set(wanted):
@@ -316,7 +316,7 @@ class _Builder:
     def _control(self, name: str) -> int:
         """A control that add-controls has made."""
         node = self.rig.find(name, "node")
-        if self.rig.notes.get(node, {}).get("type") != "control":
+        if self.rig.metadata.get(node, {}).get("type") != "control":
             raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
         return node
 
@@ -407,7 +407,7 @@ class _Builder:
 
     def _tell_shared(self, mesh: Mesh, column: int, morph: str) -> None:
         """Warn where another reader drives a morph target too: the keys will be this one's."""
-        for note in self.rig.notes.values():
+        for note in self.rig.metadata.values():
             if note.get("type") != "poseReader" or note.get("name") == self.name:
                 continue
             for output in note.get("outputs", ()):

@@ -69,7 +69,7 @@ def restored(rig: Rig, nodes: Collection[int], report: Report) -> tuple[Rig, dic
     """
     driven: dict[int, set[int]] = {}
     for node in sorted(nodes, reverse=True):
-        for entry in rig.notes[node].get(KEY, ()):
+        for entry in rig.metadata[node].get(KEY, ()):
             mesh, timeline = rig.known(entry["mesh"]), titles(rig).get(entry["clip"])
             now = None if mesh is None or timeline is None else timeline.track(mesh, "weights")
             if mesh is None or timeline is None or now is None:

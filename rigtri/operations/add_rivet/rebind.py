@@ -33,7 +33,7 @@ def rebind_rivets(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
 def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
     return [
         node
-        for node, note in sorted(rig.notes.items())
+        for node, note in sorted(rig.metadata.items())
         if note.get("type") == "rivet" and rig.known(note["mesh"]) in meshes
     ]
 
@@ -43,7 +43,7 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
 
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
-    told = {note.get("mesh") for note in rig.notes.values() if note.get("type") == "rivet"}
+    told = {note.get("mesh") for note in rig.metadata.values() if note.get("type") == "rivet"}
     skins = {spread.skin for spread in rig.pending.weight_redistributions}
     if not told or not skins:
         return rig

@@ -139,7 +139,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
 
     Raises GeometryError where the mesh of its note has no such points any more, FileError.
     """
-    note = rig.notes[node]
+    note = rig.metadata[node]
     options, mesh_node = options_of(note), rig.known(note["mesh"])
     meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node]
     rows, number = np.array(note["vertices"], dtype=np.int64), int(note["primitive"])

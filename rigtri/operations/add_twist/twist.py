@@ -186,14 +186,14 @@ def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution
 
     Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
     """
-    if not rig.rules.raw_quaternions or INFLUENCES in rig.notes[node]:
+    if not rig.rules.raw_quaternions or INFLUENCES in rig.metadata[node]:
         return rig
     skins = {spread.skin for spread in spreads}
     widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
     if not widths:
         return rig
     said = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
-    return noted(rig, node, {**rig.notes[node], INFLUENCES: said})
+    return noted(rig, node, {**rig.metadata[node], INFLUENCES: said})
 
 
 def _roomy(mesh: Mesh) -> bool:
@@ -202,7 +202,9 @@ def _roomy(mesh: Mesh) -> bool:
 
 def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
     known = _said(rig, of)
-    numbers = [int(n["number"]) for n in rig.notes.values() if all(n.get(k) == v for k, v in known.items())]
+    numbers = [
+        int(n["number"]) for n in rig.metadata.values() if all(n.get(k) == v for k, v in known.items())
+    ]
     if numbers and max(numbers) > options.count:
         raise UsageError(
             f"'{rig.title(of.joint)}' has {max(numbers)} twist joints already; give --count "
@@ -233,7 +235,7 @@ def _joint(
         name = _name(rig, of, number, options)
         rig, node = add_joint(rig, name, of.joint, note, place, axes)
     else:
-        note |= {key: rig.notes[node][key] for key in (INFLUENCES,) if key in rig.notes[node]}
+        note |= {key: rig.metadata[node][key] for key in (INFLUENCES,) if key in rig.metadata[node]}
         rig = move_joint(noted(rig, node, note), node, place, axes)
     rig, keys = _keys(rig, node, note, options, report)
     report.added.append(
@@ -284,7 +286,7 @@ def _spreads(
     """How each skin that holds the bone's joint shares its weight."""
     known = _said(rig, of)
     places = {of.joint: 1.0 if of.upper else 0.0}
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if all(note.get(key) == value for key, value in known.items()):
             places[node] = float(note["at"])
     found = []

@@ -127,13 +127,13 @@ def _with_limits(rig: Rig, options: BakeOptions) -> Rig:
     """The rig with another soft or stretch for its IK controls."""
     if options.soft is None and options.stretch is None:
         return rig
-    notes = dict(rig.notes)
-    for node, note in rig.notes.items():
+    notes = dict(rig.metadata)
+    for node, note in rig.metadata.items():
         if note.get("type") == "control" and note.get("kind") == "ik":
             more = {} if options.soft is None else {"soft": options.soft}
             more |= {} if options.stretch is None else {"stretch": options.stretch}
             notes[node] = {**note, **more}
-    return replace(rig, notes=notes)
+    return replace(rig, metadata=notes)
 
 
 class _Baker:
@@ -262,7 +262,7 @@ class _Baker:
         So a second run, which reads keys that were thinned, looks at the same times.
         """
         held = rivets_of_constraints(self.rig)
-        follow = {node for node, note in self.rig.notes.items() if note.get("type") in _FOLLOW} - held
+        follow = {node for node, note in self.rig.metadata.items() if note.get("type") in _FOLLOW} - held
         kept = tuple(
             t
             for t in timeline.clip.tracks
@@ -299,7 +299,7 @@ class _Baker:
 
     def _to_joints(self, timeline: Timeline) -> None:
         solver = self._solver(keyed_in(self.rig, timeline))
-        nodes = [node for node in solver.sets if not is_twist(self.rig.notes.get(node))]
+        nodes = [node for node in solver.sets if not is_twist(self.rig.metadata.get(node))]
         if not solver.steps or not nodes:
             return
         told = {
@@ -317,7 +317,7 @@ class _Baker:
             for track in self._tracks(timeline, times, held, node, parts[node])
             if track.path in {path for path, _ in solver.writes[node]}
         ]
-        self.report.hear(clip_solver_warnings(solver, timeline, times, parts))
+        self.report.extend(clip_solver_warnings(solver, timeline, times, parts))
         room = times_of(put_tracks(self.rig, timeline, tracks))
         fresh = [
             track
@@ -367,8 +367,8 @@ class _Baker:
         if not solver.steps:
             return
         posed = solver.run({})
-        self.report.hear(solver_warnings(solver, posed, lambda _: "the rest pose"))
-        moved = [node for node in solver.sets if not is_twist(rig.notes.get(node))]
+        self.report.extend(solver_warnings(solver, posed, lambda _: "the rest pose"))
+        moved = [node for node in solver.sets if not is_twist(rig.metadata.get(node))]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)
         self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)
@@ -407,7 +407,7 @@ class _Baker:
         told, notices = fidelity(
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
         )
-        self.report.hear(notices)
+        self.report.extend(notices)
         self._record(timeline, solver, samples, tracks, controls, told)
 
     def _record(

@@ -19,7 +19,7 @@ def followers(rig: Rig) -> list[int]:
     return [
         node
         for kind in ("poseReader", "rivet")
-        for node, note in sorted(rig.notes.items())
+        for node, note in sorted(rig.metadata.items())
         if note.get("type") == kind
     ]
 
@@ -30,7 +30,7 @@ def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     for rule in rules_of(rig).values():
         for node in rule.sources:
             while node >= 0:
-                if rig.notes.get(node, {}).get("type") == "rivet":
+                if rig.metadata.get(node, {}).get("type") == "rivet":
                     found.add(node)
                 node = int(rig.parents[node])
     return frozenset(found)
@@ -54,7 +54,7 @@ def refuse_cycles(rig: Rig) -> None:
 
 def _nodes_that_move(rig: Rig, rivet: int) -> set[int]:
     """The nodes that move the triangle of a rivet; none where there is no such triangle any more."""
-    note = rig.notes[rivet]
+    note = rig.metadata[rivet]
     mesh_node, rows = rig.known(note["mesh"]), np.array(note["vertices"], dtype=np.int64)
     meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node][int(note["primitive"]) :]
     return (
@@ -70,7 +70,7 @@ def rebake_followers(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
     One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, and is told.
     """
     for node in followers(rig):
-        module = posereader if rig.notes[node]["type"] == "poseReader" else rivet
+        module = posereader if rig.metadata[node]["type"] == "poseReader" else rivet
         try:
             rig = module.rebaked(rig, node, clips=clips, report=report)
         except (FileError, GeometryError, NameNotFoundError, UsageError) as error:

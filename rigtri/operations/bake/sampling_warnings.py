@@ -45,7 +45,7 @@ def warn_undersampled(rig: Rig, report: Report, most: float) -> None:
 def _end_of(rig: Rig, name: str | None) -> str | None:
     """The IK end of the limb that a joint is of."""
     node = rig.known(name) if name else None
-    for control, note in rig.notes.items():
+    for control, note in rig.metadata.items():
         if note.get("kind") == "ik" and node in [rig.known(joint) for joint in note.get("chain", ())]:
             return rig.title(control) if node is not None else None
     return None

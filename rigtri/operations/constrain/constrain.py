@@ -213,7 +213,7 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
             raise UsageError(f"--child {options.child} is no joint of the limb; --limb alone is enough")
         return triple
     child, chains = rig.find(options.child, "node"), set()
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         if note.get("type") in ("control", "poleVector"):
             chain = tuple(k for name in note.get("chain", ()) if (k := rig.known(name)) is not None)
             if len(chain) == 3 and (child == node or child in chain):
@@ -234,7 +234,7 @@ def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
     if same is None and len(others) == 1:
         report.warn(
             "constraint-replaced",
-            f"'{rig.names[others[0]]}', a {rig.notes[others[0]]['kind']} constraint of "
+            f"'{rig.names[others[0]]}', a {rig.metadata[others[0]]['kind']} constraint of "
             f"'{rig.title(rule.child)}', set the same channels; the new one takes its place",
         )
         return others[0]
@@ -298,13 +298,13 @@ def _tell(rig: Rig, rule: Rule, report: Report) -> None:
 def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) -> Rig:
     """The rig with the rule's note, and the record of it."""
     name = f"con_{rig.names[rule.child] or f'node_{rule.child}'}_{rule.kind}"
-    note, known = note_of(rig, rule), rig.constraints
+    note, known = note_of(rig, rule), rig.node_constraints
     if place is None:
         rig, above = group(rig)
         rig, node = add(rig, name, above, note)
     else:
         node = place
-        if rig.notes[node]["kind"] != rule.kind:
+        if rig.metadata[node]["kind"] != rule.kind:
             rig = renamed(rig, node, name)
         rig = remove_node_constraint(rig, node)
     if vrm:

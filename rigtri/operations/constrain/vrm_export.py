@@ -53,7 +53,7 @@ def export_node_constraint(
     for old in known:
         if (old.kind, old.node, old.source) == (kind, new.node, new.source) and (old.axis == axis).all():
             new = old
-    return replace(rig, constraints=(*rig.constraints, new)), "", kind
+    return replace(rig, node_constraints=(*rig.node_constraints, new)), "", kind
 
 
 def remove_node_constraint(rig: Rig, node: int) -> Rig:
@@ -61,12 +61,12 @@ def remove_node_constraint(rig: Rig, node: int) -> Rig:
 
     The note says by ``vrm`` that there is one, and of which kind.
     """
-    note = rig.notes[node]
+    note = rig.metadata[node]
     child = rig.known(note.get("child"))
     if "vrm" not in note or child is None:
         return rig
-    kept = tuple(c for c in rig.constraints if (c.kind, c.node) != (note["vrm"], child))
-    return replace(rig, constraints=kept)
+    kept = tuple(c for c in rig.node_constraints if (c.kind, c.node) != (note["vrm"], child))
+    return replace(rig, node_constraints=kept)
 
 
 def _kind(rule: Rule) -> Said | None:
@@ -97,7 +97,7 @@ def _why_not(rig: Rig, rule: Rule) -> str:
 def _why_no_frame(rig: Rig, rule: Rule) -> str:
     """Why the nodes are none that viewers turn as the rule says."""
     child, driver = rule.child, rule.drivers[0]
-    if any(c.node == child and c.kind != "tail" for c in rig.constraints):
+    if any(c.node == child and c.kind != "tail" for c in rig.node_constraints):
         return "the node has a node constraint already"
     if rig.has_matrix[child] or rig.has_matrix[driver]:
         return "one of the nodes keeps a matrix instead of a rotation"

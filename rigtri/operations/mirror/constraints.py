@@ -44,11 +44,11 @@ def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             lone(rig, node, report, "constraint", str(error))
             continue
         same = len(built) == len(rig) and all(
-            alike(known, built.notes[k], size_of(rig)) for k, known in rig.notes.items()
+            alike(known, built.metadata[k], size_of(rig)) for k, known in rig.metadata.items()
         )
         rig = rig if same else built
         report.added.extend(heard.added)
-        report.hear(heard.warnings)
+        report.extend(heard.warnings)
     return rig
 
 

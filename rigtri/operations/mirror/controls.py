@@ -62,7 +62,7 @@ def _one_control(
 ) -> Rig:
     kind, joint = str(note["kind"]), rig.is_joint[node]
     before = find(rig, type="control", kind=kind, joint=there["joint"])
-    alike = before is not None and rig.notes[before].get("shape") == note.get("shape")
+    alike = before is not None and rig.metadata[before].get("shape") == note.get("shape")
     shapes: Any = {kind: note["shape"]} if "shape" in note and not alike else {}
     if kind == "fk":
         made = AddControlsOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
@@ -134,7 +134,7 @@ def mirror_poles(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             rig, found = add(rig, name, parent, there)
             rig = _drawn_alike(rig, node, found)
         # What is drawn at either is its own: another colour, and nothing where nothing was drawn.
-        drawing = {key: rig.notes[found][key] for key in KEYS if key in rig.notes[found]}
+        drawing = {key: rig.metadata[found][key] for key in KEYS if key in rig.metadata[found]}
         rig = noted(rig, found, {key: value for key, value in there.items() if key not in KEYS} | drawing)
         rig = (move_joint if rig.is_joint[found] else stand)(rig, found, place, axes)
         report.added.append({"node": rig.names[found], "type": "poleVector", "new": new})
@@ -144,7 +144,7 @@ def mirror_poles(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 def _drawn_alike(rig: Rig, node: int, found: int) -> Rig:
     """Draw at a new node what is drawn, in the same run, at its twin."""
     if node not in rig.pending.shapes:
-        return noted(rig, found, {key: v for key, v in rig.notes[found].items() if key not in KEYS})
+        return noted(rig, found, {key: v for key, v in rig.metadata[found].items() if key not in KEYS})
     shapes = {**rig.pending.shapes, found: rig.pending.shapes[node]}
     return replace(rig, pending=replace(rig.pending, shapes=shapes))
 

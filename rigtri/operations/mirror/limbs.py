@@ -54,7 +54,7 @@ def _limb(rig: Rig, chain: list[int], note: Mapping[str, Any], options: MirrorOp
     if joints and len(joints) < len(chain):
         lone(rig, chain[0], report, "limb", "some of its joints have twins, and some have none")
         return rig
-    if joints and not all(rig.notes.get(k, {}).get("type") == "limb" for k in joints):
+    if joints and not all(rig.metadata.get(k, {}).get("type") == "limb" for k in joints):
         return rig  # the other side has joints of its own, whose places are not ours to change
     if new:
         names = [twin(rig.names[k]) for k in chain]
@@ -81,7 +81,7 @@ def _parent(rig: Rig, joint: int) -> int | None:
         return other(rig, parent)
     above = int(rig.parents[parent]) if parent >= 0 else -1
     # In USD a skeleton of its own stands between.
-    if parent < 0 or "group" in {rig.notes.get(k, {}).get("type") for k in (parent, above)}:
+    if parent < 0 or "group" in {rig.metadata.get(k, {}).get("type") for k in (parent, above)}:
         return -1
     return other(rig, parent)
 
@@ -93,7 +93,7 @@ def _built(
     if parent < 0:
         rig, parent = group(rig)
     own = skinned and not rig.is_joint[parent]
-    title = str(rig.notes[chain[0]].get("limb"))
+    title = str(rig.metadata[chain[0]].get("limb"))
     joints: list[int] = []
     for name, place, rows in zip(names, places, axes, strict=True):
         note = {"v": 1, "type": "limb", "limb": twin(title), "part": len(joints)}
@@ -207,16 +207,16 @@ def mirror_twists(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             lone(rig, nodes[0], report, "twist joint", str(error))
             continue
         report.added.extend(heard.added)
-        report.hear(heard.warnings)
+        report.extend(heard.warnings)
     return rig
 
 
 def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOptions, report: Report) -> Rig:
-    by_number = {int(rig.notes[node]["number"]): node for node in nodes}
-    first = rig.notes[by_number[min(by_number)]]
+    by_number = {int(rig.metadata[node]["number"]): node for node in nodes}
+    first = rig.metadata[by_number[min(by_number)]]
     count = int(first["count"])
     whole = sorted(by_number) == list(range(1, count + 1))
-    weights = tuple(float(rig.notes[by_number[k]]["weight"]) for k in sorted(by_number)) if whole else ()
+    weights = tuple(float(rig.metadata[by_number[k]]["weight"]) for k in sorted(by_number)) if whole else ()
     upper = first["driver"] == first["joint"]
     axis = None
     if "axis" in first:
@@ -248,10 +248,10 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOp
 
 def _same_twist(rig: Rig, node: int, there: int | None, axis: tuple[float, float, float] | None) -> bool:
     """Whether a twist joint is told already what its twin tells; ``axis``: the mirrored one."""
-    wanted = twin_note(rig, rig.notes[node])
+    wanted = twin_note(rig, rig.metadata[node])
     if there is None or wanted is None:
         return False
-    return alike(wanted | ({} if axis is None else {"axis": list(axis)}), rig.notes[there], 1.0)
+    return alike(wanted | ({} if axis is None else {"axis": list(axis)}), rig.metadata[there], 1.0)
 
 
 def _names(
@@ -262,7 +262,7 @@ def _names(
     report: Report,
 ) -> Rig:
     """New twist joints called as the source's twins would be, where a user has named those."""
-    joint = str(rig.notes[next(iter(by_number.values()))]["joint"])
+    joint = str(rig.metadata[next(iter(by_number.values()))]["joint"])
     for number, node in by_number.items():
         if known[number] is None and rig.names[node] != NAME.format(joint=joint, number=number):
             found = find(rig, type="twist", joint=bone[0], to=bone[1], number=number)

@@ -47,7 +47,7 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     refuse_unworkable("--plane-at", options.plane_at)
     tree = skeleton(rig, options.root)
     if not any(side_of(rig, joint) for joint in tree.joints) and not any(
-        side(rig, node) for node in rig.notes
+        side(rig, node) for node in rig.metadata
     ):
         raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
     parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)

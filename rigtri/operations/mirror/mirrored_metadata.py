@@ -75,7 +75,7 @@ class MirrorOptions:
 
 def side(rig: Rig, node: int) -> Side:
     """The side of a node: of the joints that its note is about, else what it or its bone is called."""
-    note = rig.notes.get(node, {})
+    note = rig.metadata.get(node, {})
     sides = {side_of(rig, k) for name in joints_of(note) if (k := rig.known(name)) is not None and k != node}
     sides -= {""}
     if len(sides) == 1:
@@ -88,7 +88,7 @@ def other(rig: Rig, node: int, deep: int = 0) -> int | None:
 
     deep: how many notes have led here; those of a broken file may name each other in a circle.
     """
-    note = rig.notes.get(node, {})
+    note = rig.metadata.get(node, {})
     keys = _KNOWN_BY.get(str(note.get("type")), ())
     if keys and deep < _DEEPEST and side(rig, node):
         there = twin_note(rig, note, deep + 1)
@@ -110,7 +110,7 @@ def joints_of(note: Mapping[str, Any]) -> list[str]:
 
 def of_side(rig: Rig, options: MirrorOptions, kind: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
     """The nodes with notes of a type, about joints of the side that is copied alone."""
-    for node, note in list(rig.notes.items()):
+    for node, note in list(rig.metadata.items()):
         if note.get("type") == kind:
             nodes = (rig.known(name) for name in joints_of(note))
             sides = {side(rig, k) for k in nodes if k is not None} - {""}

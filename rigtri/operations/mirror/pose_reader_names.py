@@ -52,19 +52,19 @@ def _forth(rig: Rig, from_side: Side) -> dict[int, str]:
 
 
 def _readers(rig: Rig) -> list[int]:
-    return [node for node, note in rig.notes.items() if note.get("type") == "poseReader"]
+    return [node for node, note in rig.metadata.items() if note.get("type") == "poseReader"]
 
 
 def _side(rig: Rig, node: int) -> Side:
-    driver = rig.known(str(rig.notes[node].get("driver")))
+    driver = rig.known(str(rig.metadata[node].get("driver")))
     return "" if driver is None else side(rig, driver)
 
 
 def _name(rig: Rig, node: int) -> str:
-    return str(rig.notes[node].get("name"))
+    return str(rig.metadata[node].get("name"))
 
 
 def _paired(rig: Rig, one: int, two: int) -> bool:
     """Whether two readers read a joint and its twin."""
-    here, there = (rig.known(str(rig.notes[node].get("driver"))) for node in (one, two))
+    here, there = (rig.known(str(rig.metadata[node].get("driver"))) for node in (one, two))
     return here is not None and there is not None and there == other(rig, here) and here != there

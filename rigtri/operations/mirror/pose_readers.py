@@ -44,9 +44,9 @@ def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             lone(rig, node, report, "pose reader", str(error))
             continue
         known = find(rig, type="poseReader", name=wanted.name)
-        same = known is not None and alike(rig.notes[known], built.notes[known], size_of(rig))
+        same = known is not None and alike(rig.metadata[known], built.metadata[known], size_of(rig))
         report.added.extend(heard.added)
-        report.hear(heard.warnings)
+        report.extend(heard.warnings)
         if not same:
             rig = built
             for key, columns in heard.driven.items():

@@ -28,7 +28,7 @@ STANDS, CENTRE = 1e-5, 1e-4
 
 def mirror_rivets(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Tie the twins of this side's rivets to the other side of the surface."""
-    for node, note in list(rig.notes.items()):
+    for node, note in list(rig.metadata.items()):
         if note.get("type") == "rivet":
             rig = _rivet(rig, node, note, options, report)
     return rig
@@ -81,7 +81,7 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: MirrorOptions,
         lone(rig, node, report, "rivet", why)
         return rig
     report.added.extend(heard.added)
-    report.hear(heard.warnings)
+    report.extend(heard.warnings)
     return built
 
 
@@ -105,7 +105,7 @@ def _seat(rig: Rig, node: int, note: Mapping[str, Any]) -> tuple[Floats, float] 
 
 def _stands(rig: Rig, known: int, mesh: int, note: Mapping[str, Any], mirrored: Floats, size: float) -> bool:
     """Whether the twin stands there already, made alike."""
-    mine = rig.notes[known]
+    mine = rig.metadata[known]
     if rig.known(mine["mesh"]) != mesh or any(mine.get(key) != note.get(key) for key in ("within", "fps")):
         return False
     seat = _seat(rig, mesh, mine)

@@ -81,7 +81,9 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None) -> Asymmetry:
     joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
     found, alone = _pairs(rig, joints, options)
     rest = rig.world
-    kinds = {node: str(note.get("type")) for node, note in rig.notes.items() if node not in set(tree.joints)}
+    kinds = {
+        node: str(note.get("type")) for node, note in rig.metadata.items() if node not in set(tree.joints)
+    }
     standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
     rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))
     alone += unpaired + _pairs(rig, rules, options)[1]
@@ -117,11 +119,11 @@ def _pairs(rig: Rig, nodes: Iterable[int], options: MirrorOptions) -> tuple[dict
 
 def _twin(rig: Rig, node: int) -> int | None:
     """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
-    note = rig.notes.get(node, {})
+    note = rig.metadata.get(node, {})
     if note.get("type") == "poseReader":
         return reader_twin(rig, node)
     if note.get("type") == "rivet":
-        names = {str(n.get("name")): k for k, n in rig.notes.items() if n.get("type") == note["type"]}
+        names = {str(n.get("name")): k for k, n in rig.metadata.items() if n.get("type") == note["type"]}
         return names.get(twin(str(note["name"])))
     return other(rig, node)
 

@@ -43,7 +43,7 @@ def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
 
     ties: more of them than the file has.
     """
-    constraints = (*rig.constraints, *ties)
+    constraints = (*rig.node_constraints, *ties)
     top: dict[int, int] = {}
 
     def find(node: int) -> int:

@@ -123,7 +123,7 @@ def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:
     What did not turn keeps its mark or none: nothing was invented for it now. A node has one note, so
     a joint of rigtri's own keeps what says how it was made.
     """
-    notes = {node: dict(note) for node, note in rig.notes.items()}
+    notes = {node: dict(note) for node, note in rig.metadata.items()}
     moves = rotates(turns)
     for joint in (joint for joint in plan.turning if moves[joint]):
         up, own = plan.ups.get(joint), notes.get(joint, {})
@@ -133,4 +133,4 @@ def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:
             notes[joint] = {"v": 1, "type": "frame", "up": up.source, "invented": True}
         elif own.get("type") == "frame" and own.get("invented"):
             del notes[joint]
-    return rig if notes == rig.notes else replace(rig, notes=notes)
+    return rig if notes == rig.metadata else replace(rig, metadata=notes)

@@ -166,7 +166,7 @@ class Plan:
     @cached_property
     def unsplittable(self) -> frozenset[int]:
         """Nodes whose own rotation a constraint reads or writes, or is not unit: it must stay with them."""
-        constraints = self.tree.rig.constraints
+        constraints = self.tree.rig.node_constraints
         read = {k for c in constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
         return frozenset(read | {tie.node for tie in self.ties})
 

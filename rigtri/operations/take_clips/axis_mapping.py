@@ -152,7 +152,9 @@ class Counterparts:
 
     def _looks(self, node: int) -> bool:
         """Whether a node shows a camera or a light: they look along −z in glTF and USD, whatever is up."""
-        return int(self.rig.payload[node]) >= 0 and not {node, int(self.rig.payload[node])} & self._drawn
+        return (
+            int(self.rig.attachment[node]) >= 0 and not {node, int(self.rig.attachment[node])} & self._drawn
+        )
 
     @cached_property
     def _drawn(self) -> set[int]:

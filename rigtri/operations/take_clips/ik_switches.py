@@ -51,7 +51,7 @@ def switches(told: Rig, ends: Mapping[int, int]) -> Switches:
 
 def ik_ends(rig: Rig) -> list[int]:
     """The controls that IK reaches for."""
-    return [node for node, note in rig.notes.items() if note.get("kind") == "ik"]
+    return [node for node, note in rig.metadata.items() if note.get("kind") == "ik"]
 
 
 def holding(rig: Rig, told: Switches, every: Sequence[Timeline]) -> Rig:

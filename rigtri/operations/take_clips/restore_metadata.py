@@ -40,7 +40,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     A node that is not there is told of, and so are joints that are bound otherwise, whose controls keep
     their own rest. GeometryError where no node is there, or no control finds its joint.
     """
-    notes = {node: note for node, note in described.notes.items() if note.get("type") in ADDED}
+    notes = {node: note for node, note in described.metadata.items() if note.get("type") in ADDED}
     if not notes:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
     both = pairs(described, rig)
@@ -59,7 +59,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         names = some(described.names[node] for node in missing)
         report.warn("not-in-this-file", f"{names} of the file of --rig are not in this file")
     _tell_of_others(rig, found, report)
-    whole = replace(rig, notes={**rig.notes, **found})
+    whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
     others = _bound_otherwise(rig, described, both.of)
     if others:
@@ -82,7 +82,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
 
 def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
     """A notice where the file has a description of its own that says something else."""
-    names = [rig.title(node) for node, note in found.items() if rig.notes.get(node, note) != note]
+    names = [rig.title(node) for node, note in found.items() if rig.metadata.get(node, note) != note]
     if names:
         text = f"What this file says of {some(names)} is replaced by what the file of --rig says"
         report.warn("described-anew", text)
@@ -142,12 +142,12 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
     matrix, names, elsewhere = rig.matrix.copy(), [], []
     size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
     for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
-        is_control = rig.notes[node].get("type") == "control"
+        is_control = rig.metadata[node].get("type") == "control"
         above = ours.get(int(rig.parents[node]), np.eye(4))
         ours[node] = above if is_control else multiply(rig.local[node], above)
         if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
             continue
-        if rig.is_joint[node] or rig.notes[node].get("type") == "group":
+        if rig.is_joint[node] or rig.metadata[node].get("type") == "group":
             continue
         place, parent = described.local[theirs], theirs_at.get(int(described.parents[theirs]), np.eye(4))
         moved = not is_control and np.abs(above - parent).max() > _SAME_PLACE * size
@@ -180,8 +180,8 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
 def _zero(rig: Rig, node: int) -> Floats:
     """Where a node stands while all controls are zero, seen from what is not rigtri's, (4, 4)."""
     place = np.eye(4)
-    while node >= 0 and rig.notes.get(node, {}).get("type") in ADDED:
-        if rig.notes[node].get("type") != "control":
+    while node >= 0 and rig.metadata.get(node, {}).get("type") in ADDED:
+        if rig.metadata[node].get("type") != "control":
             place = multiply(place, rig.local[node])
         node = int(rig.parents[node])
     return place
@@ -195,7 +195,7 @@ def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
 def _placing(rig: Rig, node: int) -> str:
     """The name of the nearest node above that places what is below it; "" for none."""
     above = int(rig.parents[node])
-    while above >= 0 and rig.notes.get(above, {}).get("type", "group") == "group":
+    while above >= 0 and rig.metadata.get(above, {}).get("type", "group") == "group":
         if np.abs(rig.local[above] - np.eye(4)).max() > 1e-6:
             break
         above = int(rig.parents[above])

@@ -162,7 +162,7 @@ class _Work:
             except GeometryError as refused:
                 self.lost.append(([fault_of(self.spec.tree, one.index, str(refused))], refused))
             return False
-        self.report.hear(report.warnings)
+        self.report.extend(report.warnings)
         self.done.append(Done(one, report))
         return False
 
@@ -195,7 +195,7 @@ class _Work:
                 )
         finally:
             self._call(report)
-            self.report.take(report)
+            self.report.merge(report)
         self.outcomes.append(outcome)
         return report
 
@@ -221,9 +221,9 @@ class _Work:
         report = self.report
         if last is not None:
             report = Report()
-            report.take(self.report)
+            report.merge(self.report)
             self._call(last.report)
-            report.take(last.report)
+            report.merge(last.report)
         for outcome in outcomes:
             for name, value in outcome.seconds.items():
                 seconds[name] = seconds.get(name, 0.0) + value

@@ -54,7 +54,7 @@ def applied(name: str, options: Any, reading: ReadOptions) -> Step:
             contents = {one.name: read_files.content(one, path) for one, path in files.items()}
             result = operation(name)(rig, options=replace(options, **contents), report=report)
         for document in read_files.edited:
-            report.hear(document.warnings)
+            report.extend(document.warnings)
         return result
 
     return step

@@ -23,7 +23,7 @@ def step(request: Request) -> Step:
         with opened(source) as path:
             document = read(path, replace(request.reading, root=None, empty=True))
             result = take_clips(rig, document.rig, options=options, report=report)
-        report.hear(document.warnings)
+        report.extend(document.warnings)
         return result
 
     return applied

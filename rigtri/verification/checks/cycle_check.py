@@ -24,8 +24,8 @@ def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: 
         rig = read(path, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
         refuse_cycles(rig)
     except ControlCycleError as error:
-        noted = [node for node in error.nodes if node in rig.notes]
-        node = next((n for n in noted if rig.notes[n].get("type") in WAITING), [*noted, *error.nodes][0])
+        noted = [node for node in error.nodes if node in rig.metadata]
+        node = next((n for n in noted if rig.metadata[n].get("type") in WAITING), [*noted, *error.nodes][0])
         place, pointer = _place(rig, node)
         findings.add(rule, place, pointer, error.path)
     except RigtriError:

@@ -27,7 +27,7 @@ SAME_AXES = 1e-4
 
 def compare_attached(before: Rig, after: Rig, m: Correspondence) -> list[str]:
     """What no longer says the same, in words."""
-    if not (before.bound or after.bound or before.constraints or after.constraints):
+    if not (before.bound or after.bound or before.node_constraints or after.node_constraints):
         return []
     with np.errstate(all="ignore"):
         # Rotations as the format means them: unit, whatever was stored.
@@ -80,8 +80,8 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
     """Constraints whose axis points elsewhere or whose nodes turned apart (`frames.node_constraints`)."""
     ours, new = constraints_from_metadata(before), constraints_from_metadata(after)
     axes = nearest_rotation(worlds[0]), nearest_rotation(worlds[1])
-    there = {(c.kind, c.node, c.source): c for c in after.constraints}
-    for c in before.constraints:
+    there = {(c.kind, c.node, c.source): c for c in after.node_constraints}
+    for c in before.node_constraints:
         if c.kind == "tail":
             continue  # no rule of the file: what hangs there is where points and origins are
         now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
@@ -95,8 +95,8 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
         elif not _turn_alike(before, c, m, axes):
             yield f"{title} compares axes that have turned apart"
 
-    was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.constraints}
-    for c in after.constraints:
+    was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.node_constraints}
+    for c in after.node_constraints:
         if c.kind != "tail" and (c.kind, c.node, c.source) not in was and new.get(c.node) != c.kind:
             yield f"the {c.kind} constraint of {after.title(c.node)} by {after.title(c.source)} is new"
 

@@ -53,7 +53,7 @@ def joined(before: Rig, after: Rig) -> Rig:
         scale=np.concatenate([before.scale, after.scale]),
         matrix=np.concatenate([before.matrix, after.matrix]),
         has_matrix=np.concatenate([before.has_matrix, after.has_matrix]),
-        payload=np.full(count + len(after), -1),
+        attachment=np.full(count + len(after), -1),
         keys=before.keys + after.keys,
         labels=before.labels + after.labels,
         clips=tuple(

@@ -235,13 +235,13 @@ def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
     """
     shown = np.full(len(before), -1, dtype=np.int64)
     known = set(node.tolist())
-    shows = _places(after.payload.tolist())
-    for k in np.flatnonzero(before.payload >= 0).tolist():
-        partner = int(node[before.payload[k]])
+    shows = _places(after.attachment.tolist())
+    for k in np.flatnonzero(before.attachment >= 0).tolist():
+        partner = int(node[before.attachment[k]])
         if partner < 0:
             continue
         showing = shows.get(partner, [])
-        children = [c for c in after.children[partner] if c not in known and after.payload[c] == c]
+        children = [c for c in after.children[partner] if c not in known and after.attachment[c] == c]
         named = [c for c in children if after.names[c].startswith(f"{before.names[k] or 'node'}_payload")]
         candidates = showing or named or children
         shown[k] = candidates[0] if candidates else -1
@@ -256,7 +256,7 @@ def _compare_nodes(before: Rig, after: Rig, node: Integers, shown: Integers, new
                 news.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
         elif before.is_joint[k] and not after.is_joint[partner]:
             news.lost.append(f"joint {before.title(k)} is a joint no longer")
-        if before.payload[k] >= 0 and shown[k] < 0 <= partner:
+        if before.attachment[k] >= 0 and shown[k] < 0 <= partner:
             news.lost.append(f"what node {before.title(k)} shows")
     known = {*node.tolist(), *shown.tolist()}
     for k in range(len(after)):

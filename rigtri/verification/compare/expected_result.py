@@ -196,9 +196,9 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
         if all(clip.key != PLAYED for clip in rig.clips):  # nothing played
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
-    known = {made.rig.keys[node]: made.rig.notes[node] for node in made.rig.own & made.rig.notes.keys()}
-    notes = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.notes}
-    was = PosedView(source, replace(rig, keys=keys, notes=notes), made, keys, range(len(rig)))
+    known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
+    notes = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
+    was = PosedView(source, replace(rig, keys=keys, metadata=notes), made, keys, range(len(rig)))
     found = motion_between(was, made)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
     if not others:

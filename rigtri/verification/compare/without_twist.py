@@ -86,7 +86,7 @@ def twist_movement(document: Source) -> float:
 
 
 def _twist_joints(rig: Rig) -> set[int]:
-    return {node for node, note in rig.notes.items() if is_twist(note)}
+    return {node for node, note in rig.metadata.items() if is_twist(note)}
 
 
 def _changed_vertices(mine: Mesh, theirs: Mesh) -> Booleans:

@@ -40,9 +40,9 @@ def renamed(before: Rig, after: Rig, m: Correspondence) -> Correspondence:
             node[k] = found
             taken.add(found)
     shown = m.shown.copy()
-    fresh = (node >= 0) & (m.node < 0) & (before.payload >= 0)
+    fresh = (node >= 0) & (m.node < 0) & (before.attachment >= 0)
     for k in np.flatnonzero(fresh).tolist():
-        if after.payload[node[k]] >= 0:
+        if after.attachment[node[k]] >= 0:
             shown[k] = node[k]
     return replace(m, node=node, shown=shown)
 

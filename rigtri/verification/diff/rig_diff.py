@@ -61,8 +61,8 @@ def rig_changes(
 
 
 def _kind(rig: Rig, node: int) -> str:
-    if node in rig.notes:
-        return str(rig.notes[node].get("type", "node"))
+    if node in rig.metadata:
+        return str(rig.metadata[node].get("type", "node"))
     return "joint" if rig.is_joint[node] else "node"
 
 
@@ -217,7 +217,7 @@ def _binds(before: Rig, m: Correspondence, skins: tuple[Skin, Skin], tolerance: 
 
 def _carried(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     """What nodes show, where another node shows it now."""
-    for k in np.flatnonzero(before.payload >= 0).tolist():
+    for k in np.flatnonzero(before.attachment >= 0).tolist():
         now, shown = int(m.node[k]), int(m.shown[k])
         if shown >= 0 and shown != now:
             yield Change("attachments", "moved", f"what {before.title(k)} shows", f"to {after.title(shown)}")
@@ -242,8 +242,8 @@ def _bound(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iter
 
 def _constraints(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Iterator[Change]:
     """Which axis each constraint is about; its kind, source and weight are facts of the file."""
-    there = {(c.kind, c.node, c.source): c for c in after.constraints}
-    for c in before.constraints:
+    there = {(c.kind, c.node, c.source): c for c in after.node_constraints}
+    for c in before.node_constraints:
         now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
         if now is not None and not same_numbers(c.axis, now.axis, tolerance):
             title = f"axis of the {c.kind} constraint of {before.title(c.node)}"
@@ -272,9 +272,10 @@ def _whole(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
         return before.title(node) if node >= 0 else "another"
 
     yield from _table("humanoid", before.humanoid, bones, told)
-    mine = {before.title(k): dict(note) for k, note in before.notes.items()}
+    mine = {before.title(k): dict(note) for k, note in before.metadata.items()}
     theirs = {
-        before.title(back[k]) if k in back else after.title(k): dict(note) for k, note in after.notes.items()
+        before.title(back[k]) if k in back else after.title(k): dict(note)
+        for k, note in after.metadata.items()
     }
     yield from _table("controls and locators", mine, theirs, str)
     if before.rules.up != after.rules.up:

@@ -103,8 +103,8 @@ def test_the_rig_is_what_the_file_says(tmp_path: Path) -> None:
     hand, hips, camera = rig.find("hand"), rig.find("hips"), rig.find("camera")
     assert rig.path(hand) == "/root/hips/#4/hand"
     assert rig.has_matrix.tolist() == [k == "" for k in rig.names]
-    assert rig.payload[camera] == camera
-    assert rig.payload[hips] == -1
+    assert rig.attachment[camera] == camera
+    assert rig.attachment[hips] == -1
     assert rig.rules.facing == (0.0, 0.0, 1.0)
     assert list(rig.rules.fixed) == [rig.find("foot")]
     # Row vectors: the last row of the stored sixteen numbers is the position.

@@ -165,7 +165,7 @@ def test_a_second_and_a_third_edit_do_not_grow_the_file(kind: str, tmp_path: Pat
     sizes, names = [], []
     for edit in range(3):
         turn = random_turns(document.rig, seed=edit)
-        turn[np.flatnonzero(document.rig.payload >= 0)] = IDENTITY
+        turn[np.flatnonzero(document.rig.attachment >= 0)] = IDENTITY
         target = tmp_path / f"out{edit}{suffix}"
         companions = document.write(reframe(document.rig, turn), target, target)
         place(companions, tmp_path)
@@ -277,7 +277,7 @@ def test_new_nodes_and_notes_come_behind_the_last_node(tmp_path: Path) -> None:
     document = GltfDocument.read(small().glb(tmp_path / "a.glb"))
     moved = np.array([[0.5, 1.0, 2.0], [0.0, 0.0, 1.0]])
     rig = document.rig.with_nodes(["pole", "child"], [-1, 4], moved, np.tile(IDENTITY, (2, 1)))
-    rig = replace(rig, notes={4: {"v": 1, "type": "poleVector"}, 1: {"v": 1, "type": "frame"}})
+    rig = replace(rig, metadata={4: {"v": 1, "type": "poleVector"}, 1: {"v": 1, "type": "frame"}})
     written(document, rig, tmp_path / "b.glb")
     gltf = glb_json(tmp_path / "b.glb")
     note = {"rigtri": {"v": 1, "type": "poleVector"}}
@@ -285,9 +285,9 @@ def test_new_nodes_and_notes_come_behind_the_last_node(tmp_path: Path) -> None:
     assert gltf["nodes"][4] == pole
     assert gltf["scenes"][0]["nodes"] == [0, 3, 4]
     again = GltfDocument.read(tmp_path / "b.glb")
-    assert again.rig.notes == rig.notes
+    assert again.rig.metadata == rig.metadata
     # Taken away, they leave nothing behind.
-    written(again, replace(again.rig, notes={4: again.rig.notes[4]}), tmp_path / "c.glb")
+    written(again, replace(again.rig, metadata={4: again.rig.metadata[4]}), tmp_path / "c.glb")
     assert "extras" not in glb_json(tmp_path / "c.glb")["nodes"][1]
 
 
@@ -295,7 +295,7 @@ def test_a_note_beside_extras_that_are_no_object_is_refused(tmp_path: Path) -> N
     document = GltfDocument.read(character().glb(tmp_path / "a.glb"))
     root = document.rig.find("root")
     with pytest.raises(FileError, match="root has extras"):
-        written(document, replace(document.rig, notes={root: {"v": 1}}), tmp_path / "b.glb")
+        written(document, replace(document.rig, metadata={root: {"v": 1}}), tmp_path / "b.glb")
 
 
 def test_a_single_root_stays_the_only_root(tmp_path: Path) -> None:
@@ -323,7 +323,7 @@ def test_a_node_put_above_another_takes_its_place_among_the_children(tmp_path: P
         parents=np.array(parents),
         **{
             f: getattr(rig, f)[order]
-            for f in ("translation", "rotation", "scale", "matrix", "has_matrix", "payload")
+            for f in ("translation", "rotation", "scale", "matrix", "has_matrix", "attachment")
         },
         skins=tuple(replace(s, joints=np.array([0, 2, 3])) for s in rig.skins),
         clips=tuple(
@@ -331,7 +331,7 @@ def test_a_node_put_above_another_takes_its_place_among_the_children(tmp_path: P
             for c in rig.clips
         ),
     )
-    rig = replace(rig, payload=np.array([-1, -1, -1, -1, 4]))
+    rig = replace(rig, attachment=np.array([-1, -1, -1, -1, 4]))
     written(document, rig, tmp_path / "b.glb")
     nodes = glb_json(tmp_path / "b.glb")["nodes"]
     assert nodes[0]["children"] == [4]

@@ -43,7 +43,7 @@ def located(rig: Rig, rotation: Any = IDENTITY) -> Rig:
         np.array([(0, 0, 0), (4.0, 5, 6)]),
         np.array([IDENTITY, rotation]),
     )
-    return replace(rig, notes={**rig.notes, n: {"v": 1, "type": "group"}, n + 1: POLE})
+    return replace(rig, metadata={**rig.metadata, n: {"v": 1, "type": "group"}, n + 1: POLE})
 
 
 def test_a_locator_stands_under_the_scope_of_the_skeletons_top_prim(tmp_path: Path) -> None:
@@ -77,11 +77,11 @@ def test_locators_are_found_again_and_the_second_run_changes_no_byte(tmp_path: P
     out = write(document, located(document.rig), tmp_path / "out.usda")
     again = read(out)
     pole = again.rig.find("b_pole")
-    assert again.rig.notes[pole] == POLE
-    assert again.rig.notes[again.rig.find("rigtri")] == {"v": 1, "type": "group"}
+    assert again.rig.metadata[pole] == POLE
+    assert again.rig.metadata[again.rig.find("rigtri")] == {"v": 1, "type": "group"}
     assert not again.rig.has_matrix[pole]
     assert_allclose(again.rig.world[pole, 3, :3], (4, 5, 6))
-    same = replace(again.rig, notes=dict(again.rig.notes))
+    same = replace(again.rig, metadata=dict(again.rig.metadata))
     assert write(again, same, tmp_path / "second.usda").read_bytes() == out.read_bytes()
 
 
@@ -95,10 +95,10 @@ def test_a_locator_is_moved_renamed_and_annotated_in_place(tmp_path: Path) -> No
     names[pole] = "knee"
     note = {key: value for key, value in POLE.items() if key != "reach"} | {"from": "end"}
     rig = replace(
-        again.rig, names=tuple(names), translation=translation, notes={**again.rig.notes, pole: note}
+        again.rig, names=tuple(names), translation=translation, metadata={**again.rig.metadata, pole: note}
     )
     third = read(write(again, rig, tmp_path / "third.usda")).rig
-    assert third.notes[third.find("knee")] == note
+    assert third.metadata[third.find("knee")] == note
     assert_allclose(third.translation[third.find("knee")], (7, 8, 9))
     assert "b_pole" not in third.names
 
@@ -128,13 +128,13 @@ def test_notes_on_joints_lie_in_attributes_of_the_skeleton(tmp_path: Path) -> No
         document.rig.find("b"): {"v": 1, "type": "frame", "invented": True},
         document.rig.find("c"): POLE,
     }
-    out = write(document, replace(document.rig, notes=found), tmp_path / "out.usda")
+    out = write(document, replace(document.rig, metadata=found), tmp_path / "out.usda")
     again = read(out)
-    assert {again.rig.names[node]: note for node, note in again.rig.notes.items()} == {
+    assert {again.rig.names[node]: note for node, note in again.rig.metadata.items()} == {
         "b": {"v": 1, "type": "frame", "invented": True},
         "c": POLE,
     }
-    bare = write(again, replace(again.rig, notes={}), tmp_path / "bare.usda")
+    bare = write(again, replace(again.rig, metadata={}), tmp_path / "bare.usda")
     assert "rigtri" not in bare.read_text()
 
 

@@ -196,7 +196,7 @@ def test_what_plays_at_once_is_one_clip_whichever_clip_holds_it() -> None:
 
 def test_keys_that_say_what_a_node_of_ours_is_at_rest_are_not_lost_and_others_are() -> None:
     rig = chain((0, 0, 0), (1, 2, 3))
-    ours = replace(rig, notes={1: {"v": 1, "type": "control", "kind": "fk", "joint": "a"}})
+    ours = replace(rig, metadata={1: {"v": 1, "type": "control", "kind": "fk", "joint": "a"}})
     times = np.array([0.0, 1.0])
 
     def lost(path: Any, values: Any, after: Rig = ours) -> tuple[str, ...]:

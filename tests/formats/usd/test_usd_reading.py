@@ -39,7 +39,7 @@ def test_prims_and_joints_become_nodes(tmp_path: Path) -> None:
     assert rig.parents.tolist() == [-1, 0, 0, 1, 3, 4]
     assert rig.keys[2] == ("prim", "/Root/Skin")
     assert rig.keys[4] == ("joint", "/Root/Skel", "a/b")
-    assert rig.payload.tolist() == [-1, -1, 2, -1, -1, -1]
+    assert rig.attachment.tolist() == [-1, -1, 2, -1, -1, -1]
     assert rig.rules.up == (0, 1, 0)
     assert_allclose(rig.world[3:, 3, :3], [(0, 0, 0), (0, 2, 0), (0, 4, 1)])
     assert rig.skins[0].weighted.tolist() == [True, True, True]

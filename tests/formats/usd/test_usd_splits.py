@@ -392,5 +392,5 @@ def test_the_note_of_a_split_joint_names_it_also_where_two_skeletons_have_it(tmp
     rig = read(out).rig
     assert len(rig.frame_of) > 1
     for joint, holder in rig.frame_of.items():
-        assert rig.find(str(rig.notes[holder]["joint"])) == joint
+        assert rig.find(str(rig.metadata[holder]["joint"])) == joint
     assert "usd.note.broken" not in {finding.id for finding in check(out)}

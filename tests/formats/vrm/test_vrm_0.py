@@ -177,12 +177,12 @@ def test_a_real_character_that_another_program_turned_comes_back(
     document = GltfDocument.read(path)
     turns = unit(np.random.default_rng(seed).normal(size=(len(document.rig), 4)))
     turns[~document.rig.is_joint] = IDENTITY
-    free = replace(document.rig, constraints=())
+    free = replace(document.rig, node_constraints=())
     document.write(reframe(free, turns), turned, turned)
     done = run(turned, "-o", out, "--world", "--report", tmp_path / "report.json")
     assert done.exit_code == 0, done.output
     before, after = GltfDocument.read(path), GltfDocument.read(out)
-    bones = sorted(before.rig.rules.world_aligned - {c.node for c in before.rig.constraints})
+    bones = sorted(before.rig.rules.world_aligned - {c.node for c in before.rig.node_constraints})
     assert (after.rig.rotation[bones] == IDENTITY).all()
     assert_allclose(places(glb_json(out), after.rig), places(glb_json(path), before.rig), atol=1e-6)
     assert verify(before, after).passes(1e-6)

@@ -96,8 +96,8 @@ def test_a_turn_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Pat
         turns[NODES[name]] = quaternion(np.random.default_rng(3))
         with pytest.raises(ValueError, match=name):
             reframe(rig, turns)
-        careless = reframe(replace(rig, constraints=()), turns)
-        assert deviation(rig, replace(careless, constraints=rig.constraints)) > 1e-3
+        careless = reframe(replace(rig, node_constraints=()), turns)
+        assert deviation(rig, replace(careless, node_constraints=rig.node_constraints)) > 1e-3
 
 
 def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_path: Path) -> None:
@@ -272,7 +272,7 @@ def test_a_node_that_a_split_inserts_leaves_constraints_where_they_were(tmp_path
     again = GltfDocument.read(out).rig
 
     def tied(rig: Rig) -> list[tuple[str, str]]:
-        return sorted((rig.names[c.node], rig.names[c.source]) for c in rig.constraints)
+        return sorted((rig.names[c.node], rig.names[c.source]) for c in rig.node_constraints)
 
     assert tied(again) == tied(after) == tied(document.rig)
     assert len(tied(again)) == len(CONSTRAINTS)

@@ -8,10 +8,10 @@ from rigtri.model.rig import Rig
 
 def is_rigtri_prim(rig: Rig, node: int) -> bool:
     """Whether a prim was made by rigtri, so that its transform is rigtri's to set."""
-    return "type" in rig.notes.get(node, {})
+    return "type" in rig.metadata.get(node, {})
 
 
 def sets_transform(before: Rig, rig: Rig, node: int) -> bool:
     """Whether rigtri may set the transform of a prim: its own, or one that gets back what it had lost."""
-    added = rig.notes.get(node, {}).get("type") in ADDED
+    added = rig.metadata.get(node, {}).get("type") in ADDED
     return is_rigtri_prim(before, node) or (added and bool((before.local[node] != rig.local[node]).any()))

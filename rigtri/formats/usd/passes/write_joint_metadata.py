@@ -15,8 +15,8 @@ def write_joint_metadata(edit: UsdEdit) -> None:
     by_skeleton: dict[str, dict[str, metadata_attributes.Note]] = {}
     changed: set[str] = set()
     for node, (path, token) in edit.source.joints.items():
-        note = rig.notes.get(node, {})
-        if dict(note) != dict(before.notes.get(node, {})):
+        note = rig.metadata.get(node, {})
+        if dict(note) != dict(before.metadata.get(node, {})):
             changed.add(path)
         if note:
             by_skeleton.setdefault(path, {})[token] = note

@@ -38,7 +38,7 @@ def write_rigtri_prims(edit: UsdEdit) -> None:
     FileError where another layer holds one that must be edited here.
     """
     source, rig = edit.source, edit.rig
-    if any(c.key is None and c.kind != "tail" for c in rig.constraints):
+    if any(c.key is None and c.kind != "tail" for c in rig.node_constraints):
         raise FileError("USD has no VRM node constraints; leave out --vrm-constraints")
     edit.values += _updates(source, rig, edit.changes.rigtri_prims)
     additions = _Additions(source, rig)
@@ -65,7 +65,7 @@ def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
         return path
 
     found = [_rename(str(path), name) for path, name in wanted.items()]
-    for node, note in rig.notes.items():
+    for node, note in rig.metadata.items():
         paths = _prims(rig, note, made)
         own = made.get(node) or (Sdf.Path(rig.labels[node]) if rig.labels[node] else None)
         if own is not None and list(map(now, paths)) != paths:
@@ -81,7 +81,7 @@ def _tracks(rig: Rig, node: int) -> list[Track]:
 
 def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
-    note = rig.notes.get(node, {})
+    note = rig.metadata.get(node, {})
     name = TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
     samples = {
         float(time): float(row[0])
@@ -99,10 +99,10 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.pending.removed:
             continue
-        path, note = before.labels[node], rig.notes.get(node, {})
-        if dict(note) != dict(before.notes.get(node, {})):
+        path, note = before.labels[node], rig.metadata.get(node, {})
+        if dict(note) != dict(before.metadata.get(node, {})):
             old, new = (
-                attributes_of(before.notes.get(node, {})),
+                attributes_of(before.metadata.get(node, {})),
                 attributes_of(note),
             )
             found += [remove_properties(path, name) for name in old if name not in new]
@@ -165,7 +165,7 @@ class _Additions:
         skins = self.rig.skins[len(self.source.rig.skins) :]
         joints = {joint for skin in skins for joint in skin.joints.tolist()}
         for node in range(len(self.source.rig), len(self.rig)):
-            if self.rig.payload[node] >= 0:
+            if self.rig.attachment[node] >= 0:
                 raise FileError(
                     f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim."
                 )
@@ -178,7 +178,7 @@ class _Additions:
         return [*self.made.values(), *found]
 
     def _is_group(self, node: int) -> bool:
-        return node >= len(self.source.rig) and self.rig.notes.get(node, {}).get("type") == "group"
+        return node >= len(self.source.rig) and self.rig.metadata.get(node, {}).get("type") == "group"
 
     def _free(self, parent: Any, wanted: str) -> Any:
         """A path below ``parent`` that no prim has."""
@@ -204,7 +204,7 @@ class _Additions:
         local = multiply(self.world[node], inverse(above))
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
-        note = self.rig.notes.get(node, {})
+        note = self.rig.metadata.get(node, {})
         found = [define(path, "Xform"), *set_transform(path, local, _tracks(self.rig, node))]
         found += set_attributes(path, attributes_of(note))
         found += _relations(path, note, _prims(self.rig, note, self.paths))
@@ -226,7 +226,7 @@ class _Additions:
 
     def _top(self, node: int) -> Any:
         """The top-level prim that holds the skeleton a node is about."""
-        rig, note = self.rig, self.rig.notes.get(node, {})
+        rig, note = self.rig, self.rig.metadata.get(node, {})
         wanted = note.get("chain", [note["child"]] if note.get("type") == "constraint" else [])
         about = [
             parts(rig.keys[joint])[1]
@@ -250,7 +250,7 @@ class _Additions:
         while (prim := stage.GetPrimAtPath(path)) and not prim.HasAttribute("rigtri:type"):
             path, count = parent.AppendChild(f"{GROUP}_{count}"), count + 1
         if path not in self.made and not stage.GetPrimAtPath(path):
-            note = self.rig.notes.get(group, {}) if self._is_group(group) else {}
+            note = self.rig.metadata.get(group, {}) if self._is_group(group) else {}
             self.made[path] = _all(
                 path,
                 [
@@ -273,7 +273,7 @@ def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit
     for node in skin.joints.tolist():
         above = tokens.get(int(rig.parents[node]))
         tokens[node] = f"{above}/{rig.names[node]}" if above else rig.names[node]
-    by_token = {token: rig.notes[node] for node, token in tokens.items() if node in rig.notes}
+    by_token = {token: rig.metadata[node] for node, token in tokens.items() if node in rig.metadata}
     return [
         define(path, "Skeleton"),
         *set_joints(path, list(tokens.values()), inverse(skin.inverse_bind), rest),

@@ -60,9 +60,9 @@ class _Reader:
         self.matrices: list[np.ndarray] = []
         self.keys: list[tuple[str, ...]] = []
         self.labels: list[str] = []
-        self.payload: list[int] = []
+        self.attachment: list[int] = []
         self.own: list[int] = []  # prims of ours, which keep their place as TRS
-        self.notes: dict[int, dict[str, Any]] = {}
+        self.metadata: dict[int, dict[str, Any]] = {}
         self.restless: list[str] = []  # prims of ours that are no controls, with samples and no default
         self.fixed: dict[int, str] = {}
         self.animated: dict[int, Any] = {}  # prims that their ops move over time
@@ -190,11 +190,11 @@ class _Reader:
         self._add(prim.GetName(), parent, local, ("prim", path), path)
         self.node_of[path] = node
         if _shows(prim):
-            self.payload[node] = node
+            self.attachment[node] = node
         if prim.IsA(UsdGeom.PointBased):
             self.warnings += [Notice("type-ignored", text) for text in ignored(prim)]
         if note and not self._unread(path, note):
-            self.notes[node] = note
+            self.metadata[node] = note
             self.own.append(node)
         return node
 
@@ -204,7 +204,7 @@ class _Reader:
         self.matrices.append(local)
         self.keys.append(key)
         self.labels.append(label)
-        self.payload.append(-1)
+        self.attachment.append(-1)
 
     def _skeletons(self, others: list[Any]) -> None:
         prims = [prim for prim in others if prim.GetTypeName() == "Skeleton"]
@@ -276,7 +276,7 @@ class _Reader:
     def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
         for token, note in metadata_attributes.read_joints(prim).items():
             if token in nodes and not self._unread(token, note):
-                self.notes[nodes[token]] = note
+                self.metadata[nodes[token]] = note
 
     def _unread(self, title: str, note: Mapping[str, Any]) -> bool:
         """Whether another version has stored a note, which is told and left alone then."""
@@ -364,10 +364,10 @@ class _Reader:
             scale=scale,
             matrix=np.where(has_matrix[:, np.newaxis, np.newaxis], matrix, identity(count)),
             has_matrix=has_matrix,
-            payload=np.array(self.payload, dtype=np.int64),
+            attachment=np.array(self.attachment, dtype=np.int64),
             keys=tuple(self.keys),
             labels=tuple(self.labels),
-            notes=dict(self.notes),
+            metadata=dict(self.metadata),
             rules=FormatRules(fixed=dict(self.fixed), up=up, raw_quaternions=True),
         )
 
