@@ -18,7 +18,7 @@ from rigtri.formats.gltf.accessors import FLOAT, Accessors
 from rigtri.formats.gltf.animation_reader import POINTER, pointer_of
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.float32_rounding import Singles, round_tracks, to_singles
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -46,7 +46,7 @@ def refuse_early(before: Rig, after: Rig) -> None:
                 )
 
 
-class _Wish(NamedTuple):
+class _NewOutput(NamedTuple):
     """New rows for a place that refers to an accessor, and how to let it refer to another one."""
 
     accessor: int | None
@@ -61,7 +61,7 @@ class ClipWriter:
 
     def __init__(
         self,
-        draft: Draft,
+        draft: CopyOnWrite,
         storage: Storage,
         accessors: Accessors,
         source: Rig,
@@ -71,7 +71,7 @@ class ClipWriter:
     ) -> None:
         self._draft, self._storage, self._accessors = draft, storage, accessors
         self._source, self._rig, self._index, self._moved = source, rig, index, moved
-        self._wishes: list[_Wish] = []
+        self._wishes: list[_NewOutput] = []
         self._inputs: dict[int, int] = {}
         # Channels to be taken out, by animation; last, as until then they are found by their place.
         self._lost: dict[int, set[int]] = {}
@@ -115,9 +115,9 @@ class ClipWriter:
             rows = np.concatenate([rows, stored[len(rows) :]])
 
         def refer(index: int) -> None:
-            self._draft.own("skins", number)["inverseBindMatrices"] = index
+            self._draft.edit("skins", number)["inverseBindMatrices"] = index
 
-        self._wishes.append(_Wish(accessor, to_singles(rows), "MAT4", "inverse bind matrices", refer))
+        self._wishes.append(_NewOutput(accessor, to_singles(rows), "MAT4", "inverse bind matrices", refer))
 
     def _cut_matrices(self, number: int, skin: Skin) -> None:
         """Joints of ours have gone, which came last: the matrices of before them are often there still."""
@@ -134,18 +134,18 @@ class ClipWriter:
             except FileError:
                 continue
             if np.array_equal(stored, rows):
-                self._draft.own("skins", number)["inverseBindMatrices"] = index
+                self._draft.edit("skins", number)["inverseBindMatrices"] = index
                 return
         if self._storage.users[accessor] == 1:  # rows behind the last joint mean nothing
-            self._draft.own("accessors", accessor)["count"] = len(rows)
+            self._draft.edit("accessors", accessor)["count"] = len(rows)
 
     def _grow_skin(self, number: int, skin: Skin, before: Skin) -> None:
         """New joints behind the last, so that the indices of meshes keep their meaning."""
         count = len(before.joints)
-        self._draft.own("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
+        self._draft.edit("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
         if before.stored or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
             like = self._draft.gltf["skins"][number].get("inverseBindMatrices")
-            self._draft.own("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)
+            self._draft.edit("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)
 
     def _add_skin(self, skin: Skin) -> None:
         added: dict[str, Any] = {"name": skin.name} if skin.name else {}
@@ -175,17 +175,17 @@ class ClipWriter:
         for clip in before.values():
             self._lost[int(str(clip.key))] = {_place(track)[1] for track in clip.tracks}
         rows = round_tracks([now for now, _ in changed], [then for _, then in changed])
-        wanted = {
+        outputs = {
             now.key: values.reshape(-1, 1) if now.path == "weights" else values
             for (now, _), values in zip(changed, rows, strict=True)
         }
-        self._settle_samplers(wanted)
+        self._settle_samplers(outputs)
 
     def _compare(self, number: int, clip: Clip, old: Clip | None) -> list[tuple[Track, Track]]:
         """Tracks with other values, each with what it was; channels that move, come or go are noted."""
         known = {track.key: track for track in old.tracks} if old is not None else {}
         if old is not None and clip.name != old.name:
-            self._draft.own("animations", number)["name"] = clip.name
+            self._draft.edit("animations", number)["name"] = clip.name
         changed = []
         for track in clip.tracks:
             then = known.pop(track.key, None) if track.key is not None else None
@@ -209,13 +209,13 @@ class ClipWriter:
 
     def _retarget(self, track: Track, node: int) -> None:
         number, channel = _place(track)
-        target = self._draft.own("animations", number, "channels", channel, "target")
+        target = self._draft.edit("animations", number, "channels", channel, "target")
         _aim(self._draft, (number, channel), target, node)
 
-    def _settle_samplers(self, wanted: dict[Any, Singles]) -> None:
+    def _settle_samplers(self, outputs: dict[Any, Singles]) -> None:
         """New outputs for samplers; channels that share one and part ways get samplers of their own."""
         by_sampler: dict[tuple[int, int], list[tuple[int, Singles]]] = {}
-        for (number, channel), rows in wanted.items():
+        for (number, channel), rows in outputs.items():
             sampler = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
             by_sampler.setdefault((number, sampler), []).append((channel, rows))
         sharing = _sharing(self._draft.gltf.get("animations", []), {number for number, _ in by_sampler})
@@ -224,28 +224,28 @@ class ClipWriter:
             for channel, rows in users:
                 groups.setdefault(rows.tobytes() if len(users) > 1 else b"", []).append((channel, rows))
             # The old sampler stays with whoever wants its old values.
-            old_values_wanted = sharing[number, sampler] > len(users)
+            old_values_used = sharing[number, sampler] > len(users)
             for place, group in enumerate(groups.values()):
                 mine = sampler
-                if old_values_wanted or place > 0:
+                if old_values_used or place > 0:
                     mine = self._split(number, sampler, [channel for channel, _ in group])
-                self._wish_output(number, mine, group[0][1], fresh=mine != sampler)
+                self._request_output(number, mine, group[0][1], fresh=mine != sampler)
 
     def _split(self, number: int, sampler: int, channels: list[int]) -> int:
-        samplers = self._draft.own("animations", number, "samplers")
+        samplers = self._draft.edit("animations", number, "samplers")
         samplers.append(dict(samplers[sampler]))
         for channel in channels:
-            self._draft.own("animations", number, "channels", channel)["sampler"] = len(samplers) - 1
+            self._draft.edit("animations", number, "channels", channel)["sampler"] = len(samplers) - 1
         return len(samplers) - 1
 
-    def _wish_output(self, number: int, sampler: int, rows: Singles, *, fresh: bool) -> None:
+    def _request_output(self, number: int, sampler: int, rows: Singles, *, fresh: bool) -> None:
         output = self._draft.gltf["animations"][number]["samplers"][sampler]["output"]
 
         def refer(index: int) -> None:
-            self._draft.own("animations", number, "samplers", sampler)["output"] = index
+            self._draft.edit("animations", number, "samplers", sampler)["output"] = index
 
         kind = KINDS[rows.shape[1]]
-        wish = _Wish(output, rows, kind, "animation", refer)
+        wish = _NewOutput(output, rows, kind, "animation", refer)
         if fresh:
             refer(self._storage.add(rows, kind, "animation", output))
         else:
@@ -255,7 +255,7 @@ class ClipWriter:
 
     def _grant(self) -> None:
         """Write over an accessor that all its users want changed alike; else give new ones."""
-        together: dict[int, list[_Wish]] = {}
+        together: dict[int, list[_NewOutput]] = {}
         for wish in self._wishes:
             if wish.accessor is None:
                 wish.refer(self._storage.add(wish.rows, wish.kind, wish.role))
@@ -284,7 +284,7 @@ class ClipWriter:
             for channel, raw in enumerate(animation.get("channels", [])):
                 node = _drives_payload(raw)
                 if node in self._moved:
-                    target = self._draft.own("animations", number, "channels", channel, "target")
+                    target = self._draft.edit("animations", number, "channels", channel, "target")
                     _aim(self._draft, (number, channel), target, self._moved[node])
 
     def _add_animation(self, clip: Clip) -> int:
@@ -319,10 +319,10 @@ class ClipWriter:
             before, now = self._draft.gltf["animations"][number]["samplers"][old], self._sampler(track)
             if "interpolation" not in before and (now["interpolation"] == "LINEAR" or len(track.times) == 1):
                 now.pop("interpolation")  # one key holds either way
-            self._draft.own("animations", number, "samplers")[old] = {**before, **now}
+            self._draft.edit("animations", number, "samplers")[old] = {**before, **now}
             return
         sampler = self._add_sampler(number, track)
-        self._draft.own("animations", number, "channels", channel)["sampler"] = sampler
+        self._draft.edit("animations", number, "channels", channel)["sampler"] = sampler
 
     def _add_sampler(self, number: int, track: Track) -> int:
         samplers = self._draft.need("animations", number, "samplers", empty=[])
@@ -353,9 +353,9 @@ class ClipWriter:
         return self._storage.add(rows, kind, "animation", bounds=bounds)
 
 
-def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:
+def drop_channels(draft: CopyOnWrite, number: int, lost: Collection[int]) -> None:
     """Take channels out of an animation, and the samplers that only they were using."""
-    animation = draft.own("animations", number)
+    animation = draft.edit("animations", number)
     channels = animation.get("channels", [])
     kept = [channel for k, channel in enumerate(channels) if k not in lost]
     used = {channel.get("sampler") for channel in kept}
@@ -371,12 +371,12 @@ def drop_channels(draft: Draft, number: int, lost: Collection[int]) -> None:
     ]
 
 
-def drop_empty_animations(draft: Draft) -> None:
+def drop_empty_animations(draft: CopyOnWrite) -> None:
     """An animation without channels is not allowed; nothing refers to animations by number."""
     animations = draft.gltf.get("animations", [])
     if any(not animation.get("channels") for animation in animations):
         kept = [animation for animation in animations if animation.get("channels")]
-        draft.own("animations")[:] = kept
+        draft.edit("animations")[:] = kept
         if not kept:
             draft.gltf.pop("animations")
 
@@ -423,7 +423,7 @@ def _drives_payload(channel: Any) -> int | None:
     return int(pointer[2]) if pointer[1:2] == ["nodes"] and shown and pointer[2].isdecimal() else None
 
 
-def _aim(draft: Draft, place: tuple[int, int], target: dict[str, Any], node: int) -> None:
+def _aim(draft: CopyOnWrite, place: tuple[int, int], target: dict[str, Any], node: int) -> None:
     """Let a channel drive another node, by number or by pointer."""
     pointer = pointer_of(target)
     if target.get("path") != "pointer" or pointer is None:
@@ -432,4 +432,4 @@ def _aim(draft: Draft, place: tuple[int, int], target: dict[str, Any], node: int
     parts = pointer.split("/")
     parts[2] = str(node)
     path = ("animations", place[0], "channels", place[1], "target", "extensions", POINTER)
-    draft.own(*path)["pointer"] = "/".join(parts)
+    draft.edit(*path)["pointer"] = "/".join(parts)

@@ -19,7 +19,7 @@ from rigtri.formats.document import Companion
 from rigtri.formats.gltf.accessors import COMPONENTS, Accessors
 from rigtri.formats.gltf.container import Container, Piece
 from rigtri.formats.gltf.float32_rounding import Singles
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.references import compressed_spans, used_accessors, used_views
 from rigtri.formats.gltf.uris import encode_data, escape, is_data
 
@@ -47,7 +47,7 @@ class _Tail:
 class Storage:
     """Takes new numbers for accessors and says in the end what becomes of the buffers."""
 
-    def __init__(self, draft: Draft, accessors: Accessors, container: Container) -> None:
+    def __init__(self, draft: CopyOnWrite, accessors: Accessors, container: Container) -> None:
         self._draft, self._accessors, self._container = draft, accessors, container
         self._buffers = accessors.buffers
         self._gltf = container.gltf
@@ -85,7 +85,7 @@ class Storage:
             low, high = _bounds(np.concatenate([rows for _, rows in alike], axis=1))
             for k, (accessor, _) in enumerate(alike):
                 mine = slice(k * width, (k + 1) * width)
-                _put_bounds(self._draft.own("accessors", accessor), low[mine], high[mine])
+                _put_bounds(self._draft.edit("accessors", accessor), low[mine], high[mine])
 
     def add(
         self,
@@ -108,7 +108,7 @@ class Storage:
         if key not in self._added:
             self._added[key] = self._append(content, rows, kind, role, source, bounds)
             if normalized:
-                self._draft.own("accessors", self._added[key])["normalized"] = True
+                self._draft.edit("accessors", self._added[key])["normalized"] = True
         return self._added[key]
 
     @property
@@ -138,7 +138,7 @@ class Storage:
     def remove(self, buffer: int, spans: list[tuple[int, int]]) -> None:
         """Leave ranges of bytes, rising and apart, out of a buffer that is `changeable`."""
         self._gone[buffer] = spans
-        self._draft.own("buffers", buffer)["byteLength"] -= sum(end - start for start, end in spans)
+        self._draft.edit("buffers", buffer)["byteLength"] -= sum(end - start for start, end in spans)
 
     def count_anew(self, views: Mapping[int, int]) -> None:
         """Views that new bytes go to have other numbers now."""
@@ -180,7 +180,7 @@ class Storage:
         """
         tail = b""
         for role in sorted(self._tails):
-            view = self._draft.own("bufferViews", self._tails[role].view)
+            view = self._draft.edit("bufferViews", self._tails[role].view)
             # Filled in below, when the buffer is known; all tails are multiples of 4 long.
             view |= {"buffer": 0, "byteOffset": len(tail), "byteLength": len(self._tails[role].content)}
             tail += bytes(self._tails[role].content)
@@ -220,7 +220,7 @@ class Storage:
 
     def _settle(self, home: int, base: int) -> None:
         for tail in self._tails.values():
-            view = self._draft.own("bufferViews", tail.view)
+            view = self._draft.edit("bufferViews", tail.view)
             view |= {"buffer": home, "byteOffset": base + view["byteOffset"]}
 
     def _binary(self, index: int, tail: bytes) -> list[Piece]:
@@ -244,7 +244,7 @@ class Storage:
             padding = -length % 4
             self._settle(index, length + padding)
             pieces += [b"\0" * padding, tail]
-            self._draft.own("buffers", index)["byteLength"] = length + padding + len(tail)
+            self._draft.edit("buffers", index)["byteLength"] = length + padding + len(tail)
         return pieces
 
     def _rewrite(self, index: int, tail: bytes, stem: str, place: str) -> list[Companion]:
@@ -258,7 +258,7 @@ class Storage:
             content += b"\0" * (-len(content) % 4)
             self._settle(index, len(content))
             content += tail
-        buffer = self._draft.own("buffers", index)
+        buffer = self._draft.edit("buffers", index)
         buffer["byteLength"] = len(content)
         if place == "data":
             old = buffer["uri"]

@@ -12,13 +12,13 @@ from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.buffer_writer import OWN_NAME, Storage
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.references import compressed_spans, recounted, used_accessors, used_views
 
 _Span = tuple[int, int]
 
 
-def sweep(draft: Draft, storage: Storage, *, renumber: bool) -> None:
+def collect_garbage(draft: CopyOnWrite, storage: Storage, *, renumber: bool) -> None:
     """Drop accessors of ours that nobody uses, views that are left empty, and their bytes.
 
     renumber: whether others may get new numbers; else only what stands at the ends of lists goes.
@@ -37,7 +37,7 @@ def sweep(draft: Draft, storage: Storage, *, renumber: bool) -> None:
     storage.count_anew(_drop(draft, "bufferViews", "bufferView", views))
     last = gltf["buffers"][-1]
     if last.get("name") == OWN_NAME and not last["byteLength"] and not storage.grows:
-        draft.own("buffers").pop()
+        draft.edit("buffers").pop()
     for kind in ("accessors", "bufferViews", "buffers"):
         if not gltf[kind]:
             gltf.pop(kind)
@@ -74,14 +74,14 @@ def _emptied(gltf: dict[str, Any], accessors: Collection[int]) -> set[int]:
     return views - others - used_views(gltf)
 
 
-def _drop(draft: Draft, section: str, kind: str, gone: Collection[int]) -> dict[int, int]:
+def _drop(draft: CopyOnWrite, section: str, kind: str, gone: Collection[int]) -> dict[int, int]:
     """Take entries out of a list and count references to the others anew: old number → new."""
     if not gone:
         return {}
     entries = draft.gltf[section]
     kept = [number for number in range(len(entries)) if number not in gone]
     moved = {old: new for new, old in enumerate(kept)}
-    draft.own(section)[:] = [entries[number] for number in kept]
+    draft.edit(section)[:] = [entries[number] for number in kept]
     if all(old == new for old, new in moved.items()):
         return moved
     for place in draft.gltf:
@@ -89,12 +89,14 @@ def _drop(draft: Draft, section: str, kind: str, gone: Collection[int]) -> dict[
             continue
         new = recounted(draft.gltf[place], kind, moved)
         if new is not draft.gltf[place]:
-            draft.own(place)  # so that the whole counts as changed
+            draft.edit(place)  # so that the whole counts as changed
             draft.gltf[place] = new
     return moved
 
 
-def _drop_bytes(draft: Draft, storage: Storage, accessors: Collection[int], views: Collection[int]) -> None:
+def _drop_bytes(
+    draft: CopyOnWrite, storage: Storage, accessors: Collection[int], views: Collection[int]
+) -> None:
     """Take the bytes of accessors out of buffers, of all of a view where it goes, and move what follows.
 
     Where anybody else's lie there, they stay.
@@ -142,7 +144,7 @@ def _taken(
                 yield start, end
 
 
-def _close_up(draft: Draft, buffer: int, gone: list[_Span]) -> None:
+def _close_up(draft: CopyOnWrite, buffer: int, gone: list[_Span]) -> None:
     """Let views and accessors begin where their bytes come to lie."""
 
     def before(place: int) -> int:
@@ -160,12 +162,12 @@ def _close_up(draft: Draft, buffer: int, gone: list[_Span]) -> None:
             offset = accessor["byteOffset"]
             less = before(start + offset) - before(start)
             if less:
-                draft.own("accessors", index)["byteOffset"] = offset - less
+                draft.edit("accessors", index)["byteOffset"] = offset - less
     for number, start in starts.items():
         view = gltf["bufferViews"][number]
         inside = before(start + view["byteLength"]) - before(start)
         if inside or before(start):
-            owned = draft.own("bufferViews", number)
+            owned = draft.edit("bufferViews", number)
             owned["byteLength"] -= inside
             if before(start):
                 owned["byteOffset"] = start - before(start)

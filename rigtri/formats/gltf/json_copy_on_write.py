@@ -5,37 +5,37 @@ from __future__ import annotations
 from typing import Any
 
 
-class Draft:
-    """The JSON to be written. What `own` has not named is the very object that was read."""
+class CopyOnWrite:
+    """The JSON to be written. What `edit` has not named is the very object that was read."""
 
     def __init__(self, gltf: dict[str, Any]) -> None:
         self.gltf = dict(gltf)
-        self._own: dict[int, Any] = {}
+        self._copies: dict[int, Any] = {}
 
     @property
     def changed(self) -> bool:
         """Whether anything was touched."""
-        return bool(self._own)
+        return bool(self._copies)
 
-    def own(self, *path: str | int) -> Any:
+    def edit(self, *path: str | int) -> Any:
         """The object or list at ``path``, free to be changed; it must be there."""
         holder: Any = self.gltf
         for key in path:
-            holder = self._owned(holder, key)
+            holder = self._copied(holder, key)
         return holder
 
     def need(self, *path: str | int, empty: Any) -> Any:
-        """Like `own`, but where the last step leads nowhere ``empty`` is put there."""
-        holder = self.own(*path[:-1])
+        """Like `edit`, but where the last step leads nowhere ``empty`` is put there."""
+        holder = self.edit(*path[:-1])
         if holder.get(path[-1]) is None:
             holder[path[-1]] = empty
-            self._own[id(empty)] = empty
-        return self._owned(holder, path[-1])
+            self._copies[id(empty)] = empty
+        return self._copied(holder, path[-1])
 
-    def _owned(self, holder: Any, key: str | int) -> Any:
+    def _copied(self, holder: Any, key: str | int) -> Any:
         child = holder[key]
-        if id(child) not in self._own:
+        if id(child) not in self._copies:
             child = holder[key] = child.copy()
             # Kept here, so that no later object can get the same id.
-            self._own[id(child)] = child
+            self._copies[id(child)] = child
         return child

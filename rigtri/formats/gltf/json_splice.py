@@ -40,8 +40,8 @@ def splice(
     ValueError for a new number that JSON cannot hold.
     """
     start = skip(text, 0)
-    told, end = _Splicer(text, spelling, ends).told(start, old, new, 0)
-    return text[:start] + told + text[end:]
+    spliced, end = _Splicer(text, spelling, ends).spliced(start, old, new, 0)
+    return text[:start] + spliced + text[end:]
 
 
 class _Splicer:
@@ -51,7 +51,7 @@ class _Splicer:
         self.text, self.spelling, self.ends = text, spelling, ends
         self.edits: list[tuple[int, int, str]] = []
 
-    def told(self, at: int, old: Any, new: Any, depth: int) -> tuple[str, int]:
+    def spliced(self, at: int, old: Any, new: Any, depth: int) -> tuple[str, int]:
         """The text of ``new``, where that of ``old`` starts at ``at``, and where the latter ends."""
         inner = _Splicer(self.text, self.spelling, self.ends)
         whole = inner.value(at, old, new, depth)
@@ -78,8 +78,8 @@ class _Splicer:
         end = self._members(at, old, new, depth)
         if end < 0:
             del self.edits[known:]
-            told, end = self._object_anew(at, old, new, depth)
-            self.edits.append((at, end, told))
+            spliced, end = self._object_anew(at, old, new, depth)
+            self.edits.append((at, end, spliced))
         return end
 
     def _members(self, at: int, old: dict[str, Any], new: dict[str, Any], depth: int) -> int:
@@ -123,7 +123,7 @@ class _Splicer:
             tail = ""
             if key in members:
                 part = members[key]
-                pieces += [part.lead, part.head, self.told(part.start, old[key], item, depth + 1)[0]]
+                pieces += [part.lead, part.head, self.spliced(part.start, old[key], item, depth + 1)[0]]
                 tail = part.tail
             else:
                 lead = next(iter(members.values())).lead if not number else self._lead(members)
@@ -133,14 +133,14 @@ class _Splicer:
 
     def _list(self, at: int, old: list[Any], new: list[Any], depth: int) -> int:
         if _NUMBERS.issuperset(map(type, old)):
-            told, end = self._numbers(at, old, new, depth)
+            spliced, end = self._numbers(at, old, new, depth)
         elif self._by_key(at, end := self.ends.get(at, -1), old, new, depth):
             return end
         elif _in_order(old, new):
             return self._items(at, old, new, depth)
         else:
-            told, end = self._list_anew(at, old, new, depth)
-        self.edits.append((at, end, told))
+            spliced, end = self._list_anew(at, old, new, depth)
+        self.edits.append((at, end, spliced))
         return end
 
     def _by_key(self, at: int, end: int, old: list[Any], new: list[Any], depth: int) -> bool:
@@ -191,21 +191,21 @@ class _Splicer:
         """The text of a list that held numbers alone, and where the old one ends."""
         end = self.text.index("]", at)
         if set(map(id, old)).isdisjoint(map(id, new)) and len(self.text[at:end].split()) == 1:
-            if _NUMBERS.issuperset(map(type, new)) and "n" not in (told := repr(new)):
-                return told.replace(" ", ""), end + 1
-            told = ",".join([self.spelling.fragment(item, depth + 1) for item in new])
-            return f"[{told}]", end + 1
-        said, places = self.text[at + 1 : end].split(","), _places(old)
-        items, last = [], len(said) - 1
+            if _NUMBERS.issuperset(map(type, new)) and "n" not in (spliced := repr(new)):
+                return spliced.replace(" ", ""), end + 1
+            spliced = ",".join([self.spelling.fragment(item, depth + 1) for item in new])
+            return f"[{spliced}]", end + 1
+        parts, places = self.text[at + 1 : end].split(","), _places(old)
+        items, last = [], len(parts) - 1
         for number, item in enumerate(new):
             place = number if number < len(old) and old[number] is item else places.get(id(item), number)
             kept = place < len(old) and old[place] is item
-            value = said[place].strip(BLANKS) if kept else self.spelling.fragment(item, depth + 1)
-            around = said[min(number, last)]
+            value = parts[place].strip(BLANKS) if kept else self.spelling.fragment(item, depth + 1)
+            around = parts[min(number, last)]
             lead = around[: len(around) - len(around.lstrip(BLANKS))]
             tail = around[len(around.rstrip(BLANKS)) :] if number < last else ""
             items.append(f"{lead}{value}{tail if number < len(new) - 1 else ''}")
-        ending = said[last][len(said[last].rstrip(BLANKS)) :]
+        ending = parts[last][len(parts[last].rstrip(BLANKS)) :]
         return f"[{','.join(items)}{ending}]", end + 1
 
     def _list_anew(self, at: int, old: list[Any], new: list[Any], depth: int) -> tuple[str, int]:
@@ -224,7 +224,7 @@ class _Splicer:
             pieces += [f"{tail}," if number else "", part.lead]
             tail = part.tail if number < len(parts) else ""
             if place < len(old):
-                pieces.append(self.told(parts[place].start, old[place], item, depth + 1)[0])
+                pieces.append(self.spliced(parts[place].start, old[place], item, depth + 1)[0])
             else:
                 pieces.append(self.spelling.fragment(item, depth + 1))
         return "".join([*pieces, ending, "]"]), at

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.structure import SHOWN_EXTENSIONS
 from rigtri.formats.vrm.node_constraints import CONSTRAINT, stored, stored_axis
 from rigtri.formats.vrm.vrm0 import stored_vector
@@ -32,7 +32,7 @@ PARTS = ("translation", "rotation", "scale")
 class NodeWriter:
     """Carries the nodes of ``rig`` into a draft of the file that ``source`` was read from."""
 
-    def __init__(self, draft: Draft, source: Rig, rig: Rig) -> None:
+    def __init__(self, draft: CopyOnWrite, source: Rig, rig: Rig) -> None:
         self._draft, self._source, self._rig = draft, source, rig
         count = len(source)
         known = {key: place for place, key in enumerate(source.keys)}
@@ -77,7 +77,7 @@ class NodeWriter:
 
     def _node(self, node: int) -> dict[str, Any]:
         """The JSON of a node of the rig, free to be changed."""
-        owned: dict[str, Any] = self._draft.own("nodes", self.index[node])
+        owned: dict[str, Any] = self._draft.edit("nodes", self.index[node])
         return owned
 
     def _write_names(self) -> None:
@@ -188,11 +188,11 @@ class NodeWriter:
                 self._write_part(node, key, value)
 
     def _leave(self, path: tuple[str | int, ...], index: int) -> None:
-        owned = self._draft.own(*path)
+        owned = self._draft.edit(*path)
         owned.remove(index)
         if not owned:
             # An empty list of children is not allowed.
-            self._draft.own(*path[:-1]).pop(path[-1])
+            self._draft.edit(*path[:-1]).pop(path[-1])
 
     def _leave_scenes(self, index: int, instead: int) -> None:
         """A node that got a parent is no root of a scene; a new parent takes its place there."""
@@ -200,7 +200,7 @@ class NodeWriter:
             roots = scene.get("nodes") or []
             if index not in roots:
                 continue
-            owned = self._draft.own("scenes", number, "nodes")
+            owned = self._draft.edit("scenes", number, "nodes")
             if instead >= 0 and instead not in owned:
                 owned[owned.index(index)] = instead
             else:
@@ -222,7 +222,7 @@ class NodeWriter:
                 self._hand_over(self._node(shown), self._node(node))
         extensions = self._draft.gltf.get("extensions")
         for path in mesh_references(extensions) if self.moved and isinstance(extensions, dict) else ():
-            holder = self._draft.own("extensions", *path[:-1])
+            holder = self._draft.edit("extensions", *path[:-1])
             node = holder["node"]
             # 3.0 is the same number; true is none.
             if type(node) in (int, float):
@@ -270,7 +270,7 @@ class NodeWriter:
         before = {bound.key: bound.vector for bound in self._source.bound}
         for bound in self._rig.bound:
             if isinstance(bound.key, tuple) and (bound.vector != before[bound.key]).any():
-                holder = self._draft.own(*bound.key[:-1])
+                holder = self._draft.edit(*bound.key[:-1])
                 name = bound.key[-1]
                 holder[name] = stored_vector(bound.key, bound.vector.tolist(), holder.get(name))
 
@@ -286,7 +286,7 @@ class NodeWriter:
                 self._add_constraint(constraint)
             if isinstance(key, tuple) and (constraint.axis != before[key]).any():
                 name, word = stored_axis(constraint.kind, constraint.axis.tolist())
-                holder = self._draft.own(*key)
+                holder = self._draft.edit(*key)
                 if holder.get(name) != word:
                     holder[name] = word
 
@@ -301,7 +301,7 @@ class NodeWriter:
 
     def _remove_constraint(self, index: int) -> None:
         """Take the extension from a node, and from the list of extensions with the last of them."""
-        holder = self._draft.own("nodes", index)
+        holder = self._draft.edit("nodes", index)
         left = {name: value for name, value in holder["extensions"].items() if name != CONSTRAINT}
         holder["extensions"] = left
         if not left:
@@ -309,7 +309,7 @@ class NodeWriter:
         gltf = self._draft.gltf
         still = any(CONSTRAINT in (node.get("extensions") or {}) for node in gltf["nodes"])
         if not still and CONSTRAINT in gltf.get("extensionsUsed", []):
-            used = self._draft.own("extensionsUsed")
+            used = self._draft.edit("extensionsUsed")
             used.remove(CONSTRAINT)
             if not used:
                 gltf.pop("extensionsUsed")

@@ -16,8 +16,8 @@ from typing import Any
 from rigtri.errors import FileError
 from rigtri.formats.gltf.animation_writer import drop_channels, drop_empty_animations
 from rigtri.formats.gltf.buffer_writer import Storage
-from rigtri.formats.gltf.garbage_collect import sweep
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.garbage_collect import collect_garbage
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 
 # Meshes and materials that rigtri draws shapes with; others stay, whoever used them.
 _OURS = {"meshes": re.compile("rigtri_"), "materials": re.compile("rigtri_[0-9a-f]{6}$")}
@@ -32,7 +32,7 @@ _WORDS: dict[str, tuple[tuple[str, ...], frozenset[str]]] = {
 _KNOWN = ("EXT_mesh", "EXT_texture", "GODOT_single_root", "KHR_", "MSFT_lod", "VRM")
 
 
-def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
+def prune(draft: CopyOnWrite, storage: Storage, nodes: Collection[int]) -> None:
     """Take nodes out of the file, by their indices there, with the shapes and keys that were theirs alone."""
     gltf = draft.gltf
     meshes = {gltf["nodes"][node].get("mesh") for node in nodes} - {None}
@@ -45,17 +45,17 @@ def prune(draft: Draft, storage: Storage, nodes: Collection[int]) -> None:
     rest = {p.get("material") for mesh in gltf.get("meshes", []) for p in mesh.get("primitives", ())}
     if dropped:
         _drop(draft, "materials", _unneeded(gltf, "materials", materials, rest))
-    sweep(draft, storage, renumber=not _unknown(gltf))
+    collect_garbage(draft, storage, renumber=not _unknown(gltf))
 
 
-def _detach(draft: Draft, nodes: Collection[int]) -> None:
+def _detach(draft: CopyOnWrite, nodes: Collection[int]) -> None:
     """Take nodes out of lists of children, scenes and joints, and channels away that drive them."""
     gltf = draft.gltf
     for section, key in (("nodes", "children"), ("scenes", "nodes"), ("skins", "joints")):
         for number, holder in enumerate(gltf.get(section, [])):
             inside = holder.get(key)
             if inside and any(node in nodes for node in inside):
-                owned = draft.own(section, number)
+                owned = draft.edit(section, number)
                 owned[key] = [node for node in inside if node not in nodes]
                 if not owned[key]:
                     owned.pop(key)
@@ -67,11 +67,11 @@ def _detach(draft: Draft, nodes: Collection[int]) -> None:
     drop_empty_animations(draft)
 
 
-def _drop_empty_skins(draft: Draft) -> None:
+def _drop_empty_skins(draft: CopyOnWrite) -> None:
     """A skin without joints is not allowed; those of ours come last, and nothing is drawn with them."""
     skins = draft.gltf.get("skins", [])
     while skins and "joints" not in skins[-1]:
-        draft.own("skins").pop()
+        draft.edit("skins").pop()
         skins = draft.gltf["skins"]
     if "skins" in draft.gltf and not skins:
         draft.gltf.pop("skins")
@@ -85,7 +85,7 @@ def _unneeded(
     return {k for k in candidates if k not in used and ours.match(str(gltf[kind][k].get("name", "")))}
 
 
-def _drop(draft: Draft, kind: str, gone: Collection[int]) -> bool:
+def _drop(draft: CopyOnWrite, kind: str, gone: Collection[int]) -> bool:
     """Take entries out of a list and count the others anew; False where they have to stay."""
     entries = draft.gltf.get(kind, [])
     if not gone:
@@ -99,7 +99,7 @@ def _drop(draft: Draft, kind: str, gone: Collection[int]) -> bool:
             f"What rigtri added stands between other nodes, and {unknown} may count nodes in ways that "
             "rigtri does not know. Take that extension out first"
         )
-    draft.own(kind)[:] = [entry for k, entry in enumerate(entries) if k not in gone]
+    draft.edit(kind)[:] = [entry for k, entry in enumerate(entries) if k not in gone]
     if not at_the_end:
         _renumber(draft, kind, _moves(count, gone))
     if not draft.gltf[kind]:
@@ -119,7 +119,7 @@ def _moves(count: int, gone: Collection[int]) -> dict[int, int]:
     return {old: new for new, old in enumerate(kept)}
 
 
-def _renumber(draft: Draft, kind: str, moved: dict[int, int]) -> None:
+def _renumber(draft: CopyOnWrite, kind: str, moved: dict[int, int]) -> None:
     sections, words = _WORDS[kind]
     pointer = re.compile(rf"/{kind}/(\d+)(?=/|$)")
 
@@ -129,7 +129,7 @@ def _renumber(draft: Draft, kind: str, moved: dict[int, int]) -> None:
 
     for section in sections:
         if section in draft.gltf:
-            draft.own(section)  # so that the whole counts as changed
+            draft.edit(section)  # so that the whole counts as changed
             draft.gltf[section] = _renumbered(
                 draft.gltf[section], words, moved, lambda value: pointer.sub(text, value)
             )

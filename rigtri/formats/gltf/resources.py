@@ -14,7 +14,7 @@ from urllib.parse import unquote
 
 from rigtri.errors import FileError
 from rigtri.formats.document import Companion
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.uris import escape, file_of, is_data, is_file, is_there, lies_outside, why_absent
 from rigtri.formats.vrm.bindings import Pointer
 from rigtri.report import Notice
@@ -106,7 +106,7 @@ def absent(gltf: dict[str, Any], source: Path) -> Iterator[tuple[Pointer, str]]:
                 yield path, why_absent(uri, file, source)
 
 
-def relink(draft: Draft, source: Path, target: Path) -> None:
+def relink(draft: CopyOnWrite, source: Path, target: Path) -> None:
     """Point every relative URI at its old file, as seen from the target's folder."""
     for path, uri in list(uris(draft.gltf)):
         if not is_file(uri) or not uri or Path(unquote(uri)).is_absolute():
@@ -116,7 +116,7 @@ def relink(draft: Draft, source: Path, target: Path) -> None:
             relative = os.path.relpath(file, target.parent.resolve())
         except ValueError:
             raise FileError(f"{source}: {_spelled(path)}: '{uri}' would be on another drive") from None
-        draft.own(*path[:-1])["uri"] = escape(Path(relative).as_posix())
+        draft.edit(*path[:-1])["uri"] = escape(Path(relative).as_posix())
 
 
 def _spelled(path: Pointer) -> str:

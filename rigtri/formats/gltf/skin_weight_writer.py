@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
 from rigtri.formats.gltf.buffer_writer import Role, Storage
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
@@ -48,7 +48,7 @@ class _Influences:
 class WeightWriter:
     """Carries the spreads of a rig into a draft. where: what to call the file."""
 
-    def __init__(self, draft: Draft, storage: Storage, accessors: Accessors, where: str) -> None:
+    def __init__(self, draft: CopyOnWrite, storage: Storage, accessors: Accessors, where: str) -> None:
         self._draft, self._storage, self._accessors, self._where = draft, storage, accessors, where
         self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
         self._again_used: set[int] = set()
@@ -109,11 +109,11 @@ class WeightWriter:
                 if fold is None
                 else self._folded(attributes, sets, fold)
             )
-        wanted = self._known[key]
-        if any(attributes.get(name) != accessor for name, accessor in wanted.items()):
-            owned = self._draft.own("meshes", mesh, "primitives", number, "attributes")
-            owned.update({name: accessor for name, accessor in wanted.items() if accessor is not None})
-            for name in (name for name, accessor in wanted.items() if accessor is None):
+        expected = self._known[key]
+        if any(attributes.get(name) != accessor for name, accessor in expected.items()):
+            owned = self._draft.edit("meshes", mesh, "primitives", number, "attributes")
+            owned.update({name: accessor for name, accessor in expected.items() if accessor is not None})
+            for name in (name for name, accessor in expected.items() if accessor is None):
                 owned.pop(name)
 
     def _shared(

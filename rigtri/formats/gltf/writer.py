@@ -14,7 +14,7 @@ from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.container import Piece
 from rigtri.formats.gltf.control_shape_writer import write_shapes
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mmap import pour
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
@@ -49,7 +49,7 @@ class Readable(Protocol):
 def write_file(document: Readable, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
     """Write ``document`` with ``rig`` to ``part``; the files that must lie beside ``target``."""
     container = document.container
-    draft = Draft(container.gltf)
+    draft = CopyOnWrite(container.gltf)
     storage = Storage(draft, document.accessors, container)
     moves = not same_file(target.parent, container.path.parent)
     if moves and document.options.relink:

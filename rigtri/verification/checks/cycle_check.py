@@ -15,7 +15,7 @@ from rigtri.verification.checks.findings import Findings
 WAITING = ("control", "poleVector", "constraint", "twist")
 
 
-def check_circles(path: Path, rule: str, findings: Findings, *, allow_external: bool) -> None:
+def check_cycles(path: Path, rule: str, findings: Findings, *, allow_external: bool) -> None:
     """Note the cycle that a rig with notes of type `WAITING` has, whichever of its controls are active.
 
     A file that cannot be read as a rig, or whose notes are broken, has findings of other rules.

@@ -32,7 +32,7 @@ _LIMITS: Mapping[str, Callable[[Any, Any], bool]] = {
     "minLength": lambda value, limit: len(value) >= limit,
     "minProperties": lambda value, limit: len(value) >= limit,
     "maxProperties": lambda value, limit: len(value) <= limit,
-    "uniqueItems": lambda value, wanted: len({repr(item) for item in value}) == len(value),
+    "uniqueItems": lambda value, expected: len({repr(item) for item in value}) == len(value),
 }
 _ADDRESS = "#/$defs/address"
 
@@ -48,11 +48,11 @@ def unknown(note: Any) -> str:
     """Why a note is of a kind that this version does not know; "" where it knows it."""
     if not isinstance(note, dict):
         return ""
-    said = _schema()["properties"]
-    if "v" in note and note["v"] != said["v"]["const"]:
-        return f"its version v is {note['v']!r}, not {said['v']['const']}"
-    if isinstance(note.get("type"), str) and note["type"] not in said["type"]["enum"]:
-        return f"its type is {note['type']!r}, none of {', '.join(said['type']['enum'])}"
+    properties = _schema()["properties"]
+    if "v" in note and note["v"] != properties["v"]["const"]:
+        return f"its version v is {note['v']!r}, not {properties['v']['const']}"
+    if isinstance(note.get("type"), str) and note["type"] not in properties["type"]["enum"]:
+        return f"its type is {note['type']!r}, none of {', '.join(properties['type']['enum'])}"
     return ""
 
 
@@ -66,14 +66,14 @@ def broken(note: Any, is_node: Callable[[str], bool]) -> str:
         if not _KINDS[kind](note.get(key)):
             return f"it has no {key}"
     form = _schema()["$defs"][note["type"]]
-    wrong = next(told(note, form, "its"), "")
+    wrong = next(violations(note, form, "its"), "")
     if wrong:
         return wrong
     missing = [name for name in addresses(note, form) if not is_node(name)]
     return f"there is no node or joint '{missing[0]}'" if missing else ""
 
 
-def told(value: Any, form: Any, name: str) -> Iterator[str]:
+def violations(value: Any, form: Any, name: str) -> Iterator[str]:
     """What of a value is not as its description says, in words."""
     form = _resolved(form)
     if "type" in form and not _KINDS[form["type"]](value):
@@ -82,7 +82,7 @@ def told(value: Any, form: Any, name: str) -> Iterator[str]:
     choices = form.get("enum", [form["const"]] if "const" in form else [value])
     if value not in choices:
         yield f"{name} is {value!r:.60}, none of {', '.join(map(str, choices))}"
-    if "oneOf" in form and all(any(told(value, one, name)) for one in form["oneOf"]):
+    if "oneOf" in form and all(any(violations(value, one, name)) for one in form["oneOf"]):
         yield f"{name} is {value!r:.60}"
     if "pattern" in form and not re.search(form["pattern"], value):
         yield f"{name} is {value!r:.60}"
@@ -91,19 +91,19 @@ def told(value: Any, form: Any, name: str) -> Iterator[str]:
             yield f"{name} is {value!r:.60}, and {word} is {form[word]}"
     if isinstance(value, list | tuple):
         for item in value:
-            yield from told(item, form.get("items", {}), f"{name} item")
+            yield from violations(item, form.get("items", {}), f"{name} item")
     if isinstance(value, dict):
-        yield from _told_of_keys(value, form, name)
+        yield from _key_violations(value, form, name)
 
 
-def _told_of_keys(value: dict[str, Any], form: Any, name: str) -> Iterator[str]:
-    then = form.get("then", {}) if "if" in form and not any(told(value, form["if"], name)) else {}
+def _key_violations(value: dict[str, Any], form: Any, name: str) -> Iterator[str]:
+    then = form.get("then", {}) if "if" in form and not any(violations(value, form["if"], name)) else {}
     for key in (*form.get("required", ()), *then.get("required", ())):
         if key not in value:
             yield f"{name} {key} is missing"
     for key, inner in form.get("properties", {}).items():
         if key in value:
-            yield from told(value[key], inner, f"{name} {key}")
+            yield from violations(value[key], inner, f"{name} {key}")
 
 
 def addresses(value: Any, form: Any) -> Iterator[str]:
@@ -113,7 +113,7 @@ def addresses(value: Any, form: Any) -> Iterator[str]:
         return
     form = _resolved(form)
     for one in form.get("oneOf", ()):
-        if not any(told(value, one, "")):
+        if not any(violations(value, one, "")):
             yield from addresses(value, one)
     if isinstance(value, list | tuple):
         for item in value:

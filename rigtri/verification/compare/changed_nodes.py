@@ -67,10 +67,10 @@ def _same_track(a: Track, b: Track) -> bool:
     )
 
 
-def part_of(rig: Rig, wanted: Integers) -> tuple[Rig, Integers]:
+def part_of(rig: Rig, nodes: Integers) -> tuple[Rig, Integers]:
     """A part of a rig that places the nodes ``wanted``, and where each node went, (n,)."""
     keep = np.zeros(len(rig), dtype=bool)
-    keep[wanted] = True
+    keep[nodes] = True
     for node in range(len(rig) - 1, -1, -1):
         if keep[node] and rig.parents[node] >= 0:
             keep[rig.parents[node]] = True

@@ -55,13 +55,15 @@ def match(before: Rig, after: Rig, *, by_key: bool) -> Correspondence:
     node, shown = _nodes(before, after, by_key)
     skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
     clip = _clips(before, after)
-    news = _News()
+    differences = _Differences()
     if before.rules.up != after.rules.up:
-        news.changed.append(f"up is {_axis(after.rules.up)}, was {_axis(before.rules.up)}")
-    _compare_nodes(before, after, node, shown, news)
-    _compare_skins(before, after, node, skin, news)
-    _compare_clips(before, after, node, shown, clip, news)
-    return Correspondence(node, shown, skin, clip, *map(tuple, (news.lost, news.added, news.changed)))
+        differences.changed.append(f"up is {_axis(after.rules.up)}, was {_axis(before.rules.up)}")
+    _compare_nodes(before, after, node, shown, differences)
+    _compare_skins(before, after, node, skin, differences)
+    _compare_clips(before, after, node, shown, clip, differences)
+    return Correspondence(
+        node, shown, skin, clip, *map(tuple, (differences.lost, differences.added, differences.changed))
+    )
 
 
 def played_together(before: Rig, after: Rig, *, by_key: bool) -> tuple[Rig, Rig]:
@@ -78,7 +80,7 @@ def played_together(before: Rig, after: Rig, *, by_key: bool) -> tuple[Rig, Rig]
 def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
     """A rig whose clips take up those unknown to ``other`` that drive what they drive there."""
     node, shown = _nodes(other, rig, by_key)
-    wanted = [{_target(track, node, shown) for track in clip.tracks} for clip in other.clips]
+    targets_of = [{_target(track, node, shown) for track in clip.tracks} for clip in other.clips]
     partner = _clips(other, rig).tolist()
     loose = {
         (timeline(clip), *target): k
@@ -88,7 +90,7 @@ def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
     }
     tracks = [list(clip.tracks) for clip in rig.clips]
     taken: set[int] = set()
-    for targets, k in zip(wanted, partner, strict=True):
+    for targets, k in zip(targets_of, partner, strict=True):
         if k < 0 or not loose:
             continue
         missing = targets - by_target(rig.clips[k]).keys()
@@ -140,7 +142,7 @@ def _axis(direction: Sequence[float]) -> str:
     return "XYZ"[max(range(3), key=lambda k: abs(direction[k]))]
 
 
-class _News:
+class _Differences:
     def __init__(self) -> None:
         self.lost: list[str] = []
         self.added: list[str] = []
@@ -248,49 +250,53 @@ def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
     return shown
 
 
-def _compare_nodes(before: Rig, after: Rig, node: Integers, shown: Integers, news: _News) -> None:
+def _compare_nodes(
+    before: Rig, after: Rig, node: Integers, shown: Integers, differences: _Differences
+) -> None:
     for k, partner in enumerate(node.tolist()):
         if partner < 0:
             # What has no key was in no file: an edit that also moves things has added it.
             if before.keys[k] is not None:
-                news.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
+                differences.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
         elif before.is_joint[k] and not after.is_joint[partner]:
-            news.lost.append(f"joint {before.title(k)} is a joint no longer")
+            differences.lost.append(f"joint {before.title(k)} is a joint no longer")
         if before.attachment[k] >= 0 and shown[k] < 0 <= partner:
-            news.lost.append(f"what node {before.title(k)} shows")
+            differences.lost.append(f"what node {before.title(k)} shows")
     known = {*node.tolist(), *shown.tolist()}
     for k in range(len(after)):
         if k not in known:
-            news.added.append(f"{'joint' if after.is_joint[k] else 'node'} {after.title(k)}")
+            differences.added.append(f"{'joint' if after.is_joint[k] else 'node'} {after.title(k)}")
 
 
-def _compare_skins(before: Rig, after: Rig, node: Integers, skin: Integers, news: _News) -> None:
+def _compare_skins(
+    before: Rig, after: Rig, node: Integers, skin: Integers, differences: _Differences
+) -> None:
     for k, partner in enumerate(skin.tolist()):
         title = before.skins[k].name or f"#{k}"
         if partner < 0:
-            news.lost.append(f"skin {title}")
+            differences.lost.append(f"skin {title}")
             continue
         now = set(after.skins[partner].joints.tolist())
         for joint in before.skins[k].joints.tolist():
             if node[joint] >= 0 and int(node[joint]) not in now:
-                news.lost.append(f"joint {before.title(joint)} of skin {title}")
+                differences.lost.append(f"joint {before.title(joint)} of skin {title}")
     known = set(skin.tolist())
-    news.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in known]
+    differences.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in known]
 
 
 def _compare_clips(
-    before: Rig, after: Rig, node: Integers, shown: Integers, clip: Integers, news: _News
+    before: Rig, after: Rig, node: Integers, shown: Integers, clip: Integers, differences: _Differences
 ) -> None:
     for k, partner in enumerate(clip.tolist()):
         title = f"clip {before.clips[k].name or f'#{k}'}"
         if partner < 0:
             if before.clips[k].idle:
-                news.changed.append(f"{title}, which nothing played, is gone")
+                differences.changed.append(f"{title}, which nothing played, is gone")
             else:
-                news.lost.append(title)
+                differences.lost.append(title)
             continue
         if before.clips[k].idle != after.clips[partner].idle:
-            news.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
+            differences.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
         theirs = by_target(after.clips[partner])
         times: dict[tuple[int, int], bool] = {}
         for track in before.clips[k].tracks:
@@ -303,18 +309,18 @@ def _compare_clips(
                 now = theirs.pop((after.frame_of.get(target[0], -1), track.path), None)
             if now is None:
                 of = _named(title, track, before)
-                resting = target[0] in after.own and _says_rest(track, after, target[0])
-                (news.changed if resting else news.lost).append(
+                resting = target[0] in after.own and _is_rest(track, after, target[0])
+                (differences.changed if resting else differences.lost).append(
                     f"{of} is told by its rest" if resting else of
                 )
             elif track is not now:
-                _compare_track(track, now, partial(_named, title, track, before), times, news)
-        news.added += [_named(title, track, after) for track in theirs.values()]
+                _compare_track(track, now, partial(_named, title, track, before), times, differences)
+        differences.added += [_named(title, track, after) for track in theirs.values()]
     known = set(clip.tolist())
-    news.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
+    differences.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
 
 
-def _says_rest(track: Track, after: Rig, node: int) -> bool:
+def _is_rest(track: Track, after: Rig, node: int) -> bool:
     """Whether all keys of a track say what a node is at rest: prims of ours need no such keys.
 
     As a prim of nobody's, one that moves has keys for its place, its turn and its scale.
@@ -336,18 +342,22 @@ def _named(title: str, track: Track, rig: Rig) -> str:
 
 
 def _compare_track(
-    track: Track, now: Track, of: Callable[[], str], times: dict[tuple[int, int], bool], news: _News
+    track: Track,
+    now: Track,
+    of: Callable[[], str],
+    times: dict[tuple[int, int], bool],
+    differences: _Differences,
 ) -> None:
     """times: whether two arrays of key times, by their ids, are the same; many tracks share theirs."""
     if track.interpolation != now.interpolation:
-        news.changed.append(f"{of()} is {now.interpolation}, was {track.interpolation}")
+        differences.changed.append(f"{of()} is {now.interpolation}, was {track.interpolation}")
     pair = id(track.times), id(now.times)
     if pair not in times:
         times[pair] = same_array(track.times, now.times)
     if not times[pair]:
-        news.changed.append(f"{of()} has other key times")
+        differences.changed.append(f"{of()} has other key times")
     # Morph weights move points of meshes that perhaps nobody can read: compare them here.
     if track.path == "weights" and track.values.shape == now.values.shape:
         same = np.isclose(track.values, now.values, rtol=0, atol=SAME_WEIGHT, equal_nan=True)
         if not same.all():
-            news.lost.append(f"{of()} has other values")
+            differences.lost.append(f"{of()} has other values")

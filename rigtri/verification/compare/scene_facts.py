@@ -46,8 +46,10 @@ class _Sides:
         for name in dict.fromkeys((*mine, *theirs)):
             was, now = mine.get(name), theirs.get(name)
             if not self.alike(was, now):
-                told = (_told(value, rig) for value, rig in zip((now, was), self.rigs[::-1], strict=True))
-                yield name, f"{name}{of} is {', was '.join(told)}"
+                texts = (
+                    _short_text(value, rig) for value, rig in zip((now, was), self.rigs[::-1], strict=True)
+                )
+                yield name, f"{name}{of} is {', was '.join(texts)}"
 
     def alike(self, was: Any, now: Any) -> bool:
         if isinstance(was, Reference) and isinstance(now, Reference):
@@ -98,7 +100,7 @@ def _without_rules(rig: Rig, scenery: Scenery) -> Scenery:
     return replace(scenery, own={k: facts for k, facts in scenery.own.items() if k not in ours})
 
 
-def _told(value: Any, rig: Rig) -> str:
+def _short_text(value: Any, rig: Rig) -> str:
     text = _words(value, rig)
     return text if len(text) <= 60 else f"{text[:57]}..."
 

@@ -33,7 +33,7 @@ def chunk_changes(before: Container, after: Container) -> Iterator[Change]:
         _, now = left.pop(place)
         # The data of JSON and BIN are compared by what they mean.
         if kind not in (JSON_CHUNK, BIN_CHUNK) and not same_bytes(content, now):
-            yield Change("chunks", "changed", f"chunk {_chunk_name(kind)}", told_bytes(content, now))
+            yield Change("chunks", "changed", f"chunk {_chunk_name(kind)}", describe_bytes(content, now))
     for kind, content in left:
         yield Change("chunks", "added", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
 
@@ -57,7 +57,7 @@ def loose_changes(buffer: int, start: int, content: memoryview, other: memoryvie
     elif len(other) < end:
         yield Change("loose bytes", "removed", where, f"{len(content)} bytes that no view covers")
     else:
-        yield Change("loose bytes", "changed", where, told_bytes(content, other[start:end]))
+        yield Change("loose bytes", "changed", where, describe_bytes(content, other[start:end]))
 
 
 def same_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> bool:
@@ -69,7 +69,7 @@ def same_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None)
     )
 
 
-def told_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> str:
+def describe_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> str:
     """How two pieces of data differ."""
     if one is None or other is None:
         return "can be read only in one of the files"

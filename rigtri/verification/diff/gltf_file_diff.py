@@ -20,9 +20,9 @@ from rigtri.formats.json_values import Value
 from rigtri.verification.diff.binary_diff import (
     ALIGNMENT,
     chunk_changes,
+    describe_bytes,
     loose_changes,
     same_bytes,
-    told_bytes,
 )
 from rigtri.verification.diff.change import Change, furthest, same_numbers
 from rigtri.verification.diff.json_diff import json_changes, spelling_changes, tokens
@@ -125,13 +125,13 @@ class _Side:
 class _Pair:
     def __init__(self, before: _Side, after: _Side, tolerance: float) -> None:
         self.before, self.after, self.tolerance = before, after, tolerance
-        self._told: dict[tuple[int, int], str] = {}
+        self._descriptions: dict[tuple[int, int], str] = {}
 
     def contents(self, one: int, other: int) -> str:
         """How the numbers of two accessors differ, "" where they do not."""
-        if (one, other) not in self._told:
-            self._told[one, other] = self._contents(one, other)
-        return self._told[one, other]
+        if (one, other) not in self._descriptions:
+            self._descriptions[one, other] = self._contents(one, other)
+        return self._descriptions[one, other]
 
     def _contents(self, one: int, other: int) -> str:
         mine, theirs = self.before.numbers(one), self.after.numbers(other)
@@ -168,7 +168,7 @@ class _Pair:
         for index in range(min(len(self.before.each("bufferViews")), len(self.after.each("bufferViews")))):
             one, other = self.before.view(index), self.after.view(index)
             if index not in known and not same_bytes(one, other):
-                yield Change("buffer views", "changed", f"bufferView {index}", told_bytes(one, other))
+                yield Change("buffer views", "changed", f"bufferView {index}", describe_bytes(one, other))
 
     def loose_bytes(self) -> Iterator[Change]:
         """Bytes of buffers that no view covers, and buffers without any view."""
@@ -197,7 +197,7 @@ class _Pair:
             if not same_bytes(mine, theirs):
                 name = one.get("name") if isinstance(one, dict) else None
                 title = f"image {index}{f' {name}' if name else ''}"
-                yield Change("images", "changed", title, told_bytes(mine, theirs))
+                yield Change("images", "changed", title, describe_bytes(mine, theirs))
 
 
 def _views_of_accessors(gltf: dict[str, Any]) -> set[int]:

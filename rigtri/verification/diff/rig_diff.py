@@ -132,8 +132,8 @@ def _axes(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Itera
     far = ~(degrees <= np.degrees(max(DERIVED, tolerance)))
     for j in np.flatnonzero(far & ~_equal(axes[0][mine], axes[1][theirs])).tolist():
         text = f"turned {degrees[j]:.4g}° about its own {axis_words(lines[j])}"
-        told = text if np.isfinite(degrees[j]) else "is no frame"
-        yield Change("axes", "changed", before.title(int(mine[j])), told)
+        description = text if np.isfinite(degrees[j]) else "is no frame"
+        yield Change("axes", "changed", before.title(int(mine[j])), description)
     there = worlds[1][theirs, 3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         off = length(there - places[mine])
@@ -268,10 +268,10 @@ def _whole(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
     bones = {bone: back.get(node, -1) for bone, node in after.humanoid.items()}
 
-    def told(node: int) -> str:
+    def description(node: int) -> str:
         return before.title(node) if node >= 0 else "another"
 
-    yield from _table("humanoid", before.humanoid, bones, told)
+    yield from _table("humanoid", before.humanoid, bones, description)
     mine = {before.title(k): dict(note) for k, note in before.metadata.items()}
     theirs = {
         before.title(back[k]) if k in back else after.title(k): dict(note)
@@ -284,11 +284,13 @@ def _whole(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
         yield Change("whole", "changed", "facing", f"{before.rules.facing} → {after.rules.facing}")
 
 
-def _table(group: str, mine: Mapping[str, Any], theirs: Mapping[str, Any], told: Any) -> Iterator[Change]:
+def _table(
+    group: str, mine: Mapping[str, Any], theirs: Mapping[str, Any], description: Any
+) -> Iterator[Change]:
     for name in dict.fromkeys((*mine, *theirs)):
         if name not in theirs:
-            yield Change(group, "removed", name, told(mine[name]))
+            yield Change(group, "removed", name, description(mine[name]))
         elif name not in mine:
-            yield Change(group, "added", name, told(theirs[name]))
+            yield Change(group, "added", name, description(theirs[name]))
         elif mine[name] != theirs[name]:
-            yield Change(group, "changed", name, f"{told(mine[name])} → {told(theirs[name])}")
+            yield Change(group, "changed", name, f"{description(mine[name])} → {description(theirs[name])}")

@@ -80,17 +80,17 @@ def _gone(mine: dict[Any, Any], theirs: dict[Any, Any], name: str) -> Iterator[C
     for path, spec in mine.items():
         above = path.GetParentPath()
         if path not in theirs and (above in theirs or above not in mine):
-            yield Change(name, "removed", str(path), _told(spec))
+            yield Change(name, "removed", str(path), _description(spec))
 
 
 def _new(mine: dict[Any, Any], theirs: dict[Any, Any], name: str) -> Iterator[Change]:
     for path, spec in theirs.items():
         above = path.GetParentPath()
         if path not in mine and (above in mine or above not in theirs):
-            yield Change(name, "added", str(path), _told(spec))
+            yield Change(name, "added", str(path), _description(spec))
 
 
-def _told(spec: Any) -> str:
+def _description(spec: Any) -> str:
     """What a spec is: ``def Xform``, ``float3[]``, ``relationship``."""
     if isinstance(spec, Sdf.PrimSpec):
         return f"{str(spec.specifier).rpartition('Specifier')[2].lower()} {spec.typeName}".strip()

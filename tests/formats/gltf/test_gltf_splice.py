@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigtri.formats.gltf.json_copy_on_write import Draft
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.json_splice import splice
 from rigtri.formats.gltf.json_style import Spelling, parse, parse_placed
 
@@ -23,7 +23,7 @@ ODD = """ {
 
 def spliced(text: str, change: Any) -> str:
     old, ends = parse_placed(text)
-    draft = Draft(old)
+    draft = CopyOnWrite(old)
     change(draft)
     result = splice(text, old, draft.gltf, Spelling.of(text), ends)
     assert result == splice(text, old, draft.gltf, Spelling.of(text))
@@ -36,8 +36,8 @@ def test_what_nobody_touched_is_the_same_text() -> None:
 
 
 def put(*path: Any, to: Any) -> Any:
-    def change(draft: Draft) -> None:
-        draft.own(*path[:-1])[path[-1]] = to
+    def change(draft: CopyOnWrite) -> None:
+        draft.edit(*path[:-1])[path[-1]] = to
 
     return change
 
@@ -49,12 +49,12 @@ def put(*path: Any, to: Any) -> Any:
         (put("nodes", 1, "rotation", 3, to=0.5), "1e-08", "0.5"),
         (put("asset", "x", to=5), "1.0}", "5}"),
         (put("none", to={}), "null", "{}"),
-        (lambda draft: draft.own("nodes").append({"name": "new"}), ",[]]",
+        (lambda draft: draft.edit("nodes").append({"name": "new"}), ",[]]",
          ',[],{\n\t\t\t"name" : "new"\n\t\t}]'),
-        (lambda draft: draft.own("nodes").pop(1), ' ,{ "rotation":[-0,-0.0,1E-8,1e-08] },\n {} ,[]]',
+        (lambda draft: draft.edit("nodes").pop(1), ' ,{ "rotation":[-0,-0.0,1E-8,1e-08] },\n {} ,[]]',
          ' ,{},\n []]'),
         (put("asset", "y", to=1), '"x": 1.0}', '"x": 1.0, "y" : 1}'),
-        (lambda draft: draft.own("asset").pop("version"), '{"version":"2.0", "x": 1.0}', '{ "x": 1.0}'),
+        (lambda draft: draft.edit("asset").pop("version"), '{"version":"2.0", "x": 1.0}', '{ "x": 1.0}'),
         (put("names", to=["a"]), '["a","a"]', '["a"]'),
     ],
 )  # fmt: skip
@@ -122,10 +122,10 @@ def test_members_that_change_are_found_by_their_keys(
     held = {"list": old, "other": "\N{EURO SIGN}"}
     text = json.dumps(held, separators=separators, ensure_ascii=escaped)
     read, ends = parse_placed(text)
-    draft = Draft(read)
+    draft = CopyOnWrite(read)
     for number, item in enumerate(read["list"]):
         if item and pick.randrange(2):
-            draft.own("list", number)[pick.choice(list(item))] = copy.deepcopy(to)
+            draft.edit("list", number)[pick.choice(list(item))] = copy.deepcopy(to)
     result = splice(text, read, draft.gltf, Spelling.of(text), ends)
     assert result == splice(text, read, draft.gltf, Spelling.of(text))
     assert parse(result) == draft.gltf

@@ -65,16 +65,16 @@ class _Triangles:
         if self._at != len(self._rest):
             raise ValueError(f"{len(self._rest) - self._at} bytes of the compressed data are left over")
 
-    def _beside(self, edge: int, said: int) -> tuple[int, int, int]:
+    def _beside(self, edge: int, code: int) -> tuple[int, int, int]:
         """A triangle at an edge that came before."""
         a, b = self._edges[edge]
-        if said in _STEPS:
-            c = self._last = (self._last + _STEPS[said]) & _MOST
-        elif said == _SPELLED:
+        if code in _STEPS:
+            c = self._last = (self._last + _STEPS[code]) & _MOST
+        elif code == _SPELLED:
             c = self._spelled()
         else:
-            c = self._fresh() if said == _NEW else self._seen[said]
-        if said == _NEW or said > 12:
+            c = self._fresh() if code == _NEW else self._seen[code]
+        if code == _NEW or code > 12:
             self._seen.appendleft(c)
         self._edges.extendleft([(c, b), (a, c)])
         return a, b, c
@@ -85,12 +85,12 @@ class _Triangles:
         pair = self._byte() if long else self._table[code & 15]
         if long and pair == 0:
             self._new = 0
-        said = (_SPELLED if code == 0xFF else _NEW, pair >> 4, pair & 15)
+        codes = (_SPELLED if code == 0xFF else _NEW, pair >> 4, pair & 15)
         # New ones are counted, and older ones looked up, before any that is spelled out is read.
-        found = [self._fresh() if one == _NEW else self._seen[one - 1] for one in said]
-        spelled = [long and one == _SPELLED for one in said]
+        found = [self._fresh() if one == _NEW else self._seen[one - 1] for one in codes]
+        spelled = [long and one == _SPELLED for one in codes]
         a, b, c = (self._spelled() if out else at for out, at in zip(spelled, found, strict=True))
-        kept = [one == _NEW or out for one, out in zip(said, spelled, strict=True)]
+        kept = [one == _NEW or out for one, out in zip(codes, spelled, strict=True)]
         self._seen.extendleft(at for at, keep in zip((a, b, c), kept, strict=True) if keep)
         self._edges.extendleft([(b, a), (c, b), (a, c)])
         return a, b, c

@@ -16,7 +16,7 @@ from rigtri.formats.gltf.node_reader import NON_UNIT
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.verification.checks.gltf.tolerant_reader import View, told
+from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
 
 # |dot| of two unit quaternions below this: closer to half a turn than float32 rounding can tell.
 HALF_TURN = 1e-4
@@ -96,12 +96,12 @@ def _note_other(view: View, target: dict[str, Any], place: str, pointer: str) ->
     if path == "pointer" and pointer_of(target) is not None:
         return  # a property of something else than a node: nothing of a rig
     if path not in (*WIDTH, "weights"):
-        text = f"the path {told(path)} is none that glTF knows"
+        text = f"the path {short_repr(path)} is none that glTF knows"
         view.add("gltf.animation.path-unknown", place, f"{pointer}/target/path", text)
     elif "node" not in target:
         view.add("gltf.animation.without-node", place, f"{pointer}/target", "names no node")
     else:
-        text = f"node should be a whole number, not {told(target['node'])}"
+        text = f"node should be a whole number, not {short_repr(target['node'])}"
         view.add("gltf.json.value", place, f"{pointer}/target/node", text)
 
 
@@ -111,14 +111,14 @@ def _check_sampler(
     """Judge the sampler of a channel; returns its keys where there are as many as there should be."""
     place, number = channel.place, raw.get("sampler")
     if type(number) is not int or not 0 <= number < len(samplers):
-        text = f"there is no sampler {told(number)}, the animation has {len(samplers)}"
+        text = f"there is no sampler {short_repr(number)}, the animation has {len(samplers)}"
         view.add("gltf.animation.sampler-missing", place, f"{channel.pointer}/sampler", text)
         return []
     where = f"{channel.pointer.rpartition('/channels/')[0]}/samplers/{number}"
     sampler = samplers[number]
     mode = sampler.get("interpolation", "LINEAR")
     if mode not in INTERPOLATIONS:
-        text = f"interpolation {told(mode)} is none that glTF knows"
+        text = f"interpolation {short_repr(mode)} is none that glTF knows"
         view.add("gltf.animation.interpolation-unknown", place, f"{where}/interpolation", text)
     times = _times(view, sampler, place, where, checked)
     values = view.read(sampler.get("output"), place, f"{where}/output")
@@ -142,8 +142,8 @@ def _check_component(view: View, raw: Any, channel: Channel, where: str) -> None
     kind, normalized = accessor.get("componentType"), accessor.get("normalized") is True
     if kind == FLOAT or (channel.path in ("rotation", "weights") and kind in FULL and normalized):
         return
-    wanted = "floats" if channel.path in ("translation", "scale") else "floats or normalised integers"
-    text = f"{channel.path} should be {wanted}, its output has the component type {kind}"
+    expected = "floats" if channel.path in ("translation", "scale") else "floats or normalised integers"
+    text = f"{channel.path} should be {expected}, its output has the component type {kind}"
     text += " (normalised)" if normalized else ""
     view.add("gltf.animation.output-type", channel.place, where, text)
 
@@ -232,11 +232,11 @@ def _check_keys(view: View, keys: Keys) -> None:
     """Everything that is to be said of one channel's keys."""
     channel, times = keys.channel, keys.times
 
-    def note(rule: str, wrong: Any, say: Callable[[int], str]) -> bool:
+    def note(rule: str, wrong: Any, message: Callable[[int], str]) -> bool:
         found = np.flatnonzero(wrong)
         if len(found):
             more = f" ({len(found)} keys)" if len(found) > 1 else ""
-            view.add(rule, channel.place, keys.where, say(int(found[0])) + more)
+            view.add(rule, channel.place, keys.where, message(int(found[0])) + more)
         return bool(len(found))
 
     def at(k: int) -> str:

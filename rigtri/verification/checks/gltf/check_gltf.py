@@ -8,7 +8,7 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.container import Container, open_container
 from rigtri.formats.gltf.resources import absent
 from rigtri.formats.gltf.structure import unknown_required
-from rigtri.verification.checks.cycle_check import check_circles
+from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
     animations,
@@ -22,7 +22,7 @@ from rigtri.verification.checks.gltf import (
     vertices,
     vrm,
 )
-from rigtri.verification.checks.gltf.tolerant_reader import View, told
+from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
 
 _NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
 
@@ -46,7 +46,7 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         spring_bones.check(view)
         metadata.check(view)
         if metadata.waiting(view):
-            check_circles(path, "gltf.note.circle", findings, allow_external=allow_external)
+            check_cycles(path, "gltf.note.circle", findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
 
@@ -95,5 +95,7 @@ def _texts(view: View, key: str) -> set[str]:
             found.add(item)
         else:
             pointer = f"/{key}/{number}"
-            view.add("gltf.json.value", "file", pointer, f"{pointer} should be a text, not {told(item)}")
+            view.add(
+                "gltf.json.value", "file", pointer, f"{pointer} should be a text, not {short_repr(item)}"
+            )
     return found

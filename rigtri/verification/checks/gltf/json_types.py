@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from rigtri.verification.checks.gltf.tolerant_reader import View, told
+from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
 
 # Holder → member → what it should be.
 _MEMBERS: dict[str, dict[str, str]] = {
@@ -43,7 +43,7 @@ def _check(view: View, item: dict[str, Any], members: dict[str, str], place: str
     for key, kind in members.items():
         if key in item and not _is(item[key], kind):
             article = "an" if kind[0] in "aio" else "a"
-            words = f"{key} should be {article} {kind}, not {told(item[key])}"
+            words = f"{key} should be {article} {kind}, not {short_repr(item[key])}"
             view.add("gltf.json.value", place, f"{pointer}/{key}", words)
 
 

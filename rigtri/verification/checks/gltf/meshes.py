@@ -196,7 +196,7 @@ def _check_weights(view: View, primitive: Primitive) -> None:
     zero = finite & (known == 0).all(axis=1)
     off = finite & ~zero & (np.abs(total - 1.0) > primitive.allowed)
     worst = int(np.argmax(np.where(off, np.abs(total - 1.0), -1.0)))
-    for rule, wrong, say in (
+    for rule, wrong, message in (
         ("gltf.mesh.weight-nan", ~finite, lambda k: f"point {k} has a weight that is not a number"),
         (
             "gltf.mesh.weight-negative",
@@ -207,7 +207,7 @@ def _check_weights(view: View, primitive: Primitive) -> None:
         ("gltf.mesh.weight-sum", off, lambda k: f"the weights of point {worst} sum to {total[worst]:.7g}"),
         ("gltf.mesh.joint-repeated", _repeated(primitive), lambda k: f"point {k} names a joint twice"),
     ):
-        _note(view, rule, wrong, primitive, say)
+        _note(view, rule, wrong, primitive, message)
 
 
 def _repeated(primitive: Primitive) -> Any:
@@ -240,9 +240,9 @@ def _check_joints(view: View, primitive: Primitive, skin: int) -> None:
         )
 
 
-def _note(view: View, rule: str, wrong: Any, primitive: Primitive, say: Callable[[int], str]) -> None:
+def _note(view: View, rule: str, wrong: Any, primitive: Primitive, message: Callable[[int], str]) -> None:
     """One finding for all points of a primitive: how many, and the first."""
     found = np.flatnonzero(wrong)
     if len(found):
         more = f" ({len(found)} of {len(wrong)} points)"
-        view.add(rule, primitive.place, primitive.pointer, say(int(found[0])) + more)
+        view.add(rule, primitive.place, primitive.pointer, message(int(found[0])) + more)

@@ -37,8 +37,8 @@ def _check_tree(view: View) -> None:
             where = f"{pointer}/children/{number}"
             child = view.index(raw, len(view.nodes), "node", view.title(index), where)
             if child is not None and view.above[child] >= 0:
-                first, said, times = again.get((index, child), (view.above[child], where, 0))
-                again[index, child] = first, said, times + 1
+                first, reported, times = again.get((index, child), (view.above[child], where, 0))
+                again[index, child] = first, reported, times + 1
             elif child is not None:
                 view.above[child] = index
     _cut_cycles(view)
@@ -101,12 +101,12 @@ def _cut_cycles(view: View) -> None:
 def _check_scenes(view: View) -> None:
     for number, scene in enumerate(view.lists["scenes"]):
         place, pointer = f"scene #{number}", f"/scenes/{number}"
-        said: set[int] = set()
+        reported: set[int] = set()
         for k, raw in enumerate(view.items(scene, "nodes", place, pointer)):
             where = f"{pointer}/nodes/{k}"
             node = view.index(raw, len(view.nodes), "node", place, where)
-            if node is not None and view.above[node] >= 0 and node not in said:
-                said.add(node)
+            if node is not None and view.above[node] >= 0 and node not in reported:
+                reported.add(node)
                 text = f"lists {view.title(node)}, which is below {view.title(view.above[node])}"
                 view.add("gltf.scene.not-root", place, where, text)
     view.reference(view.raw, "scene", "scene", "file", "")

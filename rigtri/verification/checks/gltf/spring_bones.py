@@ -10,7 +10,7 @@ from typing import Any
 from rigtri.formats.vrm.node_constraints import CONSTRAINT
 from rigtri.formats.vrm.vrm1 import EXTENDED
 from rigtri.verification.checks.findings import listed
-from rigtri.verification.checks.gltf.tolerant_reader import View, told
+from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
 from rigtri.verification.checks.gltf.vrm import is_above
 
 _KINDS = ("roll", "aim", "rotation")
@@ -176,25 +176,27 @@ def _check_constraint(view: View, item: dict[str, Any], kind: str, place: str, w
     if kind in _AXES:
         key, allowed = _AXES[kind]
         if item.get(key) not in allowed:
-            view.add("vrm.constraint.axis", place, f"{where}/{key}", f"its {key} is {told(item.get(key))}")
+            view.add(
+                "vrm.constraint.axis", place, f"{where}/{key}", f"its {key} is {short_repr(item.get(key))}"
+            )
     weight = item.get("weight", 1.0)
     if type(weight) not in (int, float) or not 0 <= weight <= 1:
-        view.add("vrm.constraint.weight", place, f"{where}/weight", f"its weight is {told(weight)}")
+        view.add("vrm.constraint.weight", place, f"{where}/weight", f"its weight is {short_repr(weight)}")
     count = len(view.nodes)
     return view.index(item.get("source"), count, "node", place, f"{where}/source", "vrm.constraint.source")
 
 
 def _check_cycles(view: View, sources: dict[int, tuple[int, str]]) -> None:
     """Follow each constraint to what it takes from, which may itself be driven."""
-    said: set[int] = set()
+    reported: set[int] = set()
     for start in sources:
         line: dict[int, None] = {}
         node = start
         while node in sources and node not in line:
             line[node] = None
             node = sources[node][0]
-        if node in line and node not in said:
+        if node in line and node not in reported:
             members = list(line)[list(line).index(node) :]
-            said.update(members)
+            reported.update(members)
             text = f"takes from itself, by {listed(view.titles([*members[1:], node]))}"
             view.add("vrm.constraint.cycle", view.title(node), f"/nodes/{node}/extensions/{CONSTRAINT}", text)

@@ -74,7 +74,10 @@ class View:
             if not isinstance(item, dict):
                 where = f"{pointer}/{key}/{number}"
                 self.add(
-                    "gltf.json.value", place or key, where, f"{where} should be an object, not {told(item)}"
+                    "gltf.json.value",
+                    place or key,
+                    where,
+                    f"{where} should be an object, not {short_repr(item)}",
                 )
                 item = {}
             found.append(item)
@@ -86,7 +89,7 @@ class View:
         if isinstance(found, list):
             return found
         where = f"{pointer}/{key}"
-        self.add("gltf.json.value", place or key, where, f"{where} should be a list, not {told(found)}")
+        self.add("gltf.json.value", place or key, where, f"{where} should be a list, not {short_repr(found)}")
         return []
 
     def object(self, holder: dict[str, Any], key: str, place: str, pointer: str) -> dict[str, Any]:
@@ -95,7 +98,7 @@ class View:
         if isinstance(found, dict):
             return found
         where = f"{pointer}/{key}"
-        self.add("gltf.json.value", place, where, f"{where} should be an object, not {told(found)}")
+        self.add("gltf.json.value", place, where, f"{where} should be an object, not {short_repr(found)}")
         return {}
 
     def index(
@@ -211,11 +214,11 @@ class View:
         """Whether the stated bounds are those of some rows and some others, (…, width) each."""
         raw, width = self.lists["accessors"][index], lows.shape[1]
         for key, found in (("min", lows.min(axis=0)), ("max", highs.max(axis=0))):
-            said = raw.get(key)
-            if said is None or raw.get("normalized") is True:
+            stated = raw.get(key)
+            if stated is None or raw.get("normalized") is True:
                 continue
             place, pointer = f"accessor #{index}", f"/accessors/{index}/{key}"
-            given = self.numbers(said, width, place, pointer)
+            given = self.numbers(stated, width, place, pointer)
             # A value that is no number has no place in any order; its own check says so.
             far = [] if given is None else [k for k in range(len(given)) if _far(given[k], float(found[k]))]
             if given is not None and far:
@@ -230,7 +233,9 @@ class View:
             if uri is None or uri == "":
                 continue  # the bytes of the GLB, or none: `_check_content` says which
             if not isinstance(uri, str):
-                self.add("gltf.json.value", place, f"{pointer}/uri", f"uri should be a text, not {told(uri)}")
+                self.add(
+                    "gltf.json.value", place, f"{pointer}/uri", f"uri should be a text, not {short_repr(uri)}"
+                )
                 self._broken.add(index)
             elif not is_data(uri):
                 self._check_file(index, uri, place, pointer, allow_external)
@@ -278,7 +283,7 @@ class View:
         ]
 
 
-def told(value: Any) -> str:
+def short_repr(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."
 
@@ -295,6 +300,6 @@ def _words(error: FileError, place: str) -> str:
     return str(error).removeprefix(place.removesuffix(":")).removeprefix(":").strip()
 
 
-def _far(said: float, found: float) -> bool:
+def _far(stated: float, found: float) -> bool:
     # Bounds are stored as decimal text of 32-bit numbers.
-    return abs(said - found) > 1e-5 * max(1.0, abs(said), abs(found))
+    return abs(stated - found) > 1e-5 * max(1.0, abs(stated), abs(found))

@@ -12,7 +12,7 @@ import numpy as np
 
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.verification.checks.gltf import humanoid_bones
-from rigtri.verification.checks.gltf.tolerant_reader import View, told
+from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
 TURNED = 1e-4
@@ -65,7 +65,7 @@ def _check_1(view: View, vrm: dict[str, Any], pointer: str) -> None:
         if shown is not None and "mesh" not in view.nodes[shown]:
             view.add("vrm.first-person", place, f"{at}/node", f"{view.title(shown)} shows no mesh")
         if item.get("type", "auto") not in _PERSON:
-            view.add("vrm.first-person", place, f"{at}/type", f"its type is {told(item.get('type'))}")
+            view.add("vrm.first-person", place, f"{at}/type", f"its type is {short_repr(item.get('type'))}")
 
 
 def _human_bones(view: View, vrm: dict[str, Any], pointer: str, unknown: str) -> dict[str, int]:
@@ -199,7 +199,7 @@ def _check_0(view: View, vrm: dict[str, Any], pointer: str) -> None:
         )
         kind = item.get("firstPersonFlag", "Auto")
         if kind not in _PERSON_0:
-            view.add("vrm.first-person", place, f"{at}/firstPersonFlag", f"its type is {told(kind)}")
+            view.add("vrm.first-person", place, f"{at}/firstPersonFlag", f"its type is {short_repr(kind)}")
 
 
 def _check_turns(view: View, found: Mapping[str, int]) -> None:

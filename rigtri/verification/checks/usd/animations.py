@@ -54,7 +54,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...], users: list[
 
 
 def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...], known: set[str]) -> None:
-    said: set[str] = set()
+    reported: set[str] = set()
     _check_times(scene, prim, name)
     if _is_edited(scene, prim, name):
         return
@@ -63,12 +63,12 @@ def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...],
         if array is None:
             return
         if len(array) != len(tokens):
-            if "length" not in said:
+            if "length" not in reported:
                 text = f"it has {len(array)} {name} {at_time(time)} for {len(tokens)} joints"
                 scene.add("usd.anim.length", prim, name, text)
-                said.add("length")
+                reported.add("length")
             continue
-        _check_values(scene, prim, name, time, array.astype(np.float64), tokens, known, said)
+        _check_values(scene, prim, name, time, array.astype(np.float64), tokens, known, reported)
 
 
 def _check_times(scene: Scene, prim: Any, name: str) -> None:
@@ -97,15 +97,15 @@ def _check_values(
     array: np.ndarray,
     tokens: tuple[str, ...],
     known: set[str],
-    said: set[str],
+    reported: set[str],
 ) -> None:
     """The first of each kind of mistake of a property. said: which kinds were noted already."""
     lost = ~np.isfinite(array).all(axis=1)
 
     def note(rule: str, wrong: Any, what: str) -> None:
         found = np.flatnonzero(wrong)
-        if len(found) and rule not in said:
-            said.add(rule)
+        if len(found) and rule not in reported:
+            reported.add(rule)
             scene.add(rule, prim, name, f"'{tokens[found[0]]}' {at_time(time)} {what}")
 
     note("usd.anim.value-nan", lost, "is not a number")

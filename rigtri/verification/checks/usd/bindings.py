@@ -167,10 +167,10 @@ def _width(scene: Scene, prim: Any, indices: int, weights: int) -> int:
         text = f"indices are {modes[0]}, weights {modes[1]}"
         scene.add("usd.binding.interpolation", prim, INDICES, text)
     points = _points(prim)
-    wanted = width if modes[0] == "constant" else (width * points if points is not None else indices)
-    if indices != weights or indices != wanted:
+    expected = width if modes[0] == "constant" else (width * points if points is not None else indices)
+    if indices != weights or indices != expected:
         text = (
-            f"it has {indices} indices and {weights} weights where {wanted} of each are needed ({modes[0]})"
+            f"it has {indices} indices and {weights} weights where {expected} of each are needed ({modes[0]})"
         )
         scene.add("usd.binding.count", prim, INDICES, text)
         return 0
@@ -190,7 +190,7 @@ def _check_weights(scene: Scene, prim: Any, weights: np.ndarray) -> None:
     zero = finite & (known == 0).all(axis=1)
     off = finite & ~zero & (np.abs(total - 1.0) > OFF + OFF_EACH * weights.shape[1])
     worst = int(np.argmax(np.where(off, np.abs(total - 1.0), -1.0))) if len(weights) else 0
-    say: tuple[tuple[str, Any, Callable[[int], str]], ...] = (
+    problems: tuple[tuple[str, Any, Callable[[int], str]], ...] = (
         ("usd.binding.weight-nan", ~finite, lambda k: f"point {k} has a weight that is not a number"),
         (
             "usd.binding.weight-negative",
@@ -200,7 +200,7 @@ def _check_weights(scene: Scene, prim: Any, weights: np.ndarray) -> None:
         ("usd.binding.weight-zero", zero, lambda k: f"all weights of point {k} are zero"),
         ("usd.binding.weight-sum", off, lambda k: f"the weights of point {worst} sum to {total[worst]:.7g}"),
     )
-    for rule, wrong, words in say:
+    for rule, wrong, words in problems:
         found = np.flatnonzero(wrong)
         if len(found):
             scene.add(rule, prim, WEIGHTS, f"{words(int(found[0]))} ({_counted(wrong)})")

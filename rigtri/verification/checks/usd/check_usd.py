@@ -11,7 +11,7 @@ from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.verification.checks import metadata_check
-from rigtri.verification.checks.cycle_check import check_circles
+from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.usd import animations, bindings, blend_shapes, skeletons, usdz
 from rigtri.verification.checks.usd.scene import Scene
@@ -44,7 +44,7 @@ def check_usd(
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
     if scene.noted:
-        check_circles(path, "usd.note.circle", findings, allow_external=allow_external)
+        check_cycles(path, "usd.note.circle", findings, allow_external=allow_external)
     if external:
         from rigtri.verification.checks.usd.usd_validation import validate
 
@@ -82,8 +82,8 @@ def _check_notes(scene: Scene, prim: Any) -> None:
 def _with_unsplit(scene: Scene, path: str) -> set[str]:
     """The tokens of a skeleton, also as they were before joints of it were split: notes may be older."""
     own = scene.tokens[path]
-    said = read_joints(scene.stage.GetPrimAtPath(path))
-    holders = {token for token, note in said.items() if note.get("type") == "frame"}
+    stored = read_joints(scene.stage.GetPrimAtPath(path))
+    holders = {token for token, note in stored.items() if note.get("type") == "frame"}
     return {*own, *unsplit(own, holders)}
 
 
