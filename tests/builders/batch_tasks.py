@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -52,7 +53,7 @@ class Turn:
         ready: Callable[..., None],
     ) -> Outcome:
         def step(rig: Rig, report: Report) -> Rig:
-            go_wrong(source.stem, report)
+            go_wrong(source, report)
             if self.joint is not None:
                 rig.find(self.joint)
             return orient_joints(rig, report=report)
@@ -92,17 +93,19 @@ def run_program(words: list[str]) -> None:
     program(words)
 
 
-def go_wrong(name: str, report: Report) -> None:
-    """What the name of a file asks for."""
+def go_wrong(source: Path, report: Report) -> None:
+    """What the name of a file asks for. What hangs leaves a file with the suffix .begun beside it."""
+    name = source.stem
     if name.startswith("die"):
         os.kill(os.getpid(), signal.SIGSEGV)
     if name.startswith("slay"):
         parent = multiprocessing.parent_process()
         assert parent is not None
         os.kill(parent.pid or 0, signal.SIGKILL)
-        time.sleep(600)
+        threading.Event().wait()
     if name.startswith("hang"):
-        time.sleep(600)
+        source.with_suffix(".begun").touch()
+        threading.Event().wait()
     if name.startswith("eat"):
         list(range(1 << 34))
     if name.startswith("refuse"):
@@ -112,7 +115,7 @@ def go_wrong(name: str, report: Report) -> None:
     if name.startswith("warn"):
         report.warn("test", "look out", joint="hips")
     if name.startswith("slow"):
-        time.sleep(0.05)
+        time.sleep(0.05)  # as a large file: nobody waits for it to be over, a kill is more likely to hit it
 
 
 if __name__ == "__main__":

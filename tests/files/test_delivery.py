@@ -11,7 +11,6 @@ import signal
 import stat
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -203,7 +202,7 @@ def test_a_kill_at_a_random_time_leaves_the_old_file_or_the_new(
     for _ in range(8):
         target.write_bytes(old)
         process = started(0, samples / name, target)
-        time.sleep(seeded.uniform(0.0, 0.1))
+        process.join(timeout=seeded.uniform(0.0, 0.1))
         process.kill()
         process.join()
         assert target.read_bytes() in (old, new)

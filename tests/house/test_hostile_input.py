@@ -6,7 +6,7 @@ import json
 import os
 import signal
 import struct
-import time
+import threading
 import zipfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gltf_files import glb_bytes, small
+from polling import wait_for
 from program import cli
 from pxr import Sdf, Tf
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
@@ -530,7 +531,7 @@ def wait(mark: str) -> None:
     part = Path(mark + ".part")
     part.write_text(str(os.getpid()))
     part.rename(mark)
-    time.sleep(600)
+    threading.Event().wait()
 
 
 @POSIX
@@ -551,12 +552,11 @@ def test_a_child_that_hangs_ends_with_the_child_that_started_it(tmp_path: Path) 
     with Confined(seconds=15) as child, pytest.raises(CrashError, match="took longer"):
         child("outer", outer, "wait", str(mark))
     number = int(mark.read_text())
-    for _ in range(100):
-        if not _runs(number):
-            return
-        time.sleep(0.1)
-    os.kill(number, signal.SIGKILL)
-    pytest.fail("it went on")
+    try:
+        wait_for(lambda: not _runs(number))
+    except AssertionError:
+        os.kill(number, signal.SIGKILL)
+        raise
 
 
 def _runs(number: int) -> bool:

@@ -23,6 +23,7 @@ from batch_tasks import Turn
 from distributed import Client
 from distributed.scheduler import KilledWorker, WorkerState
 from places import BUILDERS, slow
+from polling import wait_for
 from program import cli
 
 from rigtri import edit, orient_joints
@@ -54,7 +55,7 @@ class Machines:
         self.folder, self.workers = folder, list[subprocess.Popen[bytes]]()
         self.scheduler = self._start("scheduler", "--port", "0", "--host", "127.0.0.1")
         known = folder / "scheduler.json"
-        wait(lambda: _is_whole(known))
+        wait_for(lambda: _is_whole(known))
         self.address = str(json.loads(known.read_text())["address"])
 
     def add_worker(self, *words: str) -> None:
@@ -101,13 +102,6 @@ def free_port() -> int:
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         return int(one.getsockname()[1])
-
-
-def wait(what: Callable[[], object], seconds: float = 120) -> None:
-    end = time.monotonic() + seconds
-    while not what():
-        assert time.monotonic() < end, "it did not come"
-        time.sleep(0.02)
 
 
 @pytest.fixture
@@ -181,12 +175,12 @@ def test_a_killed_worker_and_a_killed_submitter_lose_nothing_and_do_nothing_twic
         machines.add_worker()
     first = begin("--dask", machines.address)
     out = tmp_path / "out"
-    wait(lambda: len(list(out.glob("slow*.glb"))) >= 5)
+    wait_for(lambda: len(list(out.glob("slow*.glb"))) >= 5)
     machines.workers[0].send_signal(signal.SIGKILL)
-    wait(lambda: len(list(out.glob("slow*.glb"))) >= 9)
+    wait_for(lambda: len(list(out.glob("slow*.glb"))) >= 9)
     first.kill()
     first.communicate()
-    wait(machines.is_idle)  # what a worker is at may appear; nothing else does
+    wait_for(machines.is_idle)  # what a worker is at may appear; nothing else does
     before = {path: path.stat().st_mtime_ns for path in out.glob("slow*.glb")}
     assert 9 <= len(before) < 24
     second = begin("--dask", machines.address)

@@ -11,12 +11,12 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from places import BUILDERS, slow
+from polling import wait_for
 
 from rigtri import edit, orient_joints
 
@@ -203,10 +203,11 @@ def test_a_second_interrupt_gives_up_what_is_begun(tmp_path: Path, start: Start,
     for k in range(2):
         shutil.copy(samples / "biped.glb", tmp_path / "in" / f"hang{k}.glb")
     process = start("--json", "--fail-fast")
-    time.sleep(3)
+    wait_for(lambda: list((tmp_path / "in").glob("hang*.begun")))
     process.send_signal(signal.SIGINT)
-    time.sleep(0.5)
-    assert process.poll() is None
+    assert process.stderr is not None
+    while "files that are begun are finished" not in process.stderr.readline():
+        assert process.poll() is None
     process.send_signal(signal.SIGINT)
     out, told = process.communicate(timeout=60)
     assert process.returncode == 130
