@@ -32,10 +32,10 @@ def register_usd_schemas() -> None:
 
 @cache
 def check_known() -> None:
-    """Warn, once, where USD has opened a stage without the schemas; to be asked when one is open."""
+    """Warn, once, where USD has opened a stage without the schemas; to be called when one is open."""
     if Usd.SchemaRegistry().FindAppliedAPIPrimDefinition(_ONE) is None:
         warnings.warn(
-            "USD had opened a stage before it was told rigtri's schemas, so GetAppliedSchemas leaves them "
+            "USD opened a stage before rigtri's schemas were registered, so GetAppliedSchemas leaves them "
             "out in this process; attributes are there all the same. "
             "Call rigtri.register_usd_schemas() before the first stage",
             stacklevel=2,

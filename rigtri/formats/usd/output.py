@@ -49,16 +49,16 @@ class Output:
 
     def check_target(self, target: Path) -> None:
         """UsageError for a target of another format."""
-        own, wanted = self.source.path.suffix.lower(), target.suffix.lower()
+        own, suffix = self.source.path.suffix.lower(), target.suffix.lower()
         if self.options.override not in ("", "layer", "stage"):
             raise ValueError(f"override is '', 'layer' or 'stage', not {self.options.override!r}")
         if self.is_new_layer:
-            if wanted in (".usda", ".usd", ".usdc"):
+            if suffix in (".usda", ".usd", ".usdc"):
                 return
             raise UsageError(f"{target.name}: an override is a .usda, .usd or .usdc file")
         encoding = "usdz" if own == ".usdz" else layers.encoding_of(self.layer)
         fits = {"usda": (".usda", ".usd"), "usdc": (".usdc", ".usd"), "usdz": (".usdz",)}[encoding]
-        if wanted != own and wanted not in fits:
+        if suffix != own and suffix not in fits:
             raise UsageError(f"{target.name}: the output's format is the input's, {own}")
 
     def write(

@@ -32,7 +32,7 @@ _ENCRYPTED, _DESCRIPTOR, _UTF8 = 0x0001, 0x0008, 0x0800
 
 @dataclass(frozen=True)
 class Entry:
-    """One file of a package; ``start`` and ``size`` say where its bytes lie."""
+    """One file of a package; ``start`` and ``size`` are where its bytes lie."""
 
     name: str
     raw_name: bytes
@@ -72,7 +72,7 @@ class Package:
         return self.content[entry.start : entry.start + entry.size]
 
     def is_whole(self, entry: Entry) -> bool:
-        """Whether an entry's bytes have the directory's checksum; compressed ones are not asked."""
+        """Whether an entry's bytes have the directory's checksum; compressed ones are not checked."""
         return entry.method != 0 or zlib.crc32(self.bytes_of(entry)) == entry.crc
 
 

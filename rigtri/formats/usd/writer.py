@@ -1,4 +1,4 @@
-"""The passes that turn the stage that was read into one that says the rig.
+"""The passes that make the stage that was read match the rig.
 
 Every pass takes the edit and adds to it; all values are known before the first reaches a layer.
 """
@@ -47,7 +47,7 @@ PASSES: tuple[Pass, ...] = (*PREPARE, *REMOVE, *VALUES, write_skin_weights, rout
 
 
 def edit_stage(source: Source, rig: Rig, options: ReadOptions) -> UsdEdit:
-    """All edits that turn a stage into one that says ``rig``; none are made yet.
+    """All edits that make a stage match ``rig``; none are made yet.
 
     FileError or UsageError where the composition of the stage does not let an edit take effect.
     """

@@ -67,7 +67,7 @@ def test_instances_that_are_turned_differently_share_no_prototype_and_say_so(tmp
     assert prototypes(out) == 2
     codes = [notice.code for notice in document.warnings]
     assert codes == ["animation-split", "instances-apart"]
-    assert "turned in 2 ways" in document.warnings[1].text
+    assert "edited in 2 ways" in document.warnings[1].text
     stage = Usd.Stage.Open(str(out))
     skeleton = stage.GetPrimAtPath("/World/Two/Skel")
     assert UsdSkel.BindingAPI(skeleton).GetInheritedAnimationSource().GetPath() == "/World/Walk_2"

@@ -25,8 +25,8 @@ MOST_PRIMS = 5_000_000
 # Places that make one prim; USD's own limit.
 MOST_PLACES = 32_767
 # Places that are looked at in all, each kind of prim once.
-MOST_LOOKS = 5_000_000
-# Files that a template of value clips may name; USD asks for each whether it is there.
+MOST_OPINIONS = 5_000_000
+# Files that a template of value clips may name; USD looks for each.
 MOST_CLIPS = 100_000
 
 # A layer stack by its number, and a path in it.
@@ -48,7 +48,7 @@ def check(path: Path, layers: Sequence[Any]) -> None:
 
 
 def _check_clips(path: Path, layers: Sequence[Any]) -> None:
-    """The same for value clips; what one layer says of a template may be completed by any other."""
+    """The same for value clips; a template that one layer has in part may be completed by any other."""
     ranges: list[dict[str, float]] = []
 
     def visit(layer: Any, at: Any) -> None:
@@ -56,17 +56,18 @@ def _check_clips(path: Path, layers: Sequence[Any]) -> None:
         spec = layer.GetPrimAtPath(at) if prims else None
         if spec is not None and spec.HasInfo("clips"):
             for clips in spec.GetInfo("clips").values():
-                said = {name: clips.get(name) for name in _RANGE} if isinstance(clips, dict) else {}
-                ranges.append({name: float(v) for name, v in said.items() if isinstance(v, int | float)})
+                span = {name: clips.get(name) for name in _RANGE} if isinstance(clips, dict) else {}
+                ranges.append({name: float(v) for name, v in span.items() if isinstance(v, int | float)})
 
     for layer in layers:
         layer.Traverse(Sdf.Path.absoluteRootPath, lambda at, layer=layer: visit(layer, at))
-    every = {name: [said[name] for said in ranges if name in said] for name in _RANGE}
+    every = {name: [span[name] for span in ranges if name in span] for name in _RANGE}
     start, end = min(every[_RANGE[0]], default=0.0), max(every[_RANGE[1]], default=0.0)
     stride = min((value for value in every[_RANGE[2]] if value > 0), default=0.0)
-    for said in ranges:
-        first, last, step = said.get(_RANGE[0], start), said.get(_RANGE[1], end), said.get(_RANGE[2], stride)
-        if said and step > 0 and not (last - first) / step <= MOST_CLIPS:
+    for span in ranges:
+        first, last = span.get(_RANGE[0], start), span.get(_RANGE[1], end)
+        step = span.get(_RANGE[2], stride)
+        if span and step > 0 and not (last - first) / step <= MOST_CLIPS:
             raise FileError(
                 f"{path}: the template of its value clips names files from {first:g} to {last:g} in steps of "
                 f"{step:g}, more than {MOST_CLIPS}. Correct {', '.join(_RANGE)}"
@@ -74,8 +75,8 @@ def _check_clips(path: Path, layers: Sequence[Any]) -> None:
 
 
 @dataclass
-class _Place:
-    """What a layer stack says at one path. sets: the variants of each set; selected: those of each name."""
+class _SiteContent:
+    """The opinions of a layer stack at a path. sets: variants of each set; selected: those of each name."""
 
     children: dict[str, None] = field(default_factory=dict)
     arcs: list[Site] = field(default_factory=list)
@@ -91,8 +92,8 @@ class _Count:
         self._path = path
         self._stacks: list[tuple[list[Any], Variables]] = []
         self._numbers: dict[tuple[str, str], int] = {}
-        self._places: dict[Site, _Place] = {}
-        self._looks = 0
+        self._contents: dict[Site, _SiteContent] = {}
+        self._visited = 0
         self._stack(root, variables_of(root))
 
     def check(self) -> None:
@@ -127,12 +128,12 @@ class _Count:
     def _below(self, kind: Kind) -> Iterator[Kind]:
         """The kinds of the children of a prim."""
         sites = self._sites(kind)
-        self._looks += sites.total()
-        if self._looks > MOST_LOOKS:
-            raise self._too_many(f"{MOST_LOOKS} opinions on prims")
+        self._visited += sites.total()
+        if self._visited > MOST_OPINIONS:
+            raise self._too_many(f"{MOST_OPINIONS} opinions on prims")
         by_name: dict[str, Counter[Site]] = {}
         for (stack, path), times in sites.items():
-            for name in self._place((stack, path)).children:
+            for name in self._content((stack, path)).children:
                 by_name.setdefault(name, Counter())[stack, path.AppendChild(name)] += times
         for found in by_name.values():
             yield frozenset(found.items())
@@ -146,12 +147,12 @@ class _Count:
         while True:
             selected: dict[str, set[str]] = {}
             for site in found:
-                for name, variants in self._place(site).selected.items():
+                for name, variants in self._content(site).selected.items():
                     selected.setdefault(name, set()).update(variants)
             new = {
                 (site, name, variant)
                 for site in found
-                for name, variants in self._place(site).sets.items()
+                for name, variants in self._content(site).sets.items()
                 for variant in variants
                 if variant in selected.get(name, ()) or any(map(is_one, selected.get(name, ())))
             } - chosen
@@ -165,7 +166,7 @@ class _Count:
     def _follow(self, site: Site, times: int, found: Counter[Site]) -> None:
         """Count a site and what its arcs lead to; an arc back to where it comes from is broken by USD."""
         above = {site: None}
-        waiting = [iter(self._place(site).arcs)]
+        waiting = [iter(self._content(site).arcs)]
         found[site] += times
         total = found.total()
         while waiting:
@@ -173,36 +174,36 @@ class _Count:
             if target is None:
                 waiting.pop()
                 above.popitem()
-            elif target not in above and self._place(target).there:
+            elif target not in above and self._content(target).there:
                 found[target] += times
                 total += times
                 if total > MOST_PLACES:
                     raise self._too_many(f"{MOST_PLACES} arcs on one prim, <{site[1]}>")
                 above[target] = None
-                waiting.append(iter(self._place(target).arcs))
+                waiting.append(iter(self._content(target).arcs))
 
-    def _place(self, site: Site) -> _Place:
-        if site not in self._places:
-            self._places[site] = self._read(site)
-        return self._places[site]
+    def _content(self, site: Site) -> _SiteContent:
+        if site not in self._contents:
+            self._contents[site] = self._read(site)
+        return self._contents[site]
 
-    def _read(self, site: Site) -> _Place:
+    def _read(self, site: Site) -> _SiteContent:
         number, path = site
-        place = _Place()
+        content = _SiteContent()
         for layer in self._stacks[number][0]:
             spec = layer.GetPrimAtPath(path)
             if spec is None:
                 continue
-            place.there = True
-            place.children.update(dict.fromkeys(spec.nameChildren.keys()))
+            content.there = True
+            content.children.update(dict.fromkeys(spec.nameChildren.keys()))
             if path.IsAbsoluteRootPath():
                 continue
-            place.arcs += self._arcs(spec, layer, number)
+            content.arcs += self._arcs(spec, layer, number)
             for name, variants in spec.variantSets.items():
-                place.sets.setdefault(name, []).extend(variants.variants.keys())
+                content.sets.setdefault(name, []).extend(variants.variants.keys())
             for name, variant in spec.variantSelections.items():
-                place.selected.setdefault(name, set()).add(variant)
-        return place
+                content.selected.setdefault(name, set()).add(variant)
+        return content
 
     def _arcs(self, spec: Any, layer: Any, number: int) -> Iterator[Site]:
         """Where the arcs of a spec lead to."""
@@ -210,7 +211,7 @@ class _Count:
             for path in paths.GetAddedOrExplicitItems():
                 yield number, path
                 if number:
-                    # What a class of the same name says in the root layer is heard, too.
+                    # Opinions on a class of the same name in the root layer count, too.
                     yield 0, path
         variables = self._stacks[number][1]
         for arcs in (spec.referenceList, spec.payloadList):
@@ -233,15 +234,15 @@ class _Count:
             self._numbers[key] = len(self._stacks)
             layers = [root]
             for layer in layers:
-                below = (_opened(layer, asked, variables) for asked in layer.subLayerPaths)
+                below = (_opened(layer, asset, variables) for asset in layer.subLayerPaths)
                 layers += [found for found in below if found is not None and found not in layers]
             self._stacks.append((layers, variables))
         return self._numbers[key]
 
 
-def _opened(anchor: Any, asked: str, variables: Variables) -> Any:
-    """A layer that another one asks for, if it is open."""
-    name = evaluated(asked, variables)
+def _opened(anchor: Any, asset: str, variables: Variables) -> Any:
+    """A layer that another one refers to, if it is open."""
+    name = evaluated(asset, variables)
     return Sdf.Layer.FindRelativeToLayer(anchor, name) if name else None
 
 

@@ -28,13 +28,13 @@ def _named(layer: Any) -> list[Path]:
     found: set[str] = set()
     variables = variables_of(layer)
 
-    def note(asset: str) -> str:
+    def collect(asset: str) -> str:
         if named := evaluated(asset, variables):
             found.add(_absolute(layer, named))
         return asset
 
-    layers.rename_assets(layer, note)
-    found.update(_absolute(layer, asset) for asset, _, _ in external_paths.asked(layer, variables))
+    layers.rename_assets(layer, collect)
+    found.update(_absolute(layer, asset) for asset, _, _ in external_paths.asset_paths(layer, variables))
     return sorted(_outer(name) for name in found if name)
 
 

@@ -24,7 +24,7 @@ from rigtri.formats.usd.crate import tables
 
 # How deep packages may stand in each other.
 NESTED = 4
-# In how many ways one layer may be asked for, by the variables that are set above it.
+# In how many ways one layer may be referred to, by the variables that are set above it.
 SETTINGS = 64
 # A scheme, of two letters at least: C:/hero.usd is a Windows path.
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
@@ -35,7 +35,7 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
 
     variables: of the layer stack that it will be part of; its own where there is none above.
     FileError for one that lies outside the folder of ``path`` (unless allowed), on a network or
-    in no plain file, naming the layer and the prim that ask for it.
+    in no plain file, naming the layer and the prim that refer to it.
     """
     root = Sdf.Layer.FindOrOpen(str(path))
     layers: dict[str, Any] = {}
@@ -63,12 +63,12 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
 def _below(
     layer: Any, variables: Variables, path: Path, allow_external: bool, sound: set[str]
 ) -> Iterator[tuple[Any, Variables]]:
-    """The layers that one asks for and that are composed, each with the variables it gets there.
+    """The layers that one refers to and that are composed, each with the variables it gets there.
 
     sound: the identifiers whose content was looked at, which grows.
     """
-    for wanted, where, arc in asked(layer, variables):
-        identifier = _identifier(layer, wanted, where, path, allow_external)
+    for asset, where, arc in asset_paths(layer, variables):
+        identifier = _identifier(layer, asset, where, path, allow_external)
         if not identifier:
             continue
         if identifier not in sound:
@@ -107,12 +107,12 @@ def _check_entries(whole: usdz.Package, name: str, deeper: int) -> None:
             try:
                 inner = usdz.parse(bytes(content), title)
             except FileError:
-                continue  # USD cannot open it either, which is told where it is needed
+                continue  # USD cannot open it either, which is reported where it is needed
             _check_entries(inner, title, deeper - 1)
 
 
 def _opened(identifier: str) -> Any:
-    """A layer; None for one that USD cannot read, which is told when the stage is composed."""
+    """A layer; None for one that USD cannot read, which is reported when the stage is composed."""
     try:
         return Sdf.Layer.FindOrOpen(identifier)
     except Tf.ErrorException:
@@ -132,28 +132,28 @@ def check_file(other: Path, path: Path, *, allow_external: bool) -> None:
         raise _outside(str(other), f"{path}")
 
 
-def _identifier(layer: Any, asked: str, where: str, path: Path, allow_external: bool) -> str:
+def _identifier(layer: Any, asset: str, where: str, path: Path, allow_external: bool) -> str:
     """The identifier of an asset path as USD resolves it; "" where there is nothing to open."""
-    if _SCHEME.match(asked):
-        raise FileError(f"{where} asks for '{asked}'; rigtri fetches nothing. Put the layer beside this one.")
+    if _SCHEME.match(asset):
+        raise FileError(f"{where} asks for '{asset}'; rigtri fetches nothing. Put the layer beside this one.")
     resolver = Ar.GetResolver()
     anchor = Ar.ResolvedPath(layer.realPath)
-    plain, arguments = Sdf.Layer.SplitIdentifier(asked)
+    plain, arguments = Sdf.Layer.SplitIdentifier(asset)
     identifier = resolver.CreateIdentifier(plain, anchor)
     resolved = str(resolver.Resolve(identifier))
     if not resolved:
-        return ""  # what is not there is told when the stage is composed
+        return ""  # what is not there is reported when the stage is composed
     if not allow_external and lies_outside(resolved, path):
-        raise _outside(asked, where)
+        raise _outside(asset, where)
     file = Path(resolved.partition("[")[0])
     if file.exists() and not (file.is_file() or file.is_dir()):
-        raise FileError(f"{where} asks for '{asked}', which is a device or a pipe. Put a plain file there")
+        raise FileError(f"{where} asks for '{asset}', which is a device or a pipe. Put a plain file there")
     return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
 
 
-def _outside(asked: str, where: str) -> FileError:
+def _outside(asset: str, where: str) -> FileError:
     return FileError(
-        f"{where} asks for '{asked}', which lies outside the folder of the file. "
+        f"{where} asks for '{asset}', which lies outside the folder of the file. "
         "If you trust it, allow this with --allow-external-paths"
     )
 
@@ -167,25 +167,25 @@ def lies_outside(resolved: str, path: Path) -> bool:
     return not file.is_relative_to(path.parent.resolve()) and file != path.resolve()
 
 
-def asked(layer: Any, variables: Variables) -> Iterator[tuple[str, str, str]]:
-    """The asset paths of layers that a layer asks for, expressions as what they say with ``variables``.
+def asset_paths(layer: Any, variables: Variables) -> Iterator[tuple[str, str, str]]:
+    """The asset paths of layers that a layer refers to, expressions evaluated with ``variables``.
 
-    Each with where it asks, and how: as a ``sublayer``, by an ``arc`` or for a ``clip``.
+    Each with where it stands, and how it refers: as a ``sublayer``, by an ``arc`` or for a ``clip``.
     """
-    found = [(asked, layer.identifier, "sublayer") for asked in layer.subLayerPaths]
+    found = [(asset, layer.identifier, "sublayer") for asset in layer.subLayerPaths]
 
     def visit(path: Any) -> None:
         prims = path.IsPrimPath() or path.IsPrimVariantSelectionPath()
         spec = layer.GetPrimAtPath(path) if prims else None
         if spec is not None:
             place = f"<{path}> of {layer.identifier}"
-            found.extend((asked, place, "arc") for asked in _arcs(spec))
+            found.extend((asset, place, "arc") for asset in _arcs(spec))
             if spec.HasInfo("clips"):
-                found.extend((asked, place, "clip") for asked in _clips(spec, layer, variables))
+                found.extend((asset, place, "clip") for asset in _clips(spec, layer, variables))
 
     layer.Traverse(Sdf.Path.absoluteRootPath, visit)
-    for wanted, place, how in found:
-        if name := evaluated(wanted, variables):
+    for asset, place, how in found:
+        if name := evaluated(asset, variables):
             yield name, place, how
 
 
@@ -207,6 +207,6 @@ def _matching(template: str, layer: Any) -> Iterator[str]:
     """The files that a template such as ``clips/walk.###.usd`` names, as asset paths."""
     inner, slash, name = template.rpartition("/")
     folder = Path(layer.realPath).parent / inner
-    wanted = re.compile(re.sub(r"(?:\\#)+", "-?[0-9]+", re.escape(name)))
+    pattern = re.compile(re.sub(r"(?:\\#)+", "-?[0-9]+", re.escape(name)))
     if folder.is_dir():
-        yield from (f"{inner}{slash}{item}" for item in sorted(os.listdir(folder)) if wanted.fullmatch(item))
+        yield from (f"{inner}{slash}{item}" for item in sorted(os.listdir(folder)) if pattern.fullmatch(item))

@@ -81,8 +81,8 @@ def from_folder(source: Path, target: Path, layer: Any) -> Rename | None:
     """How asset paths of a layer in ``source`` read from ``target``; None where they are the same.
 
     Absolute paths, URLs and names on a search path stay as they are. Expressions are put behind the
-    way to ``source``; `rename_assets` refuses those that cannot be. One that says nothing with the
-    variables of ``layer`` may say something below a layer that sets others, so it is treated alike.
+    way to ``source``; `rename_assets` refuses those that cannot be. One that has no value with the
+    variables of ``layer`` may have one below a layer that sets others, so it is treated alike.
     """
     source, target = source.resolve(), target.resolve()
     if source == target:
@@ -121,7 +121,7 @@ def _dotted(path: str) -> str:
 
 
 def _renaming(source: Path, moved: Rename, expressed: Rename, layer: Any) -> Rename:
-    """Rename what is relative to ``source``: paths, and expressions by what they say in ``layer``."""
+    """Rename what is relative to ``source``: paths, and expressions by their values in ``layer``."""
     variables = variables_of(layer)
 
     def rename(path: str) -> str:
@@ -151,7 +151,7 @@ def _there(folder: Path, name: str) -> bool:
 
 
 def rename_assets(layer: Any, rename: Rename) -> bool:
-    """Rename every asset path in a layer, in place; says whether any changed.
+    """Rename every asset path in a layer, in place. Returns whether any changed.
 
     FileError, with the place, for an expression that `from_folder` cannot move.
 

@@ -33,7 +33,7 @@ def check_file(path: Path) -> None:
 
 
 def check(content: bytes | memoryview, name: str) -> None:
-    """The same for the bytes of a layer; ``name`` is told in the error."""
+    """The same for the bytes of a layer; ``name`` is for the error."""
     content, plain = bytes(content), b""
     for what, opening, closing, most in _KINDS:
         # As many as there are stand in each other at worst; many files end here.

@@ -11,7 +11,7 @@ from rigtri.formats.usd.composition.stage import open_stage, quiet
 from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.report import Notice
 
-# An override of rigtri says so here, and a bare one also what it is for; editing it again edits this layer.
+# Custom data of overrides, in a bare one with the file it is for; editing an override again edits its layer.
 MARK = "rigtri"
 
 

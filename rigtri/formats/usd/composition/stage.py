@@ -1,4 +1,4 @@
-"""Opening USD stages without noise, and telling what in them can be edited.
+"""Opening USD stages without output to stderr; what in them can be edited.
 
 pxr prints its diagnostics to stderr; here they are caught, and what matters
 becomes one notice or the text of a `FileError`.
@@ -54,7 +54,7 @@ def quiet(doing: str) -> Iterator[list[str]]:
 def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     """The composed stage of a file, payloads loaded, and what could not be found for it.
 
-    FileError where there is no file, no USD file, one that is cut off, or one that asks for
+    FileError where there is no file, no USD file, one that is cut off, or one that refers to
     files outside its folder (unless ``allow_external``), or for more prims than can be read.
     """
     if not path.is_file():
@@ -79,7 +79,7 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
 
 
 def first_line(error: Exception) -> str:
-    """What the first pxr error says, without the place in pxr's own sources."""
+    """The text of the first pxr error, without its place in pxr's own sources."""
     try:
         text = " ".join(str(error.args[0] if error.args else error).split())
     except UnicodeDecodeError:
@@ -113,8 +113,8 @@ def tokens_of(prim: Any, name: str) -> tuple[str, ...]:
 
 def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
     """One notice for all layers that were not found; pxr reports them in the order of its threads."""
-    said = ("open", "not load sublayer")
-    found = [t.split("@")[1] for t in texts if "@" in t and any(words in t.lower() for words in said)]
+    phrases = ("open", "not load sublayer")
+    found = [t.split("@")[1] for t in texts if "@" in t and any(words in t.lower() for words in phrases)]
     every = sorted({_seen_from(folder, name) for name in found})
     leaving = [name for name in every if "[../" in name]
     notices = [Notice("unresolved", _leaves(name)) for name in leaving[:3]]

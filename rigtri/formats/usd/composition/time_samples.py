@@ -2,9 +2,9 @@
 
 `Usd.Attribute.Get` maps a time back into the layer it comes from; under a scaled
 or offset layer that can miss the sample by one bit and find its neighbour, which
-may be blocked. So samples are taken from their layer. Value clips are asked by
+may be blocked. So samples are taken from their layer. Value clips are read by
 time, for their samples lie in many layers; where they jump between two samples,
-a sample just before the jump says so.
+a sample just before the jump holds the value before it.
 """
 
 from __future__ import annotations
@@ -31,13 +31,15 @@ _SAME = 1e-6
 def time_samples(attribute: Any) -> Samples:
     """All samples in the stage's time; the value of a blocked one is None.
 
-    FileError where value clips jump in a way that samples cannot say, and for array edits.
+    FileError where value clips jump in a way that samples cannot express, and for array edits.
     """
     times = attribute.GetTimeSamples()
     if not times:
         return []
     if edits := array_edits(attribute):
-        raise FileError(f"{edits}, which rigtri cannot turn. Write whole arrays there, or flatten the stage.")
+        raise FileError(
+            f"{edits}, which rigtri cannot reorient. Write whole arrays there, or flatten the stage."
+        )
     if from_clips(attribute, times):
         return _of_clips(attribute, times)
     for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
@@ -50,9 +52,9 @@ def time_samples(attribute: Any) -> Samples:
 
 
 def array_edits(attribute: Any) -> str:
-    """Which opinion only says what is other in a weaker array although the attribute moves; "" for none.
+    """Which opinion only edits a weaker array although the attribute has samples; "" for none.
 
-    USD holds the edited arrays between samples, which no samples say. Source: Usd.Attribute.Get (26.11).
+    USD holds the edited arrays between samples, which samples cannot. Source: Usd.Attribute.Get (26.11).
     """
     if not attribute.GetTimeSamples():
         return ""
@@ -64,7 +66,7 @@ def array_edits(attribute: Any) -> str:
         if any(type(value).__name__.endswith("ArrayEdit") for value in values):
             return f"<{spec.path}> of {spec.layer.identifier} edits an array that moves over time"
         if own:
-            break  # what is weaker is not heard
+            break  # weaker opinions do not count
     return ""
 
 

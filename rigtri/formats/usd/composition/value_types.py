@@ -1,6 +1,6 @@
 """The types that UsdSkel reads attributes as; of another type it reads nothing.
 
-UsdSkel asks for exactly one C++ type each: ``double3[]`` translations make it ignore the
+UsdSkel reads exactly one C++ type each: ``double3[]`` translations make it ignore the
 whole animation. Roles (point3f, frame4d) are the same type. Measured with UsdSkel.BakeSkinning.
 """
 
@@ -19,7 +19,7 @@ BIND = "primvars:skel:geomBindTransform"
 
 
 class Expected(NamedTuple):
-    """The type that UsdSkel asks for, and what another one means to it."""
+    """The type that UsdSkel reads, and what another one means to it."""
 
     type: Any
     lost: str
@@ -56,10 +56,10 @@ class WrongTypeError(FileError):
 
 def wrong_type(name: str, value: Any) -> str:
     """What type a value has and should have, "" where UsdSkel reads it; ``name`` is one of TYPES."""
-    wanted, found = TYPES[name].type, Sdf.GetValueTypeNameForValue(value)
-    if found.type == wanted.type:
+    expected, found = TYPES[name].type, Sdf.GetValueTypeNameForValue(value)
+    if found.type == expected.type:
         return ""
-    return f"{name} is {str(found) or 'of an unknown type'} and should be {wanted}"
+    return f"{name} is {str(found) or 'of an unknown type'} and should be {expected}"
 
 
 def demand(attribute: Any, value: Any) -> None:
@@ -76,13 +76,13 @@ def usable(attribute: Any, value: Any) -> Any:
 
 
 def ignored(prim: Any) -> list[str]:
-    """What UsdSkel does not read of a prim that is bound to a skeleton, by the types its layers say."""
+    """What UsdSkel does not read of a prim that is bound to a skeleton, by the types in its layers."""
     found = []
     for name in _BOUND:
-        attribute, (wanted, lost) = prim.GetAttribute(name), TYPES[name]
+        attribute, (expected, lost) = prim.GetAttribute(name), TYPES[name]
         stack = attribute.GetPropertyStack() if attribute and attribute.HasAuthoredValue() else ()
         for spec in stack[:1]:
-            if spec.typeName.type != wanted.type:
-                text = f"<{prim.GetPath()}>.{name} is {spec.typeName} and should be {wanted}"
+            if spec.typeName.type != expected.type:
+                text = f"<{prim.GetPath()}>.{name} is {spec.typeName} and should be {expected}"
                 found.append(f"{text}, so for UsdSkel {lost}. It is left as it is.")
     return found

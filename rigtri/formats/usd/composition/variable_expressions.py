@@ -16,7 +16,7 @@ from pxr import Sdf
 
 Variables = Mapping[str, Any]
 
-# An expression that is one string, taken apart in front of what the string says.
+# An expression that is one string, taken apart in front of the string's content.
 _STRING = re.compile(r"(`\s*[\"'])(.*[\"']\s*`)", re.DOTALL)
 
 

@@ -28,7 +28,7 @@ Origins = dict[Any, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class VariantState:
     """One way to choose variants.
 
     chosen: what differs from the file. selected: the variant of every set there is. shown: where
@@ -49,7 +49,7 @@ class State:
         return " and ".join(words) or "the selected variants"
 
 
-class Trial:
+class SkeletonVariants:
     """The variants that matter to one skeleton and its animation (paths; "" for none).
 
     states: every way to show it, the file's own first. depends: for each attribute that
@@ -58,7 +58,7 @@ class Trial:
 
     def __init__(self, stage: Any, skeleton: str, animation: str, *, explore: bool = True) -> None:
         self.source, self.skeleton, self.animation = stage, skeleton, animation
-        self.states: list[State] = []
+        self.states: list[VariantState] = []
         self.depends: dict[Any, set[VariantSet]] = {}
         self._authored: dict[VariantSet, str] = {}
         watched = [path for path in (skeleton, animation) if path]
@@ -79,16 +79,16 @@ class Trial:
         self._authored = dict(chosen)
         self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == SOURCE)
 
-    def place_of(self, state: State, path: Any) -> str:
+    def place_of(self, state: VariantState, path: Any) -> str:
         """The strongest opinion on a prim in a state: its path and its layer."""
         self.choose(state.chosen)
         (spec, *_) = self.stage.GetPrimAtPath(path).GetPrimStack()
         return f"<{spec.path}> of {spec.layer.identifier}"
 
-    def _explore(self) -> list[tuple[State, State, VariantSet]]:
+    def _explore(self) -> list[tuple[VariantState, VariantState, VariantSet]]:
         """All states that one choice after the other leads to, each with an effect; and the choices."""
         self.states = [self._look({})]
-        known: dict[Any, State] = {frozenset[Any](): self.states[0]}
+        known: dict[Any, VariantState] = {frozenset[Any](): self.states[0]}
         steps = []
         for state in self.states:
             for of, variant in self._choices(state):
@@ -108,7 +108,7 @@ class Trial:
                     )
         return steps
 
-    def _find_dependencies(self, steps: list[tuple[State, State, VariantSet]]) -> None:
+    def _find_dependencies(self, steps: list[tuple[VariantState, VariantState, VariantSet]]) -> None:
         """An attribute may be there and move nothing; what counts is whether a set changes its values."""
         every = {path for step in steps for state in step[:2] for path in state.shown}
         found: dict[int, Origins] = {}
@@ -123,7 +123,7 @@ class Trial:
             for path in _differing(found[id(one)], found[id(other)]) - hidden:
                 self.depends.setdefault(path, set()).add(of)
 
-    def _look(self, chosen: Mapping[VariantSet, str]) -> State:
+    def _look(self, chosen: Mapping[VariantSet, str]) -> VariantState:
         self.choose(chosen)
         prim = self.stage.GetPrimAtPath(self.skeleton)
         shown: Origins = {}
@@ -138,9 +138,9 @@ class Trial:
             for path, prim in prims
             for name in (_sets(prim) if prim else ())
         }
-        return State(dict(chosen), selected, shown)
+        return VariantState(dict(chosen), selected, shown)
 
-    def _choices(self, state: State) -> list[tuple[VariantSet, str]]:
+    def _choices(self, state: VariantState) -> list[tuple[VariantSet, str]]:
         self.choose(state.chosen)
         found = []
         for (path, name), selected in state.selected.items():
@@ -164,29 +164,29 @@ class Trial:
 
 def why_split(stage: Any, skeleton: str, animation: str) -> str:
     """Which variant set decides what a skeleton's joints are or do; "" if none does."""
-    return split_by(Trial(stage, skeleton, animation))
+    return split_by(SkeletonVariants(stage, skeleton, animation))
 
 
-def split_by(trial: Trial) -> str:
+def split_by(variants: SkeletonVariants) -> str:
     """The same for a skeleton whose variants were tried."""
-    if not trial.depends:
+    if not variants.depends:
         return ""
-    path = min(trial.depends)
-    prim, name = min(trial.depends[path])
+    path = min(variants.depends)
+    prim, name = min(variants.depends[path])
     return (
         f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
         "one would not fit the others. Give each variant a file of its own, or choose snap or skip"
     )
 
 
-def unselected(trial: Trial) -> str:
+def unselected(variants: SkeletonVariants) -> str:
     """Which values of a skeleton show where no variant is selected, which no opinion reaches; "" if none.
 
     They lie below the variant set: what is stronger than they would win over every variant, too.
     """
-    for state in trial.states:
-        for path in sorted(trial.depends.keys() & state.shown.keys()):
-            for prim, name in sorted(trial.depends[path]):
+    for state in variants.states:
+        for path in sorted(variants.depends.keys() & state.shown.keys()):
+            for prim, name in sorted(variants.depends[path]):
                 if not state.selected.get((prim, name)):
                     return why_unselected(path.GetPrimPath(), prim, name)
     return ""

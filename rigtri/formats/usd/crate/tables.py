@@ -37,7 +37,7 @@ Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 
 
 def check_file(path: Path) -> None:
-    """FileError for a file that starts like a crate and is damaged; nothing is said of others."""
+    """FileError for a file that starts like a crate and is damaged; other files pass."""
     with path.open("rb") as file:
         if file.read(len(MAGIC)) != MAGIC:
             return
@@ -69,15 +69,15 @@ class _Crate:
     def check(self) -> None:
         if self.version < _OLDEST:
             return
-        tokens = self._told("TOKENS", self._tokens) or 0
-        strings = self._told("STRINGS", self._strings)
+        tokens = self._section("TOKENS", self._tokens) or 0
+        strings = self._section("STRINGS", self._strings)
         if strings is not None:
             _below(strings, tokens, "string")
         known = 0 if strings is None else len(strings)
-        fields = self._told("FIELDS", lambda at, end: self._fields(at, end, tokens, known)) or 0
-        sets = self._told("FIELDSETS", lambda at, end: self._field_sets(at, end, fields))
-        paths = self._told("PATHS", lambda at, end: self._paths(at, end, tokens)) or 0
-        self._told("SPECS", lambda at, end: self._specs(at, end, paths, sets))
+        fields = self._section("FIELDS", lambda at, end: self._fields(at, end, tokens, known)) or 0
+        sets = self._section("FIELDSETS", lambda at, end: self._field_sets(at, end, fields))
+        paths = self._section("PATHS", lambda at, end: self._paths(at, end, tokens)) or 0
+        self._section("SPECS", lambda at, end: self._specs(at, end, paths, sets))
 
     def _table_of_contents(self, at: int) -> dict[str, tuple[int, int]]:
         size = len(self.content)
@@ -95,7 +95,7 @@ class _Crate:
             found.setdefault(name, (start, start + length))
         return found
 
-    def _told(self, name: str, read: Callable[[int, int], T]) -> T | None:
+    def _section(self, name: str, read: Callable[[int, int], T]) -> T | None:
         """What ``read`` makes of a section; its errors with the section's name."""
         if name not in self.sections:
             return None

@@ -23,7 +23,7 @@ _SIZES = {
 }  # fmt: skip
 # Type → bytes that one item takes at least, of those that start with a count.
 _COUNTED = {31: 12, 40: 4, 41: 4, 45: 8, 48: 8, 49: 16, 50: 4, 58: 8}
-# Lists of edits: a byte that says which lists follow, then each with its count.
+# Lists of edits: a byte whose bits are the lists that follow, then each with its count.
 _LISTS = {32: 4, 33: 4, 34: 4, 35: 8, 36: 4, 37: 8, 38: 4, 39: 8, 54: 8, 55: 8}
 
 
@@ -58,7 +58,7 @@ def _check(content: memoryview, value: int, version: tuple[int, int, int], seen:
 
 
 def _lists(content: memoryview, at: int) -> int:
-    """Which lists follow, by the bits after the first, which says that the whole is explicit."""
+    """Which lists follow, by the bits after the first, which makes the whole explicit."""
     _inside(content, at, 1)
     return content[at] & 0b1111110
 

@@ -1,4 +1,4 @@
-"""Whether an output says what was written into it: no opinion of another layer may be stronger."""
+"""Whether an output shows what was written into it: no opinion of another layer may be stronger."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.composition.variants import VALUES, State, Trial
+from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, VariantState
 from rigtri.formats.usd.opinions.edits import Edit, Setting, arrays
 
 # Values that differ by less, as a share of the largest, differ by float32 rounding.
@@ -21,19 +21,19 @@ class Expected:
     """What must be seen in an output, in the file's own variants and in the other ones."""
 
     def __init__(self) -> None:
-        self._states: list[tuple[Trial, State, Sequence[Setting]]] = []
+        self._states: list[tuple[SkeletonVariants, VariantState, Sequence[Setting]]] = []
 
-    def add(self, trial: Trial, state: State, settings: Sequence[Setting]) -> None:
+    def add(self, variants: SkeletonVariants, state: VariantState, settings: Sequence[Setting]) -> None:
         """Expect ``settings`` when a state is chosen."""
-        self._states.append((trial, state, settings))
+        self._states.append((variants, state, settings))
 
     def check(self, stage: Any, edits: Sequence[Edit]) -> None:
         """FileError, naming layer and path, for a value that another opinion hides."""
         # The last of several edits of one attribute counts.
         last = {edit.path: edit for edit in edits if isinstance(edit, Setting) and edit.name in VALUES}
         _check(stage, list(last.values()), "")
-        for trial, state, settings in self._states:
-            again = Trial(stage, trial.skeleton, trial.animation, explore=False)
+        for variants, state, settings in self._states:
+            again = SkeletonVariants(stage, variants.skeleton, variants.animation, explore=False)
             again.choose(state.chosen)
             _check(again.stage, settings, f"In {state.title}, ")
 
@@ -41,7 +41,7 @@ class Expected:
 def _check(stage: Any, settings: Sequence[Setting], where: str) -> None:
     for setting in settings:
         attribute = stage.GetAttributeAtPath(setting.path)
-        if attribute and _says(attribute, setting):
+        if attribute and _shows(attribute, setting):
             continue
         stack = attribute.GetPropertyStack(DEFAULT) if attribute else []
         hidden = f": <{stack[0].path}> of {stack[0].layer.identifier} is stronger" if stack else ""
@@ -51,7 +51,7 @@ def _check(stage: Any, settings: Sequence[Setting], where: str) -> None:
         )
 
 
-def _says(attribute: Any, setting: Setting) -> bool:
+def _shows(attribute: Any, setting: Setting) -> bool:
     """Whether an attribute has the default and the samples that were set."""
     found = dict(time_samples(attribute)) if setting.samples else {}
     if found.keys() != dict(setting.samples).keys():

@@ -1,4 +1,4 @@
-"""Values of an edited layer that lie below it just so: where strip has put them back, they say nothing."""
+"""Drop opinions that only repeat what weaker layers hold, as where strip has put a value back."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, Setting
 
-_SAID = ("typeName", "variability", "custom", "elementSize", "interpolation", "customData")
+_METADATA = ("typeName", "variability", "custom", "elementSize", "interpolation", "customData")
 
 
 def drop_redundant_opinions(
@@ -30,7 +30,7 @@ def drop_redundant_opinions(
     for path in paths:
         _remove(bare, path)
     shown, below = composed(layers.copy_of(layer)), composed(bare)
-    same = [path for path in sorted(paths) if _said(shown, path) == _said(below, path)]
+    same = [path for path in sorted(paths) if _resolved(shown, path) == _resolved(below, path)]
     with Sdf.ChangeBlock():
         for path in same:
             _remove(layer, path)
@@ -45,12 +45,12 @@ def _lies_below(stage: Any, path: Any) -> bool:
     )
 
 
-def _said(stage: Any, path: Any) -> Any:
-    """All that an attribute says; None where there is none."""
+def _resolved(stage: Any, path: Any) -> Any:
+    """Metadata, default and samples of an attribute; None where it has none."""
     attribute = stage.GetAttributeAtPath(path)
     if not attribute or not attribute.HasAuthoredValue():
         return None
-    metadata = {key: attribute.GetMetadata(key) for key in _SAID}
+    metadata = {key: attribute.GetMetadata(key) for key in _METADATA}
     return metadata, attribute.Get(DEFAULT), list(time_samples(attribute))
 
 

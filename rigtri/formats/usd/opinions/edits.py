@@ -160,7 +160,7 @@ def remove_properties(prim: Any, *names: str) -> Edit:
 
 
 def bind_animation(skeleton: str, animation: str) -> list[Edit]:
-    """Let a skeleton be driven by an animation: its binding, and the schema that UsdSkel asks for."""
+    """Let a skeleton be driven by an animation: its binding, and the schema that UsdSkel requires."""
 
     def edit(layer: Any) -> None:
         prim = Sdf.CreatePrimInLayer(layer, skeleton)

@@ -32,7 +32,7 @@ def put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> No
 
 
 def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> None:
-    """Let rounding not turn around the way from one key to the next, where it is half a turn.
+    """Keep rounding from reversing the way from one key to the next, where it is half a turn.
 
     USD takes the shorter arc, which the sign of a dot product decides; rows change in place.
     """

@@ -1,7 +1,7 @@
 """Edits of prims inside instances, as opinions of classes that the instances inherit.
 
 USD ignores opinions below an instance, for what is there is shared. A class
-that the instance itself inherits is heard, over references, payloads and
+that the instance itself inherits is stronger than references, payloads and
 variants; instances that inherit the same class still share one prototype. So
 there is one class for all instances that shared a prototype and are edited
 alike, at the root of the edited layer. An instance inside another gets its
@@ -26,8 +26,8 @@ from rigtri.report import Notice
 MARK = "rigtri"
 _CLASS = {MARK: "instances"}
 
-# What a prim spec says, in a form that two instances can be compared by.
-Said = list[tuple[Any, ...]]
+# The opinions of a prim spec, in a form that two instances can be compared by.
+Content = list[tuple[Any, ...]]
 
 
 def instance_of(stage: Any, path: Any) -> Any:
@@ -69,7 +69,7 @@ def _apply_inside(stage: Any, edits: Sequence[Edit], layer: Any, warnings: list[
     groups = _groups(prims, scratch)
     for group in groups:
         _write(group, stage, layer, scratch, known)
-    _tell(stage, groups, warnings)
+    _notice_split_prototypes(stage, groups, warnings)
 
 
 @dataclass
@@ -77,7 +77,7 @@ class _Group:
     """Instances that shared a prototype and are edited alike; path: of their class."""
 
     prototype: Any
-    said: Said
+    content: Content
     prims: list[Any]
     path: Any
 
@@ -95,22 +95,22 @@ def _instances_of(stage: Any, edits: Sequence[Edit]) -> list[Any]:
 
 
 def _groups(prims: Sequence[Any], scratch: Any) -> list[_Group]:
-    """Group instances; what an inner one says is taken out of the outer one, which inherits it."""
+    """Group instances; the opinions of an inner one are taken out of the outer one, which inherits it."""
     groups: list[_Group] = []
     for prim in prims:
-        prototype, said = prim.GetPrototype().GetPath(), _said(scratch, prim.GetPath())
+        prototype, content = prim.GetPrototype().GetPath(), _content(scratch, prim.GetPath())
         for group in groups:
-            if group.prototype == prototype and group.said == said:
+            if group.prototype == prototype and group.content == content:
                 group.prims.append(prim)
                 break
         else:
-            groups.append(_Group(prototype, said, [prim], Sdf.Path.emptyPath))
+            groups.append(_Group(prototype, content, [prim], Sdf.Path.emptyPath))
     return groups
 
 
-def _said(scratch: Any, root: Any) -> Said:
-    """All that a layer says below a prim, with paths as seen from it."""
-    found: Said = []
+def _content(scratch: Any, root: Any) -> Content:
+    """All opinions of a layer below a prim, with paths as seen from it."""
+    found: Content = []
 
     def visit(path: Any) -> None:
         spec, place = scratch.GetObjectAtPath(path), path.MakeRelativePath(root)
@@ -181,7 +181,7 @@ def _inherited(prim: Any) -> list[Any]:
 
 
 def _own_classes(stage: Any, layer: Any) -> dict[Any, set[Any]]:
-    """The classes of ours in a layer, each with the paths of the instances that inherit it."""
+    """The classes of rigtri in a layer, each with the paths of the instances that inherit it."""
     found: dict[Any, set[Any]] = {
         spec.path: set()
         for spec in layer.rootPrims
@@ -203,7 +203,7 @@ def _free_name(stage: Any, layer: Any, prim: Any) -> Any:
     return path
 
 
-def _tell(stage: Any, groups: Sequence[_Group], warnings: list[Notice]) -> None:
+def _notice_split_prototypes(stage: Any, groups: Sequence[_Group], warnings: list[Notice]) -> None:
     """A notice for each prototype whose instances are no longer alike."""
     known: dict[Any, list[Any]] = {group.prototype: [] for group in groups}
     for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
@@ -215,6 +215,6 @@ def _tell(stage: Any, groups: Sequence[_Group], warnings: list[Notice]) -> None:
         if kinds > 1:
             shown = ", ".join(f"<{path}>" for path in members[:3]) + (" …" if len(members) > 3 else "")
             text = (
-                f"Instances that were alike are turned in {kinds} ways, and share no prototype now: {shown}"
+                f"Instances that were alike are edited in {kinds} ways, and share no prototype now: {shown}"
             )
             warnings.append(Notice("instances-apart", text))

@@ -29,7 +29,7 @@ def influence_edits(source: Source, splits: Holders) -> list[Edit]:
     Indices stay as they are: a mesh without an order of its own gets the one that they
     were counted in. FileError where the order cannot be edited.
     """
-    wanted: dict[str, list[str]] = {}
+    orders: dict[str, list[str]] = {}
     for path, query in source.bindings.every:
         if path not in splits or not query.HasJointInfluences():
             continue
@@ -41,10 +41,10 @@ def influence_edits(source: Source, splits: Holders) -> list[Edit]:
             continue
         _check(prim or query.GetPrim())
         at = str((prim or query.GetPrim()).GetPath())
-        if wanted.setdefault(at, new) != new:
+        if orders.setdefault(at, new) != new:
             raise FileError(f"<{at}>.{ORDER} is for two skeletons that are split differently.")
     kind = Sdf.ValueTypeNames.TokenArray
-    return [set_value(at, ORDER, kind, Vt.TokenArray(order), uniform=True) for at, order in wanted.items()]
+    return [set_value(at, ORDER, kind, Vt.TokenArray(order), uniform=True) for at, order in orders.items()]
 
 
 def _author(prim: Any) -> Any:
@@ -115,20 +115,20 @@ def _places(prim: Any) -> str:
 
 
 def stale_names(source: Source, splits: Holders) -> list[Notice]:
-    """Notices of attributes that name renamed joints by the tokens they had, and are not ours to change."""
+    """Notices of attributes that name renamed joints by the tokens they had, and are not changed."""
     old = {
         token
         for path, holders in splits.items()
         for token in source.skeletons[path].tokens
         if split_token(token, holders) != token
     }
-    ours = {(path, name) for path in splits for name in ("joints", "jointNames")}
-    ours |= {(source.skeletons[path].animation, "joints") for path in splits}
+    edited = {(path, name) for path in splits for name in ("joints", "jointNames")}
+    edited |= {(source.skeletons[path].animation, "joints") for path in splits}
     found = [
         str(attribute.GetPath())
         for prim in Usd.PrimRange(source.stage.GetPseudoRoot(), ALL_PRIMS)
         for attribute in prim.GetAuthoredAttributes()
-        if (str(prim.GetPath()), attribute.GetName()) not in ours and _names(attribute, old)
+        if (str(prim.GetPath()), attribute.GetName()) not in edited and _names(attribute, old)
     ]
     if not found:
         return []

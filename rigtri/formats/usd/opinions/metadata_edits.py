@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rigtri.formats.usd.opinions.edits import Edit, set_value
-from rigtri.formats.usd.reading.metadata_attributes import PREFIX, Note, joint_attributes
+from rigtri.formats.usd.reading.metadata_attributes import PREFIX, Metadata, joint_attributes
 
 
 def set_attributes(prim: Any, attributes: Mapping[str, tuple[Any, Any]]) -> list[Edit]:
@@ -17,6 +17,6 @@ def set_attributes(prim: Any, attributes: Mapping[str, tuple[Any, Any]]) -> list
     ]
 
 
-def set_joint_metadata(skeleton: Any, by_token: Mapping[str, Note]) -> list[Edit]:
+def set_joint_metadata(skeleton: Any, by_token: Mapping[str, Metadata]) -> list[Edit]:
     """Set the metadata of a skeleton's joints, complete."""
     return set_attributes(skeleton, joint_attributes(by_token))

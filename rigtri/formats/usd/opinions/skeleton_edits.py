@@ -9,7 +9,7 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import why_instanced
-from rigtri.formats.usd.composition.variants import Trial
+from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.edits import Edit, set_matrices, set_tokens
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.trigonometry import Floats
@@ -44,7 +44,7 @@ def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     if why:
         raise FileError(f"A joint cannot be {change}: {why}.")
     own = {Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS}
-    depends = Trial(stage, skeleton.path, skeleton.animation).depends
+    depends = SkeletonVariants(stage, skeleton.path, skeleton.animation).depends
     for path in sorted(own.intersection(depends)):
         prim, name = min(depends[path])
         raise FileError(

@@ -30,7 +30,7 @@ def find_changes(edit: UsdEdit) -> None:
     keyed = _keyed_prims(before, rig, moved)
     clips, tracks, weights = _divided(before, rig, lambda n: n in keyed or _is_rigtri_prim(before, n))
     rekeyed = {track.node for track in tracks if track.node not in keyed} | _unkeyed(before, rig)
-    moved[list(keyed)] = False  # their new keys say where they stand
+    moved[list(keyed)] = False  # their new keys place them
     edit.changes = Changes(moved, clips, [t for t in tracks if t.node in keyed], rekeyed, weights)
 
 
@@ -49,7 +49,7 @@ def _unkeyed(before: Rig, rig: Rig) -> set[int]:
 
 
 def _keyed_prims(before: Rig, rig: Rig, moved: Booleans) -> set[int]:
-    """Prims of others that have new keys. Those that are turned keep theirs: ops of ours turn them."""
+    """Prims of others with new keys. Those that are reoriented keep theirs: ops of rigtri reorient them."""
     found = set()
     every = {(track.node, track.path): track for old in before.clips for track in old.tracks}
     for track in (t for clip in rig.clips for t in clip.tracks if t.path != "weights"):
@@ -58,9 +58,9 @@ def _keyed_prims(before: Rig, rig: Rig, moved: Booleans) -> set[int]:
             continue
         if was is not None and np.array_equal(was.times, track.times):
             above = int(before.parents[node])
-            turned = moved[node] or (above >= 0 and moved[above])
+            reoriented = moved[node] or (above >= 0 and moved[above])
             if was.interpolation == track.interpolation and (
-                turned or np.array_equal(was.values, track.values)
+                reoriented or np.array_equal(was.values, track.values)
             ):
                 continue
         if not sets_transform(before, rig, node):

@@ -1,6 +1,6 @@
 """Key prims that are not rigtri's: time samples of their ops, as far as their stacks allow.
 
-A stack of translate, orient and scale says what tracks say. Another one that stands still is
+A stack of translate, orient and scale holds what tracks hold. Another one that stands still is
 replaced by these; one that moves goes between its keys in ways that no track has.
 
 Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.

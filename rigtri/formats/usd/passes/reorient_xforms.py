@@ -47,12 +47,12 @@ def reorient_xforms(edit: UsdEdit) -> None:
     FileError where a prim cannot be edited, or no rotation explains the change.
     """
     before, rig = edit.source.rig, edit.rig
-    wanted = {
+    reoriented = {
         node
         for node in np.flatnonzero(edit.changes.moved).tolist()
         if kind(before.keys[node]) == "prim" and not sets_transform(before, rig, node)
     }
-    if not wanted:
+    if not reoriented:
         return
     delta = np.broadcast_to(IDENTITY, (len(before), 4)).copy()
     for node in range(len(before)):
@@ -60,7 +60,7 @@ def reorient_xforms(edit: UsdEdit) -> None:
             continue
         parent = int(before.parents[node])
         above = delta[parent] if parent >= 0 else IDENTITY
-        if node not in wanted and (above == IDENTITY).all():
+        if node not in reoriented and (above == IDENTITY).all():
             continue
         delta[node] = _delta(before, rig, node, above)
         edit.values += _prim_edits(edit, node, delta[node], above)
@@ -75,7 +75,7 @@ def _delta(before: Rig, after: Rig, node: int, above: Floats) -> Floats:
     axes = compose(np.zeros(3), q, np.ones(3))
     left = np.abs(multiply(axes, old) - lifted).max()
     if not left <= SAME_PLACE * max(1.0, float(np.abs(lifted).max())):
-        raise FileError(f"<{before.labels[node]}>: prims can be turned, but not moved or scaled.")
+        raise FileError(f"<{before.labels[node]}>: prims can be reoriented, but not moved or scaled.")
     return np.asarray(IDENTITY) if np.abs(q - IDENTITY).max() < SAME_ROTATION else q
 
 

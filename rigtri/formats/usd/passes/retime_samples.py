@@ -20,7 +20,7 @@ from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.evaluation.timelines import PLAYED, without_steps
 from rigtri.formats.usd.composition.stage import why_instanced
-from rigtri.formats.usd.composition.variants import Trial
+from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_tokens
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
@@ -103,7 +103,7 @@ def _defaults(rig: Rig, path: str) -> Tracks:
 
 
 def _is_default(held: Track, defaults: Tracks) -> bool:
-    """Whether a track says nothing but the default of its property."""
+    """Whether a track holds nothing but the default of its property."""
     default = defaults.get((held.node, held.path))
     if default is None or len(held.times) > 1:
         return False
@@ -120,7 +120,7 @@ class _Row:
 
 
 class _Plan:
-    """What one animation is to say."""
+    """What one animation is to hold."""
 
     def __init__(self, source: Source, rig: Rig, path: str) -> None:
         places = source.joints
@@ -134,9 +134,9 @@ class _Plan:
         self.defaults = _defaults(rig, path)
         self.tracks = self._tracks({node for node, (s, _) in places.items() if s in users})
         rows = {token: _Row(token, []) for token in self.animation.tokens}
-        asked = {node for node, _ in (*self.tracks, *self.defaults)}
+        keyed = {node for node, _ in (*self.tracks, *self.defaults)}
         for node, (skeleton, token) in places.items():
-            if skeleton in users and (token in rows or node in asked):
+            if skeleton in users and (token in rows or node in keyed):
                 rows.setdefault(token, _Row(token, [])).nodes.append(node)
         self.rows = list(rows.values())
 
@@ -167,17 +167,17 @@ class _Plan:
         times = {name: self._times(name) for name in PROPERTIES}
         more = len(tokens) > len(self.animation.tokens)
         new = [n for n in PROPERTIES if n not in self.animation.properties and len(times[n])]
-        wanted = [n for n in PROPERTIES if more or new or self._differs(n, times[n])]
+        rewritten = [n for n in PROPERTIES if more or new or self._differs(n, times[n])]
         # Where a property comes that was not there, all three must be, or nothing of it is played.
-        wanted = [n for n in wanted if new or n in self.animation.properties]
-        if not wanted:
+        rewritten = [n for n in rewritten if new or n in self.animation.properties]
+        if not rewritten:
             return
-        self._check([name for name in wanted if self._differs(name, times[name])])
+        self._check([name for name in rewritten if self._differs(name, times[name])])
         if self.skeleton:
             yield define(path, "SkelAnimation")
         if more:
             yield set_tokens(path, "joints", tokens)
-        for name in wanted:
+        for name in rewritten:
             yield self._array(name, times[name])
         if self.skeleton:
             yield from bind_animation(self.skeleton, path)
@@ -218,7 +218,7 @@ class _Plan:
                 )
         own = {Sdf.Path(path).AppendProperty(name) for name in ("joints", *PROPERTIES)}
         for skeleton in self.users if not self.skeleton else ():
-            depends = Trial(self.source.stage, skeleton.path, skeleton.animation).depends
+            depends = SkeletonVariants(self.source.stage, skeleton.path, skeleton.animation).depends
             for found in sorted(own.intersection(depends)):
                 above, variants = min(depends[found])
                 raise FileError(
@@ -266,7 +266,7 @@ def _number(item: Property) -> Any:
 
 
 def _resampled(item: Property, times: Floats) -> Floats:
-    """What an array says at other times, (k, j, c): its own samples to the bit."""
+    """The values of an array at other times, (k, j, c): its own samples to the bit."""
     if not len(item.times):
         assert item.default is not None  # a property has samples, a default or both
         return np.repeat(item.default[np.newaxis].astype(np.float64), len(times), axis=0)

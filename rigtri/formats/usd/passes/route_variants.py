@@ -17,7 +17,7 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd.composition.variants import VALUES, State, Trial, why_unselected
+from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, VariantState, why_unselected
 from rigtri.formats.usd.opinions import instance_edits
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Edit, Setting
@@ -38,20 +38,20 @@ def route_variants(edit: UsdEdit) -> None:
     FileError, naming layer and path, where a variant cannot be edited from the root layer.
     """
     source = edit.source
-    trials: list[tuple[Skeleton, Trial]] = []
+    changing: list[tuple[Skeleton, SkeletonVariants]] = []
     for skeleton in source.skeletons.values():
         about = {Sdf.Path(path) for path in (skeleton.path, skeleton.animation) if path}
         if any(value.prim in about for value in edit.values):
-            trial = Trial(source.stage, skeleton.path, skeleton.animation)
-            trials += [(skeleton, trial)] if trial.depends else []
-    if not trials:
+            variants = SkeletonVariants(source.stage, skeleton.path, skeleton.animation)
+            changing += [(skeleton, variants)] if variants.depends else []
+    if not changing:
         edit.opinions = list(edit.values)
         return
     settings = {v.path: v for v in edit.values if isinstance(v, Setting) and v.name in VALUES}
     others = [v for v in edit.values if not (isinstance(v, Setting) and v.name in VALUES)]
-    for skeleton, trial in trials:
-        _refuse_new_bindings(trial, others)
-        _route(_Reorientation(edit, skeleton), trial, settings, edit.expected)
+    for skeleton, variants in changing:
+        _refuse_new_bindings(variants, others)
+        _route(_Reorientation(edit, skeleton), variants, settings, edit.expected)
     edit.opinions = [*settings.values(), *others]
 
 
@@ -69,10 +69,10 @@ class _Reorientation:
         delta[(old == new).all(axis=(1, 2))] = IDENTITY
         self.skeleton, self.delta = skeleton, dict(zip(skeleton.tokens, delta, strict=True))
 
-    def settings(self, trial: Trial, state: State) -> list[Setting]:
+    def settings(self, variants: SkeletonVariants, state: VariantState) -> list[Setting]:
         """What must be set so that a state is reoriented, too."""
-        trial.choose(state.chosen)
-        source = read_source(self.edit.source.path, ReadOptions(), trial.stage)
+        variants.choose(state.chosen)
+        source = read_source(self.edit.source.path, ReadOptions(), variants.stage)
         before = source.rig
         delta = np.broadcast_to(IDENTITY, (len(before), 4)).copy()
         for node, key in enumerate(before.keys):
@@ -82,70 +82,72 @@ class _Reorientation:
         if len(odd):
             raise FileError(
                 f"In {state.title}, the scale of joint '{before.names[odd[0]]}' of "
-                f"<{self.skeleton.path}> forbids its turn. Give that variant a file of its own."
+                f"<{self.skeleton.path}> forbids its new axes. Give that variant a file of its own."
             )
         if len(odd := against_parent(before, delta)):
             raise FileError(
                 f"In {state.title}, the rotations of joint '{before.names[odd[0]]}' of "
-                f"<{self.skeleton.path}> are not unit, so it can only turn as its parent does. Make them "
+                f"<{self.skeleton.path}> are not unit, so it needs the new axes of its parent. Make them "
                 "unit, or give that variant a file of its own."
             )
         there = self.edit.values_in(source, reframe(before, delta))
         settings = [value for value in there.values if isinstance(value, Setting)]
         if there.notices or len(settings) < len(there.values):
             raise FileError(
-                f"In {state.title}, one animation drives skeletons that were turned differently. Give "
+                f"In {state.title}, one animation drives skeletons that were reoriented differently. Give "
                 "that variant a file of its own."
             )
         return settings
 
 
-def _refuse_new_bindings(trial: Trial, others: Sequence[Edit]) -> None:
+def _refuse_new_bindings(variants: SkeletonVariants, others: Sequence[Edit]) -> None:
     """FileError where a skeleton would be bound anew although its variants bind it, each its own way."""
-    path = Sdf.Path(trial.skeleton)
-    bound_apart = path.AppendProperty("skel:animationSource") in trial.depends
+    path = Sdf.Path(variants.skeleton)
+    bound_apart = path.AppendProperty("skel:animationSource") in variants.depends
     if bound_apart and any(edit.prim == path for edit in others):
         raise FileError(
-            f"<{path}> needs a copy of the animation <{trial.animation}>, and variants bind it "
-            "to different animations. Turn the skeletons alike, or give each variant a file of its own."
+            f"<{path}> needs a copy of the animation <{variants.animation}>, and variants bind it "
+            "to different animations. Reorient the skeletons alike, or give each variant a file of its own."
         )
 
 
-def _route(reoriented: _Reorientation, trial: Trial, result: dict[Any, Setting], expected: Expected) -> None:
+def _route(
+    reoriented: _Reorientation, variants: SkeletonVariants, result: dict[Any, Setting], expected: Expected
+) -> None:
     """Put what each state of a skeleton needs into ``result``, by the path that it is written to."""
-    base = trial.states[0]
-    for attribute in [path for path in result if trial.depends.get(path)]:
+    base = variants.states[0]
+    for attribute in [path for path in result if variants.depends.get(path)]:
         if attribute in base.shown:
-            _put(result.pop(attribute), base, trial, result)
-    joints = Sdf.Path(trial.skeleton).AppendProperty("joints")
-    for state in trial.states[1:]:
+            _put(result.pop(attribute), base, variants, result)
+    joints = Sdf.Path(variants.skeleton).AppendProperty("joints")
+    for state in variants.states[1:]:
         if joints not in state.shown:
             continue  # a variant without the skeleton has nothing to reorient
-        wanted = reoriented.settings(trial, state)
-        expected.add(trial, state, wanted)
-        for edit in wanted:
-            _put(edit, state, trial, result)
+        settings = reoriented.settings(variants, state)
+        expected.add(variants, state, settings)
+        for edit in settings:
+            _put(edit, state, variants, result)
 
 
-def _put(edit: Setting, state: State, trial: Trial, result: dict[Any, Setting]) -> None:
-    trial.choose(state.chosen)
-    path = _inside(edit.prim, trial.depends.get(edit.path, set()), state, trial)
+def _put(edit: Setting, state: VariantState, variants: SkeletonVariants, result: dict[Any, Setting]) -> None:
+    variants.choose(state.chosen)
+    path = _inside(edit.prim, variants.depends.get(edit.path, set()), state, variants)
     known = result.get(path.AppendProperty(edit.name))
     if known is None:
         result[path.AppendProperty(edit.name)] = replace(edit.at(path), prim=edit.prim)
     elif not agree(known, edit.arrays()):
         raise FileError(
-            f"In {state.title}, <{edit.path}> ({trial.place_of(state, edit.prim)}) would need other values "
-            "than elsewhere. Give each variant a file of its own."
+            f"In {state.title}, <{edit.path}> ({variants.place_of(state, edit.prim)}) would need other "
+            "values than elsewhere. Give each variant a file of its own."
         )
 
 
-def _inside(prim: Any, sets: set[Any], state: State, trial: Trial) -> Any:
+def _inside(prim: Any, sets: set[Any], state: VariantState, variants: SkeletonVariants) -> Any:
     """The path of a prim within the variants that its values depend on: ``/Hero{clip=walk}Anim``."""
-    path, held = Sdf.Path.absoluteRootPath, instance_edits.instance_of(trial.source, prim)
+    path, held = Sdf.Path.absoluteRootPath, instance_edits.instance_of(variants.source, prim)
     for above in prim.GetPrefixes():
         path = path.AppendChild(above.name)
-        shown = trial.stage.GetPrimAtPath(above)
+        shown = variants.stage.GetPrimAtPath(above)
         for name in shown.GetVariantSets().GetNames() if shown else ():
             if (above, name) in sets:
                 variant = state.selected[above, name]
@@ -158,7 +160,7 @@ def _inside(prim: Any, sets: set[Any], state: State, trial: Trial) -> Any:
                 if held is not None and not above.HasPrefix(held.GetPath()):
                     raise FileError(
                         f"<{prim}> lies in the instance <{held.GetPath()}>, which is another one in each "
-                        f"variant of '{name}' on <{above}> ({trial.place_of(state, prim)}). Give each "
+                        f"variant of '{name}' on <{above}> ({variants.place_of(state, prim)}). Give each "
                         "variant a file of its own."
                     )
     return path

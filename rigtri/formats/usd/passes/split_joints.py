@@ -215,13 +215,13 @@ def _aligned_skin(prepared: Skin, skin: Skin, rig: Rig) -> Skin:
 
 
 def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Floats:
-    """The bind matrix of what holds a joint's axes: at its place, without its scale, turned."""
+    """The bind matrix of what holds a joint's axes: at its place, without its scale, in its old axes."""
     parent = int(rig.parents[rig.frame_of[joint]])
     own = local(posed[joint], posed[parent]) if parent >= 0 else posed[joint]
-    _, turn, scale = decompose(rig.local[joint])
+    _, rotation, scale = decompose(rig.local[joint])
     bind = inverse(inverse_bind)
     size = length(own[:3, :3]) * np.where(scale < 0, -1.0, 1.0)
-    return rotate_before(conjugate(turn), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
+    return rotate_before(conjugate(rotation), from_frame(bind[:3, :3] / size[:, np.newaxis], bind[3, :3]))
 
 
 def _aligned_clip(prepared: Clip, clip: Clip, rig: Rig) -> Clip:

@@ -40,9 +40,9 @@ class Changes:
 class UsdEdit:
     """What passes share.
 
-    source: the stage as the passes so far have prepared it. rig: what the output is to say, with
+    source: the stage as the passes so far have prepared it. rig: what the output is to hold, with
     source's nodes first. prepared: the opinions that source was read again with. values: opinions that
-    turn source into rig, by the paths of the stage. opinions: the same by the paths of the layer, within
+    make source match rig, by the paths of the stage. opinions: the same by the paths of the layer, within
     variants where they need it. removals: what goes last. expected: what the composed output must show.
     """
 

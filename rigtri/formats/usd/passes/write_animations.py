@@ -35,11 +35,11 @@ def write_animations(edit: UsdEdit) -> None:
     if len(clips) != len(source.rig.clips):
         raise FileError(f"{source.path}: clips cannot be added to USD files or taken out of them.")
     for old, new in zip(source.rig.clips, clips, strict=True):
-        # Xform prims are turned by ops of their own; the keys of the others stay as they are.
+        # Xform prims are reoriented by ops of their own; the keys of the others stay as they are.
         if new is not old and parts(old.key)[0] != "xforms":
             _collect(source, old, new, changes)
-    for path, wanted in changes.items():
-        edit.values += _write_animation(source, source.animations[path], wanted, edit.notices)
+    for path, by_skeleton in changes.items():
+        edit.values += _write_animation(source, source.animations[path], by_skeleton, edit.notices)
 
 
 def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Columns]]) -> None:
@@ -58,11 +58,11 @@ def _collect(source: Source, old: Clip, new: Clip, into: dict[str, dict[str, Col
 
 
 def _write_animation(
-    source: Source, animation: Animation, wanted: Mapping[str, Columns], warnings: list[Notice]
+    source: Source, animation: Animation, by_skeleton: Mapping[str, Columns], warnings: list[Notice]
 ) -> list[Edit]:
     """Write one animation; where its skeletons need different values, each of them its own."""
     found: list[Edit] = []
-    for number, (skeletons, columns) in enumerate(_groups(source, animation, wanted)):
+    for number, (skeletons, columns) in enumerate(_groups(source, animation, by_skeleton)):
         for skeleton in skeletons:
             if columns and source.skeletons[skeleton].locked:
                 raise FileError(f"{source.skeletons[skeleton].locked}.")
@@ -76,7 +76,7 @@ def _write_animation(
         warnings.append(
             Notice(
                 "animation-split",
-                f"Animation <{animation.path}> drives skeletons that were turned differently; "
+                f"Animation <{animation.path}> drives skeletons that were reoriented differently; "
                 f"{', '.join(f'<{s}>' for s in skeletons)} got a copy of it, <{copy}>.",
             )
         )
@@ -84,13 +84,13 @@ def _write_animation(
 
 
 def _groups(
-    source: Source, animation: Animation, wanted: Mapping[str, Columns]
+    source: Source, animation: Animation, by_skeleton: Mapping[str, Columns]
 ) -> list[tuple[list[str], Columns]]:
     """Skeletons that can share one set of values, with that set; those that cannot be edited first."""
     users = [s for s in source.skeletons.values() if s.animation == animation.path]
     groups: list[tuple[list[str], Columns, Columns]] = []
     for skeleton in sorted(users, key=lambda s: not s.locked):
-        own = wanted.get(skeleton.path, {})
+        own = by_skeleton.get(skeleton.path, {})
         known = set(skeleton.tokens)
         mine: Columns = {}
         for moment, name, column in _slots(animation):

@@ -92,7 +92,7 @@ def _default_edits(source: Source, rig: Rig) -> list[Edit]:
 
 
 def _linear(path: str, track: Track) -> Track:
-    """A track as samples say it. FileError for splines."""
+    """A track as samples hold it. FileError for splines."""
     if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
         raise FileError(f"The blend shapes of <{path}> move by splines, which USD has none of.")
     return without_steps(track)
@@ -106,7 +106,7 @@ def _sure(track: Track | None) -> Track:
 
 @dataclass(frozen=True, eq=False)
 class _Column:
-    """The weight of one blend shape over time, and the mesh that asked for it."""
+    """The weight of one blend shape over time, and the mesh that it is for."""
 
     mesh: str
     times: Floats
@@ -136,12 +136,12 @@ def _check_shared(
     driven: dict[str, dict[str, _Column]],
     changed: Sequence[Track],
 ) -> None:
-    """FileError where a name that is driven moves a mesh, too, that nobody asked to move."""
-    asked = {source.rig.labels[now.node] for now in changed}
+    """FileError where a name that is driven moves a mesh, too, that no track moves."""
+    keyed = {source.rig.labels[now.node] for now in changed}
     for skeleton, query in source.bindings.every:
         path = str(query.GetPrim().GetPath())
         stand = source.skeletons.get(skeleton)
-        if stand is None or path in asked or not query.HasBlendShapes():
+        if stand is None or path in keyed or not query.HasBlendShapes():
             continue
         columns = driven.get(stand.animation, {})
         for name in map(str, query.GetBlendShapeOrder() or ()):
@@ -184,8 +184,8 @@ def _written(
     stays = np.array([name not in gone for name in every], dtype=bool)
     if fewer is not None:
         needed = [*fewer, *(column.times for column in columns.values())]
-        wanted = np.unique(np.concatenate([np.zeros(0), *needed]))
-        times, rows = _needed(Track(-1, "weights", way, times, rows), wanted, stays)
+        few_times = np.unique(np.concatenate([np.zeros(0), *needed]))
+        times, rows = _needed(Track(-1, "weights", way, times, rows), few_times, stays)
     every, rows = [name for name in every if name not in gone], rows[:, stays]
     if single is not None and len(gone):
         single, names_now = single[[name not in gone for name in names]], every
@@ -209,14 +209,15 @@ def _written(
     )
 
 
-def _needed(track: Track, wanted: Floats, columns: Booleans) -> tuple[Floats, Floats]:
-    """Times and rows of a track at ``wanted`` alone, where its columns need no others."""
-    if not len(wanted):
+def _needed(track: Track, few: Floats, columns: Booleans) -> tuple[Floats, Floats]:
+    """Times and rows of a track at ``few`` alone, where its columns need no others."""
+    if not len(few):
         same = (np.abs(track.values[:, columns] - track.values[:1, columns]) <= SAME_VALUE).all()
-        return (wanted, track.values[:0]) if same else (track.times, track.values)
-    few = replace(track, times=wanted, values=sample(track, wanted))
-    off = np.abs(sample(few, track.times) - track.values)[:, columns]
-    return (few.times, few.values) if off.max(initial=0.0) <= SAME_VALUE else (track.times, track.values)
+        return (few, track.values[:0]) if same else (track.times, track.values)
+    reduced = replace(track, times=few, values=sample(track, few))
+    off = np.abs(sample(reduced, track.times) - track.values)[:, columns]
+    kept = reduced if off.max(initial=0.0) <= SAME_VALUE else track
+    return kept.times, kept.values
 
 
 def _stored(weights: Any, count: int) -> tuple[Floats, Floats]:

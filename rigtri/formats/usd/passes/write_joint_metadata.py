@@ -12,19 +12,19 @@ from rigtri.model.metadata import illegible
 def write_joint_metadata(edit: UsdEdit) -> None:
     """Write the attributes of skeletons whose joints have other metadata than before."""
     before, rig = edit.source.rig, edit.rig
-    by_skeleton: dict[str, dict[str, metadata_attributes.Note]] = {}
+    by_skeleton: dict[str, dict[str, metadata_attributes.Metadata]] = {}
     changed: set[str] = set()
     for node, (path, token) in edit.source.joints.items():
-        note = rig.metadata.get(node, {})
-        if dict(note) != dict(before.metadata.get(node, {})):
+        metadata = rig.metadata.get(node, {})
+        if dict(metadata) != dict(before.metadata.get(node, {})):
             changed.add(path)
-        if note:
-            by_skeleton.setdefault(path, {})[token] = note
+        if metadata:
+            by_skeleton.setdefault(path, {})[token] = metadata
     for path in sorted(changed):
         # An attribute is written as a whole, with what other versions of rigtri have stored.
-        for token, note in metadata_attributes.read_joints(edit.source.stage.GetPrimAtPath(path)).items():
-            if illegible(note):
-                by_skeleton.setdefault(path, {})[token] = note
+        for token, metadata in metadata_attributes.read_joints(edit.source.stage.GetPrimAtPath(path)).items():
+            if illegible(metadata):
+                by_skeleton.setdefault(path, {})[token] = metadata
         if path in by_skeleton:
             edit.values += set_joint_metadata(path, by_skeleton[path])
         else:

@@ -49,8 +49,8 @@ def write_rigtri_prims(edit: UsdEdit) -> None:
 
 
 def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
-    """Prims of ours with other names, deepest first, and what relates to them. made: paths of new prims."""
-    wanted = {
+    """Prims of rigtri with other names, deepest first, and what relates to them. made: paths of new prims."""
+    renamed = {
         Sdf.Path(before.labels[node]): Tf.MakeValidIdentifier(rig.names[node])
         for node, key in reversed(list(enumerate(before.keys)))
         if kind(key) == "prim"
@@ -60,29 +60,29 @@ def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
     }
 
     def now(path: Any) -> Any:
-        for old, name in wanted.items():
+        for old, name in renamed.items():
             path = path.ReplacePrefix(old, old.GetParentPath().AppendChild(name))
         return path
 
-    found = [_rename(str(path), name) for path, name in wanted.items()]
-    for node, note in rig.metadata.items():
-        paths = _prims(rig, note, made)
+    found = [_rename(str(path), name) for path, name in renamed.items()]
+    for node, metadata in rig.metadata.items():
+        paths = _prims(rig, metadata, made)
         own = made.get(node) or (Sdf.Path(rig.labels[node]) if rig.labels[node] else None)
         if own is not None and list(map(now, paths)) != paths:
-            found += _relations(now(own), note, list(map(now, paths)))
+            found += _relations(now(own), metadata, list(map(now, paths)))
     return found
 
 
 def _tracks(rig: Rig, node: int) -> list[Track]:
-    """All that moves a prim of ours; a scale that stays 1 is none."""
+    """All that moves a prim of rigtri; a scale that stays 1 is none."""
     found = [t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights"]
     return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
 
 
 def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
-    """The attribute of a control that a pose reader drives: what its value node says by its x translation."""
-    note = rig.metadata.get(node, {})
-    name = TWIN + Tf.MakeValidIdentifier(str(note["attribute"]))
+    """The attribute of a control that a pose reader drives: the x translation of its value node."""
+    metadata = rig.metadata.get(node, {})
+    name = TWIN + Tf.MakeValidIdentifier(str(metadata["attribute"]))
     samples = {
         float(time): float(row[0])
         for track in _tracks(rig, node)
@@ -99,15 +99,15 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
     for node, key in enumerate(before.keys):
         if kind(key) != "prim" or node in rig.pending.removed:
             continue
-        path, note = before.labels[node], rig.metadata.get(node, {})
-        if dict(note) != dict(before.metadata.get(node, {})):
+        path, metadata = before.labels[node], rig.metadata.get(node, {})
+        if dict(metadata) != dict(before.metadata.get(node, {})):
             old, new = (
                 attributes_of(before.metadata.get(node, {})),
-                attributes_of(note),
+                attributes_of(metadata),
             )
             found += [remove_properties(path, name) for name in old if name not in new]
             found += set_attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
-            found += _relations(path, note, _prims(rig, note, {}))
+            found += _relations(path, metadata, _prims(rig, metadata, {}))
         if not sets_transform(before, rig, node):
             continue
         if node in rig.pending.shapes:
@@ -121,13 +121,13 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             idle = [name for name in OPS.values() if name not in used]
             prim = source.stage.GetPrimAtPath(path)
             found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]
-            if "attribute" in note:
-                found += _values(rig, node, rig.labels[rig.find(str(note["control"]), "node")])
+            if "attribute" in metadata:
+                found += _values(rig, node, rig.labels[rig.find(str(metadata["control"]), "node")])
     return found
 
 
 def _removals(source: Source, rig: Rig) -> list[Edit]:
-    """Prims of ours that go, each with all below it."""
+    """Prims of rigtri that go, each with all below it."""
     gone = [node for node in sorted(rig.pending.removed) if kind(rig.keys[node]) == "prim"]
     tops = [node for node in gone if int(rig.parents[node]) not in rig.pending.removed]
     for node in gone:
@@ -180,9 +180,9 @@ class _Additions:
     def _is_group(self, node: int) -> bool:
         return node >= len(self.source.rig) and self.rig.metadata.get(node, {}).get("type") == "group"
 
-    def _free(self, parent: Any, wanted: str) -> Any:
+    def _free(self, parent: Any, name: str) -> Any:
         """A path below ``parent`` that no prim has."""
-        name = Tf.MakeValidIdentifier(wanted)
+        name = Tf.MakeValidIdentifier(name)
         path, count = parent.AppendChild(name), 2
         while path in self.taken or self.source.stage.GetPrimAtPath(path):
             path, count = parent.AppendChild(f"{name}_{count}"), count + 1
@@ -204,16 +204,16 @@ class _Additions:
         local = multiply(self.world[node], inverse(above))
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
-        note = self.rig.metadata.get(node, {})
+        metadata = self.rig.metadata.get(node, {})
         found = [define(path, "Xform"), *set_transform(path, local, _tracks(self.rig, node))]
-        found += set_attributes(path, attributes_of(note))
-        found += _relations(path, note, _prims(self.rig, note, self.paths))
-        if "attribute" in note:
-            control = self.rig.find(str(note["control"]), "node")
+        found += set_attributes(path, attributes_of(metadata))
+        found += _relations(path, metadata, _prims(self.rig, metadata, self.paths))
+        if "attribute" in metadata:
+            control = self.rig.find(str(metadata["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.pending.shapes:
             found += define_curves(path.AppendChild(NAME), self.rig.pending.shapes[node])
-        return [*found, apply_schema(path, api_name(note["type"]))] if "type" in note else found
+        return [*found, apply_schema(path, api_name(metadata["type"]))] if "type" in metadata else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
         """The prim that a new node goes under, and that prim's world matrix."""
@@ -226,12 +226,12 @@ class _Additions:
 
     def _top(self, node: int) -> Any:
         """The top-level prim that holds the skeleton a node is about."""
-        rig, note = self.rig, self.rig.metadata.get(node, {})
-        wanted = note.get("chain", [note["child"]] if note.get("type") == "constraint" else [])
+        rig, metadata = self.rig, self.rig.metadata.get(node, {})
+        joints = metadata.get("chain", [metadata["child"]] if metadata.get("type") == "constraint" else [])
         about = [
             parts(rig.keys[joint])[1]
             for joint in range(len(self.source.rig))
-            if wanted and kind(rig.keys[joint]) == "joint" and wanted[0] in _addresses(rig, joint)
+            if joints and kind(rig.keys[joint]) == "joint" and joints[0] in _addresses(rig, joint)
         ]
         if not about:
             about = list(self.source.skeletons) or [parts(s.key)[1] for s in rig.skins if parts(s.key)]
@@ -243,19 +243,19 @@ class _Additions:
         return None if prim.IsInstance() or prim.IsInstanceProxy() else path
 
     def _scope(self, top: Any, group: int) -> tuple[Any, Any]:
-        """The Scope of ours below ``top`` (at the root where ``top`` is an instance)."""
+        """The Scope of rigtri below ``top`` (at the root where ``top`` is an instance)."""
         parent = Sdf.Path.absoluteRootPath if top is None else top
         path, count = parent.AppendChild(GROUP), 2
         stage = self.source.stage
         while (prim := stage.GetPrimAtPath(path)) and not prim.HasAttribute("rigtri:type"):
             path, count = parent.AppendChild(f"{GROUP}_{count}"), count + 1
         if path not in self.made and not stage.GetPrimAtPath(path):
-            note = self.rig.metadata.get(group, {}) if self._is_group(group) else {}
+            metadata = self.rig.metadata.get(group, {}) if self._is_group(group) else {}
             self.made[path] = _all(
                 path,
                 [
                     define(path, "Scope"),
-                    *set_attributes(path, attributes_of({"v": 1, "type": "group", **note})),
+                    *set_attributes(path, attributes_of({"v": 1, "type": "group", **metadata})),
                     apply_schema(path, api_name("group")),
                 ],
             )
@@ -281,10 +281,10 @@ def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit
     ]
 
 
-def _prims(rig: Rig, note: Mapping[str, Any], made: Mapping[int, Any]) -> list[Any]:
+def _prims(rig: Rig, metadata: Mapping[str, Any], made: Mapping[int, Any]) -> list[Any]:
     """The prims among a constraint's drivers."""
     found = []
-    for name in note.get("drivers", ()):
+    for name in metadata.get("drivers", ()):
         node = rig.known(name)
         if node is not None and node in made:
             found.append(made[node])
@@ -293,9 +293,9 @@ def _prims(rig: Rig, note: Mapping[str, Any], made: Mapping[int, Any]) -> list[A
     return found
 
 
-def _relations(path: Any, note: Mapping[str, Any], targets: list[Any]) -> list[Edit]:
-    """The relationship of a constraint to its drivers; none for other notes."""
-    if note.get("type") != "constraint":
+def _relations(path: Any, metadata: Mapping[str, Any], targets: list[Any]) -> list[Edit]:
+    """The relationship of a constraint to its drivers; none for other metadata."""
+    if metadata.get("type") != "constraint":
         return []
 
     def edit(layer: Any) -> None:

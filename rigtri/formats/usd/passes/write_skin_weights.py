@@ -171,12 +171,12 @@ def _set(query: Any, joints: Integers, weights: Floats) -> list[Edit]:
     return edits
 
 
-def _declared(path: Any, name: str, said: Mapping[str, Any]) -> Edit:
+def _declared(path: Any, name: str, fields: Mapping[str, Any]) -> Edit:
     """Metadata of an attribute that an edit before has set."""
 
     def edit(layer: Any) -> None:
         spec = layer.GetAttributeAtPath(Sdf.Path(path).AppendProperty(name))
-        for key, value in said.items():
+        for key, value in fields.items():
             if spec is not None and (not spec.HasInfo(key) or spec.GetInfo(key) != value):
                 spec.SetInfo(key, value)
 

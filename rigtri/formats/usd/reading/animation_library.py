@@ -1,6 +1,6 @@
 """Clip libraries: animations in a file without any skeleton, read as if their joints stood there.
 
-A SkelAnimation names its joints by their paths, which say the hierarchy; where
+A SkelAnimation names its joints by their paths, which hold the hierarchy; where
 they stand is taken from its first sample. Only the animation is ever written.
 """
 
@@ -23,7 +23,7 @@ _NOTHING = {"translations": (0.0, 0, 0), "rotations": (0.0, 0, 0, 1), "scales": 
 
 def stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
     """A skeleton of an animation's joints as it poses them first, below a prim at ``world``."""
-    # Animations may list their joints in any order; a rig wants parents first.
+    # Animations may list their joints in any order; a rig needs parents first.
     order = sorted(range(len(animation.tokens)), key=lambda k: animation.tokens[k].count("/"))
     tokens = tuple(animation.tokens[k] for k in order)
     parents = joint_parents(animation.path, tokens)
@@ -45,7 +45,7 @@ def notice(paths: list[str]) -> Notice:
     return Notice(
         "no-skeleton",
         f"There is no skeleton; joints stand as {shown} poses them first. To give them the axes "
-        "of the skeleton they are for, save its turns with --save-frames and apply them with --frames.",
+        "of the skeleton they are for, save its new axes with --save-frames and apply them with --frames.",
     )
 
 

@@ -28,7 +28,7 @@ HELD = "held"
 # Rotations further from unit are worth a word: engines differ in what they make of them.
 NON_UNIT = 1e-4
 
-# What a column holds that neither moves, turns nor scales its joint.
+# What a column holds that neither moves, rotates nor scales its joint.
 NOTHING: Mapping[str, tuple[int, ...]] = {
     "translations": (0, 0, 0),
     "rotations": (0, 0, 0, 1),
@@ -111,11 +111,11 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
             Notice(
                 "animation-ignored",
                 f"UsdSkel ignores animation <{path}>: it has no {' and no '.join(missing)}. "
-                "What it has is turned all the same.",
+                "What it has is reoriented all the same.",
             )
         )
     if not prim.IsActive():
-        text = f"Animation <{path}> is not active, so it is no clip. It is turned all the same."
+        text = f"Animation <{path}> is not active, so it is no clip. It is reoriented all the same."
         warnings.append(Notice("animation-inactive", text))
     warnings += _off_unit(path, tokens, present)
     return Animation(path, prim.GetName(), tokens, present, bool(missing) or not prim.IsActive())

@@ -28,7 +28,7 @@ ALL_PRIMS = Usd.TraverseInstanceProxies()
 
 
 class Bindings:
-    """What is bound to which skeleton, found when first asked for: it walks the whole stage."""
+    """What is bound to which skeleton, found when first used: it walks the whole stage."""
 
     def __init__(self, stage: Any) -> None:
         self._stage = stage
@@ -36,7 +36,7 @@ class Bindings:
     @cached_property
     def every(self) -> list[tuple[str, Any]]:
         """Skinned prims as (skeleton path, UsdSkel skinning query), those of instances included."""
-        with quiet("USD cannot tell what is bound to the skeletons"):
+        with quiet("USD cannot find what is bound to the skeletons"):
             return _bindings(self._stage)
 
     def of(self, skeletons: Collection[str]) -> list[Any]:
@@ -60,7 +60,7 @@ def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
     """Which joints of a skeleton move any point, (n,); all where nothing is bound to it."""
     mask = np.zeros(len(tokens), dtype=bool)
     bound = False
-    with quiet("USD cannot tell what the skeletons move"):
+    with quiet("USD cannot find what the skeletons move"):
         for query in queries:
             if query.HasJointInfluences():
                 influences = _influences(query, tokens, None)

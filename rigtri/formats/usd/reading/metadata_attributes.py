@@ -1,6 +1,6 @@
 """What rigtri knows about a prim or joint, as ``rigtri:*`` attributes, and back.
 
-A note is a plain JSON object. On prims its keys are custom attributes with
+The metadata of a node are a plain JSON object. On prims its keys are custom attributes with
 fitting types, which USD tools show and Blender imports as custom properties
 (`userProperties:` twins included); objects become namespaces. Those of joints,
 which are no prims, are JSON texts in an attribute of the Skeleton. What USD has no
@@ -21,60 +21,60 @@ TWIN = "userProperties:"
 TOKENS = ("type",)
 # Numbers that are no vector where there happen to be three.
 ARRAYS = ("weights",)
-# On a Skeleton: which joints have notes, and the notes.
+# On a Skeleton: which joints have metadata, and the metadata.
 JOINT_NOTES = ("rigtri:joints", "rigtri:jointNotes")
 
-Note = Mapping[str, Any]
+Metadata = Mapping[str, Any]
 
 
 def api_name(kind: str) -> str:
-    """The applied API schema of a type of note: ``RigtriPoleVectorAPI`` for ``poleVector``."""
+    """The applied API schema of a type of metadata: ``RigtriPoleVectorAPI`` for ``poleVector``."""
     return f"Rigtri{kind[0].upper()}{kind[1:]}API"
 
 
 def read_prim(prim: Any) -> dict[str, Any]:
-    """The note that a prim's ``rigtri:*`` attributes hold; empty where there are none."""
-    note: dict[str, Any] = {}
+    """The metadata that a prim's ``rigtri:*`` attributes hold; empty where there are none."""
+    metadata: dict[str, Any] = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace("rigtri"):
         value = attribute.Get() if hasattr(attribute, "Get") else None
         if value is not None and attribute.GetName() not in JOINT_NOTES:
             *spaces, key = attribute.GetName().split(":")[1:]
-            place = note
+            place = metadata
             for space in spaces:
                 place = place.setdefault(space, {})
             place[key] = _plain(value)
-    return {key: _unpacked(value) for key, value in note.items()}
+    return {key: _unpacked(value) for key, value in metadata.items()}
 
 
 def read_joints(skeleton: Any) -> dict[str, dict[str, Any]]:
-    """The notes of a Skeleton's joints by their tokens; what is no note of ours is passed over."""
+    """The metadata of a Skeleton's joints by their tokens; what is no JSON object is passed over."""
     names, texts = (skeleton.GetAttribute(name).Get() or () for name in JOINT_NOTES)
     found = {}
     for token, text in zip(names, texts, strict=False):
         try:
-            note = json.loads(str(text))
+            metadata = json.loads(str(text))
         except ValueError:
             continue
-        if isinstance(note, dict):
-            found[str(token)] = note
+        if isinstance(metadata, dict):
+            found[str(token)] = metadata
     return found
 
 
-def joint_attributes(notes: Mapping[str, Note]) -> dict[str, tuple[Any, Any]]:
-    """Notes by joint token as attributes of a Skeleton: the tokens, and a JSON text for each."""
+def joint_attributes(by_token: Mapping[str, Metadata]) -> dict[str, tuple[Any, Any]]:
+    """Metadata by joint token as attributes of a Skeleton: the tokens, and a JSON text for each."""
     tokens, texts = JOINT_NOTES
     types = Sdf.ValueTypeNames
-    said = [json.dumps(note, ensure_ascii=False) for note in notes.values()]
+    values = [json.dumps(metadata, ensure_ascii=False) for metadata in by_token.values()]
     return {
-        tokens: (types.TokenArray, Vt.TokenArray(list(notes))),
-        texts: (types.StringArray, Vt.StringArray(said)),
+        tokens: (types.TokenArray, Vt.TokenArray(list(by_token))),
+        texts: (types.StringArray, Vt.StringArray(values)),
     }
 
 
-def attributes_of(note: Note, prefix: str = PREFIX) -> dict[str, tuple[Any, Any]]:
-    """A note as attributes: name → (type, value), with readable twins for words and lists."""
+def attributes_of(metadata: Metadata, prefix: str = PREFIX) -> dict[str, tuple[Any, Any]]:
+    """Metadata as attributes: name → (type, value), with readable twins for words and lists."""
     found: dict[str, tuple[Any, Any]] = {}
-    for key, value in note.items():
+    for key, value in metadata.items():
         name = prefix + Tf.MakeValidIdentifier(key)
         value = _packed(value)
         if isinstance(value, Mapping):

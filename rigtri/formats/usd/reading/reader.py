@@ -25,7 +25,7 @@ from rigtri.formats.usd.reading import (
 from rigtri.formats.usd.reading.animation_reader import Animation, clips, read_animation
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
 from rigtri.formats.usd.reading.source import Source
-from rigtri.formats.usd.reading.xform_hierarchy import read_stand, rooted
+from rigtri.formats.usd.reading.xform_hierarchy import read_transform, rooted
 from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.model.animation import Clip, Interpolation, Track
@@ -35,9 +35,9 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
 
-# The Scope that holds the prims of ours; it has no place of its own, so USD calls it no Xformable.
+# The Scope that holds rigtri's prims; it has no transform, so it is not Xformable to USD.
 GROUP = "rigtri"
-# Prims of ours stand by translate, orient and scale; a place those cannot say is somebody else's.
+# rigtri's prims have translate, orient and scale; a transform that these cannot hold is somebody else's.
 OWN_PLACE = 1e-9
 
 
@@ -61,9 +61,9 @@ class _Reader:
         self.keys: list[tuple[str, ...]] = []
         self.labels: list[str] = []
         self.attachment: list[int] = []
-        self.own: list[int] = []  # prims of ours, which keep their place as TRS
+        self.own: list[int] = []  # prims of rigtri, which keep their transform as TRS
         self.metadata: dict[int, dict[str, Any]] = {}
-        self.restless: list[str] = []  # prims of ours that are no controls, with samples and no default
+        self.restless: list[str] = []  # prims of rigtri that are no controls, with samples and no default
         self.fixed: dict[int, str] = {}
         self.animated: dict[int, Any] = {}  # prims that their ops move over time
         self.node_of: dict[str, int] = {}
@@ -115,9 +115,9 @@ class _Reader:
         return replace(rig, clips=(*clips, Clip(xform_sampling.NAME, (*known, *tracks), xform_sampling.KEY)))
 
     def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, tuple[Track, ...]]:
-        """The keys of prims of ours as they are in their ops; what is mirrored goes by its matrices."""
+        """The keys of rigtri's prims as they are in their ops; what is mirrored goes by its matrices."""
         stands = {
-            node: read_stand(prims[node], node, self._interpolation)
+            node: read_transform(prims[node], node, self._interpolation)
             for node in self.own
             if node in prims and not rig.has_matrix[node] and (rig.scale[node] > 0).all()
         }
@@ -162,24 +162,24 @@ class _Reader:
             more = f" and {len(self.restless) - 1} more" if len(self.restless) > 1 else ""
             text = (
                 f"Where '{self.restless[0]}'{more} stands at rest is not in the file (time samples without a "
-                "default value), and limbs are told by it; rigtri bake --rig names a file that has it"
+                "default value), and limbs are recognised by it; rigtri bake --rig names a file that has it"
             )
             self.warnings.append(Notice("rest-lost", text))
         return others
 
     def _add_prim(self, prim: Any, parent: int, group: bool) -> int:
         node, path = len(self.names), str(prim.GetPath())
-        note = metadata_attributes.read_prim(prim)
-        made = not illegible(note) and note["type"] in ADDED
+        metadata = metadata_attributes.read_prim(prim)
+        made = not illegible(metadata) and metadata["type"] in ADDED
         if group:
             local = np.eye(4)
         else:
             xformable = UsdGeom.Xformable(prim)
             if xformable.GetTimeSamples():
                 self.animated[node] = prim
-                if made and note["type"] != "control" and _moment(xformable) != DEFAULT:
+                if made and metadata["type"] != "control" and _moment(xformable) != DEFAULT:
                     self.restless.append(str(prim.GetName()))
-            # What an op of ours says at rest is its default; without, it is the identity.
+            # The rest value of an op of rigtri is its default; without, it is the identity.
             moment = _moment(xformable) if node in self.animated and not made else DEFAULT
             local = np.array(xformable.GetLocalTransformation(moment), dtype=np.float64)
             if not np.isfinite(local).all():
@@ -193,8 +193,8 @@ class _Reader:
             self.attachment[node] = node
         if prim.IsA(UsdGeom.PointBased):
             self.warnings += [Notice("type-ignored", text) for text in ignored(prim)]
-        if note and not self._unread(path, note):
-            self.metadata[node] = note
+        if metadata and not self._unread(path, metadata):
+            self.metadata[node] = metadata
             self.own.append(node)
         return node
 
@@ -227,7 +227,7 @@ class _Reader:
                 counts[token] = counts.get(token, 0) + 1
         for path, skeleton in self.skeletons.items():
             self._add_joints(skeleton, self._owner(path), counts)
-            self._read_joint_notes(self.stage.GetPrimAtPath(path), self.joint_nodes[path])
+            self._read_joint_metadata(self.stage.GetPrimAtPath(path), self.joint_nodes[path])
 
     def _owner(self, path: str) -> int:
         """The node of a prim, or of the nearest above it that has a place; −1 for none."""
@@ -271,16 +271,20 @@ class _Reader:
     def _holders(self, skeleton: Skeleton) -> set[str]:
         """The tokens of joints that only hold the axes of the one below them."""
         found = metadata_attributes.read_joints(self.stage.GetPrimAtPath(skeleton.path))
-        return {token for token, note in found.items() if note.get("type") == "frame" and "joint" in note}
+        return {
+            token
+            for token, metadata in found.items()
+            if metadata.get("type") == "frame" and "joint" in metadata
+        }
 
-    def _read_joint_notes(self, prim: Any, nodes: Mapping[str, int]) -> None:
-        for token, note in metadata_attributes.read_joints(prim).items():
-            if token in nodes and not self._unread(token, note):
-                self.metadata[nodes[token]] = note
+    def _read_joint_metadata(self, prim: Any, nodes: Mapping[str, int]) -> None:
+        for token, metadata in metadata_attributes.read_joints(prim).items():
+            if token in nodes and not self._unread(token, metadata):
+                self.metadata[nodes[token]] = metadata
 
-    def _unread(self, title: str, note: Mapping[str, Any]) -> bool:
-        """Whether another version has stored a note, which is told and left alone then."""
-        why = illegible(note)
+    def _unread(self, title: str, metadata: Mapping[str, Any]) -> bool:
+        """Whether another version has stored metadata, which are reported and left alone then."""
+        why = illegible(metadata)
         if why:
             text = f"What rigtri stored on '{title}' stays as it is: {why}"
             self.warnings.append(Notice("note-unread", text))
@@ -349,7 +353,7 @@ class _Reader:
         has_matrix = np.ones(count, dtype=bool)
         with np.errstate(invalid="ignore"):
             translation, rotation, scale = decompose(matrix)
-        # A frame that is flat or sheared has no rotation; the matrix says all there is.
+        # A frame that is flat or sheared has no rotation; the matrix holds all there is.
         whole = np.all(np.isfinite(rotation), axis=1, keepdims=True)
         rotation = np.where(whole, rotation, (0.0, 0, 0, 1))
         composed = compose(translation, rotation, scale)
@@ -375,7 +379,7 @@ class _Reader:
 def _mirrored_as_keyed(rig: Rig) -> Rig:
     """The rig with joints mirrored at rest about the axes about which their keys mirror them.
 
-    A matrix does not tell which; a pose may take the scale of a clip and the rotation of rest.
+    A matrix does not hold which; a pose may take the scale of a clip and the rotation of rest.
     """
     rotation, scale = rig.rotation.copy(), rig.scale.copy()
     scales = [track for clip in rig.clips for track in clip.tracks if track.path == "scale"]

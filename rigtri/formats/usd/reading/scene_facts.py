@@ -1,4 +1,4 @@
-"""What a USD stage shows that no pose tells: units, visibility, lenses, lights, materials.
+"""What a USD stage shows besides poses: units, visibility, lenses, lights, materials.
 
 Source: UsdGeomImageable, UsdGeomCamera, UsdLux, UsdShadeMaterialBindingAPI, UsdGeomMetrics.
 """
@@ -51,7 +51,7 @@ def read_scenery(stage: Any, shown: Mapping[int, str], *, closely: bool = False)
 
 
 def _inherited(prim: Any, known: dict[Any, tuple[str, str, Any]]) -> tuple[str, str, Any]:
-    """Visibility, purpose and material of a prim, each prim above it asked once."""
+    """Visibility, purpose and material of a prim, each prim above it read once."""
     line = []
     while prim.GetPath() != Sdf.Path.absoluteRootPath and prim.GetPath() not in known:
         line.append(prim)
@@ -113,7 +113,7 @@ def _over_time(attribute: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """A value that can be compared and told."""
+    """A value that can be compared and reported."""
     if isinstance(value, Sdf.AssetPath):
         # In another folder the way to it is another.
         return re.split(r"[/\\]", value.path)[-1]

@@ -109,7 +109,7 @@ def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
         token, above = tokens[int(early[0])], tokens[int(parents[early[0]])]
         raise FileError(
             f"Skeleton <{path}> lists joint '{token}' before its parent '{above}'. "
-            "UsdSkel wants parents first; sort the joints, their matrices and their influences."
+            "UsdSkel requires parents first; sort the joints, their matrices and their influences."
         )
     return parents
 
@@ -117,7 +117,7 @@ def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
 def nearest_listed(tokens: Sequence[str]) -> Integers:
     """The index of each joint's nearest listed ancestor, (n,), −1 for roots, in whatever order they are.
 
-    A token that is no path (``a/x:y``, ``a//b``, none at all) is a root: UsdSkel itself says so.
+    A token that is no path (``a/x:y``, ``a//b``, none at all) is a root, as in UsdSkel itself.
     """
     parents = UsdSkel.Topology(Vt.TokenArray(list(tokens))).GetParentIndices()
     return np.array(parents, dtype=np.int64).reshape(-1)

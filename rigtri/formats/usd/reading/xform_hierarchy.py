@@ -1,8 +1,8 @@
 """Plain Xform hierarchies as rigs: prims that stand in for joints, and tracks that move them.
 
-An animated prim becomes tracks where translate, orient and scale ops say all of it.
+An animated prim becomes tracks where translate, orient and scale ops hold all of it.
 Other stacks (Euler angles, matrices, pivots) interpolate in ways that no track
-has; such prims are measured as they stand, and turned all the same.
+has; such prims are measured as they stand, and reoriented all the same.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ _UNIFORM = 1e-6
 
 
 def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnings: list[Notice]) -> Rig:
-    """The rig with the prims at and below ``root`` as joints; those that must not turn are fixed."""
+    """The rig with the prims at and below ``root`` as joints; those that must keep their axes are fixed."""
     top = find_root(rig, root)
     _refuse_skeletons(stage, rig.labels[top])
     skin = pseudo_skin(rig, top)
-    _tell_of_resets(rig, stage, top, warnings)
+    _notice_resets(rig, stage, top, warnings)
     fixed, bodies = dict(rig.rules.fixed), jointed_bodies(stage)
     for node in skin.joints.tolist():
         why = bodies.get(rig.labels[node]) or why_fixed(stage.GetPrimAtPath(rig.labels[node]))
@@ -57,16 +57,16 @@ def rooted(rig: Rig, stage: Any, root: str, interpolation: Interpolation, warnin
 def _animated(
     rig: Rig, stage: Any, joints: list[int], interpolation: Interpolation, warnings: list[Notice]
 ) -> Rig:
-    """The rig with a clip of its animated Xform joints, as far as tracks can say it."""
+    """The rig with a clip of its animated Xform joints, as far as tracks can hold it."""
     translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
     tracks: list[Track] = []
     for node in joints:
         prim = stage.GetPrimAtPath(rig.labels[node])
         if not UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
             continue
-        stand = read_stand(prim, node, interpolation)
+        stand = read_transform(prim, node, interpolation)
         if stand is None:
-            text = f"<{prim.GetPath()}> moves by ops that no track can say; only its rest is measured."
+            text = f"<{prim.GetPath()}> moves by ops that no track can hold; only its rest is measured."
             warnings.append(Notice("animated-xform", text))
             continue
         translation[node], rotation[node] = stand.translation, stand.rotation
@@ -91,7 +91,7 @@ def find_root(rig: Rig, root: str) -> int:
 
 
 def _refuse_skeletons(stage: Any, root: str) -> None:
-    """UsageError for a Skeleton at or below the root: its joints are the ones to turn."""
+    """UsageError for a Skeleton at or below the root: its joints are the ones to reorient."""
     for prim in Usd.PrimRange(stage.GetPrimAtPath(root), Usd.TraverseInstanceProxies()):
         if prim.GetTypeName() == "Skeleton":
             raise UsageError(
@@ -100,7 +100,7 @@ def _refuse_skeletons(stage: Any, root: str) -> None:
             )
 
 
-def _tell_of_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> None:
+def _notice_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> None:
     """A notice of each prim below the root that starts anew with !resetXformStack!."""
     root = f"{rig.labels[top].rstrip('/')}/"
     for node, label in enumerate(rig.labels):
@@ -108,7 +108,7 @@ def _tell_of_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> N
             continue
         text = (
             f"<{label}> does not follow what is above it (!resetXformStack!); it and all below it are "
-            f"left as they are. To turn them, run again with --root {label}."
+            f"left as they are. To reorient them, run again with --root {label}."
         )
         if UsdGeom.Xformable(stage.GetPrimAtPath(label)).GetResetXformStack():
             warnings.append(Notice("reset-stack", text))
@@ -127,11 +127,11 @@ def pseudo_skin(rig: Rig, root: int) -> Skin:
 
 
 def why_fixed(prim: Any) -> str:
-    """Why a prim must keep its axes; "" where it may be turned."""
+    """Why a prim must keep its axes; "" where it may be reoriented."""
     if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or prim.IsA(UsdGeom.PointInstancer):
-        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be turned"
+        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be reoriented"
     if prim.GetTypeName().endswith("Light"):
-        return f"<{prim.GetPath()}> is itself a light; only prims above it can be turned"
+        return f"<{prim.GetPath()}> is itself a light; only prims above it can be reoriented"
     held = [name for name in prim.GetAuthoredPropertyNames() if name.startswith("constraintTargets:")]
     held += ["extentsHint"] if prim.GetAttribute("extentsHint").HasAuthoredValue() else []
     if held:
@@ -152,7 +152,7 @@ def jointed_bodies(stage: Any) -> dict[str, str]:
 
 
 @dataclass(frozen=True, eq=False)
-class Stand:
+class TransformTracks:
     """Where a prim stands, as one value for each track, and the tracks that move it."""
 
     translation: Floats
@@ -161,8 +161,8 @@ class Stand:
     tracks: tuple[Track, ...]
 
 
-def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | None:
-    """The ops of a prim as tracks; None where they say what tracks cannot."""
+def read_transform(prim: Any, node: int, interpolation: Interpolation) -> TransformTracks | None:
+    """The ops of a prim as tracks; None where they hold what tracks cannot."""
     ops: dict[str, Any] = {str(op.GetOpName()): op for op in UsdGeom.Xformable(prim).GetOrderedXformOps()}
     names = list(ops)
     if names != [name for name in _ORDER if name in ops]:
@@ -177,7 +177,7 @@ def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | No
         stands = _first(op, nothing)
         if not np.isfinite(stands).all():
             return None
-        rest[path] = _carried(path, stands, outer, inner)
+        rest[path] = _folded(path, stands, outer, inner)
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
         keys = [(time, value) for time, value in keys if value is not None]
         if keys:
@@ -186,16 +186,16 @@ def read_stand(prim: Any, node: int, interpolation: Interpolation) -> Stand | No
                 return None
             if path == "scale" and (inner != IDENTITY).any() and _uneven(values):
                 return None
-            values = _carried(path, values, outer, inner)
+            values = _folded(path, values, outer, inner)
             times = np.array([time for time, _ in keys])
             tracks.append(Track(node, path, interpolation, times, values))
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
         return None
-    return Stand(rest["translation"], rest["rotation"], rest["scale"], tuple(tracks))
+    return TransformTracks(rest["translation"], rest["rotation"], rest["scale"], tuple(tracks))
 
 
-def _carried(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
-    """Values, (..., c), with the constant turns outside and inside folded in."""
+def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
+    """Values, (..., c), with the constant rotations outside and inside folded in."""
     if path == "translation":
         return rotate(outer, values)
     return multiply(multiply(outer, values), inner) if path == "rotation" else values

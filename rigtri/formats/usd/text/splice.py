@@ -1,9 +1,9 @@
 """A changed layer as its own old text with the changes in it, and every other byte as it was.
 
-What changed, and how it is spelled, is told by USD: it writes the layer before and after as text,
+What changed, and how it is spelled, is known from USD: it writes the layer before and after as text,
 and where the two differ, what is new is put into the source's text. Numbers, words and strings of
 a value are changed one by one, so that layout, comments and the spelling of the others stay. USD
-then reads the outcome and writes it once more, which must give the text of the wanted layer,
+then reads the outcome and writes it once more, which must give the text of the edited layer,
 so that nothing here needs to know the whole grammar to be safe.
 """
 
@@ -33,19 +33,19 @@ _WORDS = re.compile(STRINGS + rb"|" + COMMENTS)
 _REST = re.compile(rb"[ \t;]*\r?\n")
 
 
-def spliced(content: bytes, before: Any, wanted: Any, lost: list[str] | None = None) -> bytes:
-    """The text of a layer with what differs between ``before``, which it says, and ``wanted``.
+def spliced(content: bytes, before: Any, edited: Any, lost: list[str] | None = None) -> bytes:
+    """The text of a layer with what differs between ``before``, which it holds, and ``edited``.
 
     lost: gets the names of the values that were written anew and had comments in them.
-    UnknownTextError, with the reason, where that text would not say what ``wanted`` says.
+    UnknownTextError, with the reason, where that text would not hold what ``edited`` holds.
     """
     with temp_dirs.folder() as folder:
-        names = ("before", "wanted", "spliced", "seen")
+        names = ("before", "edited", "spliced", "seen")
         was, now, made, seen = (Path(folder, f"{name}.usda") for name in names)
         before.Export(str(was))
-        wanted.Export(str(now))
-        told = now.read_bytes()
-        splice = _Splice(Text(content), Text(was.read_bytes()), Text(told))
+        edited.Export(str(now))
+        edited_text = now.read_bytes()
+        splice = _Splice(Text(content), Text(was.read_bytes()), Text(edited_text))
         text = splice.text()
         made.write_bytes(text)
         try:
@@ -54,7 +54,7 @@ def spliced(content: bytes, before: Any, wanted: Any, lost: list[str] | None = N
             raise UnknownTextError("USD does not read the changed text") from error
         layer.Export(str(seen))
         # The first line has the version of the format, which the source keeps.
-        if _behind_first_line(seen.read_bytes()) != _behind_first_line(told):
+        if _behind_first_line(seen.read_bytes()) != _behind_first_line(edited_text):
             raise UnknownTextError("USD reads something else from the changed text")
         if lost is not None:
             lost += splice.lost
@@ -66,10 +66,10 @@ def _behind_first_line(text: bytes) -> memoryview:
 
 
 class _Splice:
-    """Three texts side by side, and the cuts that turn the source into what is wanted."""
+    """Three texts side by side, and the cuts that make the edited text of the source."""
 
-    def __init__(self, source: Text, before: Text, wanted: Text) -> None:
-        self.source, self.before, self.wanted = source, before, wanted
+    def __init__(self, source: Text, before: Text, edited: Text) -> None:
+        self.source, self.before, self.edited = source, before, edited
         self.cuts: list[tuple[int, int, bytes]] = []
         self.lost: list[str] = []
         self.blocks: list[tuple[int, str, tuple[Item, Item, Item], tuple[Span, Span, Span]]] = []
@@ -80,7 +80,7 @@ class _Splice:
 
     def text(self) -> bytes:
         """The source with all cuts made."""
-        self._item(0, self.source.top(), self.before.top(), self.wanted.top())
+        self._item(0, self.source.top(), self.before.top(), self.edited.top())
         while self.blocks:
             self._block(*self.blocks.pop())
         content, at = memoryview(self.source.content), 0
@@ -93,62 +93,62 @@ class _Splice:
         return b"".join((*parts, content[at:]))
 
     def _item(self, depth: int, mine: Item, was: Item, now: Item) -> None:
-        """Change one statement; blocks in it wait for their turn."""
-        if self.before.of((was.start, was.head_end)) != self.wanted.of((now.start, now.head_end)):
-            self.cuts.append((mine.start, mine.head_end, self.wanted.of((now.start, now.head_end))))
-        if self.before.of(was.value) != self.wanted.of(now.value):
+        """Change one statement; blocks in it wait."""
+        if self.before.of((was.start, was.head_end)) != self.edited.of((now.start, now.head_end)):
+            self.cuts.append((mine.start, mine.head_end, self.edited.of((now.start, now.head_end))))
+        if self.before.of(was.value) != self.edited.of(now.value):
             self._value(depth, mine, was, now)
-        if self.before.of(was.meta) != self.wanted.of(now.meta):
+        if self.before.of(was.meta) != self.edited.of(now.meta):
             self._meta(depth, mine, was, now)
         if mine.body and was.body and now.body:
             self.blocks.append((depth + 1, now.kind, (mine, was, now), (mine.body, was.body, now.body)))
 
     def _value(self, depth: int, mine: Item, was: Item, now: Item) -> None:
         if now.value is None or mine.value is None or was.value is None:
-            text = b"" if now.value is None else b" = " + self._told(now.value, now, mine)
+            text = b"" if now.value is None else b" = " + self._edited_part(now.value, now, mine)
             self.cuts.append((mine.head_end, mine.value[1] if mine.value else mine.head_end, text))
         elif mine.key.endswith(b".timeSamples") and self.source.of(mine.value)[:1] == b"{":
             if not self._samples(mine, was, now):
-                self._note_lost(mine)
-                self.cuts.append((*mine.value, self._told(now.value, now, mine)))
+                self._record_lost(mine)
+                self.cuts.append((*mine.value, self._edited_part(now.value, now, mine)))
         else:
             self.cuts.append((*mine.value, self._respelled(mine, was, now)))
 
     def _samples(self, mine: Item, was: Item, now: Item) -> bool:
         """Change samples one by one; False where their times are others."""
         sides = []
-        for text, item in ((self.source, mine), (self.before, was), (self.wanted, now)):
+        for text, item in ((self.source, mine), (self.before, was), (self.edited, now)):
             start, end = item.value or (0, 0)
             sides.append({sample.key: sample for sample in text.items((start + 1, end - 1), "samples")})
         ours, old, new = sides
         if not ours.keys() == old.keys() == new.keys():
             return False
         for key, sample in new.items():
-            if self.before.of(old[key].value) != self.wanted.of(sample.value):
+            if self.before.of(old[key].value) != self.edited.of(sample.value):
                 self.cuts.append((*_sure(ours[key].value), self._respelled(ours[key], old[key], sample)))
         return True
 
     def _respelled(self, mine: Item, was: Item, now: Item) -> bytes:
         """The source's value with only those numbers, words and strings changed that are others."""
         value, old, new = _sure(mine.value), _sure(was.value), _sure(now.value)
-        told, text = self.before.of(old), self.source.of(value)
-        if text == told and b"\n" not in text:
-            return self.wanted.of(new)
-        ours, olds, news = self.source.atoms(value), self.before.atoms(old), self.wanted.atoms(new)
-        # USD sorts dictionaries, so places tell nothing there.
+        canonical, text = self.before.of(old), self.source.of(value)
+        if text == canonical and b"\n" not in text:
+            return self.edited.of(new)
+        ours, olds, news = self.source.atoms(value), self.before.atoms(old), self.edited.atoms(new)
+        # USD sorts dictionaries, so positions mean nothing there.
         if not len(ours) == len(olds) == len(news) or text[:1] == b"{":
-            self._note_lost(mine)
-            return self._told(new, now, mine)
+            self._record_lost(mine)
+            return self._edited_part(new, now, mine)
         parts, at = [], value[0]
         for (start, end), before, after in zip(ours, olds, news, strict=True):
-            atom = self.wanted.of(after)
+            atom = self.edited.of(after)
             if self.before.of(before) != atom:
                 parts += [self.source.content[at:start], atom]
                 at = end
         return b"".join([*parts, self.source.content[at : value[1]]])
 
-    def _note_lost(self, mine: Item) -> None:
-        """Note a value that is written anew as a whole, if comments stand in it."""
+    def _record_lost(self, mine: Item) -> None:
+        """Record a value that is written anew as a whole, if comments stand in it."""
         if any(word[0][:1] in b"#/" for word in _WORDS.finditer(self.source.of(mine.value))):
             self.lost.append((mine.name or mine.key).decode(errors="replace"))
 
@@ -161,25 +161,25 @@ class _Splice:
             if mine.meta is not None:
                 self.cuts.append((at, mine.meta[1] + 1, b""))
             return
-        told = self._told((now.meta[0] - 1, now.meta[1] + 1), now, mine)
+        part = self._edited_part((now.meta[0] - 1, now.meta[1] + 1), now, mine)
         if mine.meta is not None:
-            self.cuts.append((mine.meta[0] - 1, mine.meta[1] + 1, told))
+            self.cuts.append((mine.meta[0] - 1, mine.meta[1] + 1, part))
         elif not mine.key:
             raise UnknownTextError("a layer without metadata")
         else:
-            self.cuts.append((at, at, b" " + told))
+            self.cuts.append((at, at, b" " + part))
 
     def _block(
         self, depth: int, kind: str, items: tuple[Item, Item, Item], spans: tuple[Span, Span, Span]
     ) -> None:
         """Change the statements of a block, take out those that are gone and put in the new ones."""
-        before, wanted = self.before, self.wanted
-        if depth <= _SHALLOW and before.of(spans[1]) == wanted.of(spans[2]):
+        before, edited = self.before, self.edited
+        if depth <= _SHALLOW and before.of(spans[1]) == edited.of(spans[2]):
             return
         listed = list(self.source.items(spans[0], kind))
         ours = {item.key: item for item in listed}
         olds = {item.key: item for item in before.items(spans[1], kind)}
-        news = {item.key: item for item in wanted.items(spans[2], kind)}
+        news = {item.key: item for item in edited.items(spans[2], kind)}
         added = []
         for key, item in news.items():
             old, mine = olds.get(key), ours.get(key)
@@ -187,7 +187,7 @@ class _Splice:
                 added.append(item)
             elif mine is not None:
                 self._item(depth, mine, old, item)
-            elif before.of((old.start, old.end)) != wanted.of((item.start, item.end)):
+            elif before.of((old.start, old.end)) != edited.of((item.start, item.end)):
                 raise self.source.unknown(spans[0][0], f"no statement '{key.decode(errors='replace')}'")
         gone = olds.keys() - news.keys()
         for mine in listed:
@@ -208,8 +208,8 @@ class _Splice:
         for item in added:
             at = lasts.before(item, span[0])
             gap = self.newline * (2 if not item.is_property and at > span[0] else 1)
-            told = self._moved(self.wanted, (item.start, item.end), item.start, indent)
-            places.setdefault(at, []).append(gap + indent + told)
+            part = self._moved(self.edited, (item.start, item.end), item.start, indent)
+            places.setdefault(at, []).append(gap + indent + part)
         for at, texts in places.items():
             trail = _TRAIL.match(self.source.content, at)
             if trail is not None:
@@ -236,9 +236,9 @@ class _Splice:
             start = empty.end(1)
         return start, rest.end(), b""
 
-    def _told(self, span: Span, item: Item, mine: Item) -> bytes:
-        """A part of a statement of the wanted text, indented like one of the source."""
-        return self._moved(self.wanted, span, item.start, self._indent(mine.start))
+    def _edited_part(self, span: Span, item: Item, mine: Item) -> bytes:
+        """A part of a statement of the edited text, indented like one of the source."""
+        return self._moved(self.edited, span, item.start, self._indent(mine.start))
 
     def _moved(self, text: Text, span: Span, start: int, indent: bytes) -> bytes:
         found = text.of(span)

@@ -1,8 +1,8 @@
 """Where the statements of a text layer stand, as far as it takes to change one and leave the others.
 
 This is no parser of USD's grammar: it knows strings, comments, brackets, and the heads of prims,
-properties and metadata, and says so where it meets something else. Blocks are taken apart when
-they are asked for, and their ends are known from one pass, so that depth costs nothing.
+properties and metadata, and raises where it meets something else. Blocks are taken apart when
+they are read, and their ends are known from one pass, so that depth costs nothing.
 
 Source: OpenUSD, USDA file format specification; measured with usd-core 26.11.
 """

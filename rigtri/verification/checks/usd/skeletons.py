@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Sdf, UsdSkel
 
 from rigtri.formats.usd.composition.stage import DEFAULT
-from rigtri.formats.usd.composition.variants import Trial, split_by, unselected
+from rigtri.formats.usd.composition.variants import SkeletonVariants, split_by, unselected
 from rigtri.formats.usd.reading.skeleton_reader import (
     PERSPECTIVE,
     nearest_listed,
@@ -162,8 +162,9 @@ def _has(prim: Any, name: str) -> bool:
 
 def _check_variants(scene: Scene, prim: Any, animation: Any) -> None:
     """Whether variants show the skeleton in several ways."""
-    trial = Trial(scene.stage, str(prim.GetPath()), "" if animation is None else str(animation.GetPath()))
-    if why := unselected(trial):
+    path = "" if animation is None else str(animation.GetPath())
+    variants = SkeletonVariants(scene.stage, str(prim.GetPath()), path)
+    if why := unselected(variants):
         scene.add("usd.skel.variants-unselected", prim, "", why)
-    elif why := split_by(trial):
+    elif why := split_by(variants):
         scene.add("usd.skel.variants", prim, "", why)
