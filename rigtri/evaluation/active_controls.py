@@ -29,7 +29,7 @@ def controls_and_poles(rig: Rig) -> frozenset[int]:
     return frozenset(node for node, note in rig.metadata.items() if note.get("type") in kinds)
 
 
-def keyed_in(rig: Rig, timeline: Timeline) -> frozenset[int]:
+def controls_with_keys(rig: Rig, timeline: Timeline) -> frozenset[int]:
     """The controls and poles with keys in a timeline."""
     return frozenset(track.node for track in timeline.clip.tracks) & controls_and_poles(rig)
 
@@ -50,12 +50,12 @@ def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:
     return frozenset(found)
 
 
-def posed_at(
+def pose_at(
     rig: Rig, timeline: Timeline | None, time: float, *, size: float, evaluate: bool = True
 ) -> PoseCache:
     """The rig at a moment of a timeline, or at rest, one row; ``evaluate``: as what is at work moves it."""
     parts = {} if timeline is None else sample_parts(rig, timeline.clip, np.array([time]))
     if not evaluate:
         return PoseCache(rig, parts)
-    at_work = moved_at_rest(rig, size) if timeline is None else keyed_in(rig, timeline)
+    at_work = moved_at_rest(rig, size) if timeline is None else controls_with_keys(rig, timeline)
     return Solver(rig, at_work).run(parts)

@@ -164,8 +164,8 @@ def _scale(rule: Rule, drivers: Floats, parent: Floats, mine: Parts) -> Floats:
     """Axes as long in the world as the drivers', times the offsets' diagonal."""
     ratio = np.stack([rule.offsets[:, k, k] for k in range(3)], axis=-1)
     sizes = length(drivers[..., :3, :3]) * ratio
-    wanted = _mean(sizes, _weights(rule, sizes))
-    return wanted / lengths_for(parent, mine)
+    target_sizes = _mean(sizes, _weights(rule, sizes))
+    return target_sizes / lengths_for(parent, mine)
 
 
 def lengths_for(parent: Floats, mine: Parts) -> Floats:

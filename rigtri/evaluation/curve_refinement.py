@@ -42,7 +42,7 @@ _SHARES = (0.29, 0.5)
 _HALVINGS = 3
 
 
-class Off(NamedTuple):
+class Deviation(NamedTuple):
     """How far the rig is from where it ought to be, (f,), in file units, and the worst node, (f,), or −1."""
 
     far: Floats
@@ -55,10 +55,10 @@ class Curve(Protocol):
     """
 
     def at(self, times: Floats) -> dict[int, Parts]: ...
-    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off: ...
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Deviation: ...
 
 
-class Refined(NamedTuple):
+class RefinedSamples(NamedTuple):
     """Samples: their times, (f,), and parts. off: the largest deviation between them, in file units, the time
     before it, and the node that it is of. limited: whether it could not be made smaller.
     """
@@ -71,7 +71,7 @@ class Refined(NamedTuple):
     node: int = -1
 
 
-def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> Refined:
+def refine_samples(curve: Curve, times: Floats, *, bound: float, per_second: float) -> RefinedSamples:
     """Samples at ``times``, (f,), and between them, until no deviation is above ``bound``, in file units.
 
     per_second: units of the times in a second.
@@ -79,7 +79,7 @@ def refined(curve: Curve, times: Floats, *, bound: float, per_second: float) -> 
     samples = _Refinement(curve, times, bound, per_second)
     refine_times(times, samples.deviations, samples.division)
     far, after, node = samples.worst
-    return Refined(samples.times, samples.parts, far, samples.limited, after, node)
+    return RefinedSamples(samples.times, samples.parts, far, samples.limited, after, node)
 
 
 class _Refinement:
@@ -119,10 +119,10 @@ class _Refinement:
 
 def _pieces(off: Floats, bound: float) -> Floats:
     """Into how many pieces intervals go, (m,): a deviation falls with the square of the length."""
-    wanted = np.sqrt(off / bound) if bound > 0 else np.where(off > 0, np.inf, 0.0)
+    needed = np.sqrt(off / bound) if bound > 0 else np.where(off > 0, np.inf, 0.0)
     pieces = np.ones(len(off))
     for _ in range(_HALVINGS):
-        pieces = np.where(pieces < wanted, 2.0 * pieces, pieces)
+        pieces = np.where(pieces < needed, 2.0 * pieces, pieces)
     return pieces
 
 
@@ -134,10 +134,10 @@ def _affordable(pieces: Floats, off: Floats, room: int) -> Floats:
     return pieces
 
 
-def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers) -> Off:
+def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers) -> Deviation:
     """The largest deviation in each of some intervals, (m,); 0 where float32 has no time inside."""
     start, span = times[left], times[left + 1] - times[left]
-    found = Off(np.zeros(len(left)), np.full(len(left), -1))
+    found = Deviation(np.zeros(len(left)), np.full(len(left), -1))
     inside = np.concatenate([as_float32(start + share * span) for share in _SHARES])
     which = np.tile(np.arange(len(left)), len(_SHARES))
     real = np.flatnonzero((inside > start[which]) & (inside < start[which] + span[which]))
@@ -245,9 +245,9 @@ class _Curve:
         """The steps that the places of the nodes need."""
         return self.solver.steps_for({above for node in self.nodes for above in self._line(node)})
 
-    def apart(self, a: PoseCache, b: PoseCache, count: int) -> Off:
+    def apart(self, a: PoseCache, b: PoseCache, count: int) -> Deviation:
         """How far what hangs on the nodes is apart, at most."""
-        most = Off(np.zeros(count), np.full(count, -1))
+        most = Deviation(np.zeros(count), np.full(count, -1))
         for node in self.nodes:
             one, other = a.world(node), b.world(node)
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -271,7 +271,7 @@ class JointCurve(_Curve):
         own = [n for step in self.steps for n in (*step.sets, *step.reads, *step.needs)]
         return frozenset(above for node in (*own, *self.nodes) for above in self._line(node))
 
-    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Deviation:
         there = self.solver.run(sample_parts(self.rig, self.clip, times, only=self._used), self.steps)
         seen = PoseCache(self.rig, {**there.parts, **{node: shown[node] for node in self.nodes}})
         return self.apart(there, seen, len(times))
@@ -289,7 +289,7 @@ class ControlCurve(_Curve):
             self.solver, sample_parts(self.rig, self.clip, times), lambda node, parts: parts
         )
 
-    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Off:
+    def off(self, times: Floats, shown: Mapping[int, Parts]) -> Deviation:
         ((source, found),) = self._matched(times)
         seen = self.solver.run({**source.parts, **shown}, self.steps)
         return self.apart(found.posed, seen, len(times))

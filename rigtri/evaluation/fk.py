@@ -137,11 +137,11 @@ class Fk:
     def beneath(self, posed: PoseCache) -> Parts:
         """Local parts of the offset, with which the control stands on its joint, as both are posed."""
         channels, rig = posed.part(self.own.control), self.rig
-        wanted = posed.part(self.joint).rotation
+        target = posed.part(self.joint).rotation
         above = int(rig.parents[self.joint])
-        wanted = product(posed.turn(above), wanted) if above >= 0 else wanted
-        wanted = wanted if self._axes is None else product(wanted, self._axes)
-        turn = product(wanted, conjugate(channels.rotation))
+        target = product(posed.turn(above), target) if above >= 0 else target
+        target = target if self._axes is None else product(target, self._axes)
+        turn = product(target, conjugate(channels.rotation))
         size = self._grown(posed) / np.where(channels.scale == 0, 1.0, channels.scale)
         axes = to_axes(turn) * size[..., np.newaxis]
         place = posed.world(self.joint)[:, 3, :3] - rotate(turn, channels.translation * size)
@@ -155,20 +155,20 @@ class Fk:
             grown = (grown[:, :1] + grown[:, 1:2] + grown[:, 2:]) / 3.0
         return own * grown
 
-    def channels(self, posed: PoseCache, wanted: Parts) -> Parts:
+    def channels(self, posed: PoseCache, target: Parts) -> Parts:
         """The channels that give the joint its local parts ``wanted``."""
         rest, moves = self._carried(posed)
-        return self.needed(rest, wanted, moves)
+        return self.needed(rest, target, moves)
 
-    def needed(self, rest: Parts, wanted: Parts, moves: Floats | None = None) -> Parts:
+    def needed(self, rest: Parts, target: Parts, moves: Floats | None = None) -> Parts:
         """The channels that take the joint from ``rest`` to its local parts ``wanted``; see `moved`."""
-        turn = product(conjugate(rest.rotation), wanted.rotation)
+        turn = product(conjugate(rest.rotation), target.rotation)
         if self._axes is not None:
             turn = product(product(conjugate(self._axes), turn), self._axes)
         back = inverse(self._moves if moves is None else moves)
-        move = transform_directions(wanted.translation - rest.translation, back)
+        move = transform_directions(target.translation - rest.translation, back)
         with np.errstate(divide="ignore", invalid="ignore"):
-            size = np.where(rest.scale == 0, 1.0, wanted.scale / rest.scale)
+            size = np.where(rest.scale == 0, 1.0, target.scale / rest.scale)
         return Parts(move, turn, size)
 
 

@@ -298,8 +298,8 @@ class Ik:
             first, second = self.lengths(built)
             away = place - transform_points(self.start, built.world(self.above))
             reach = length(away)
-            wanted = distance_for(reach, first + second, self.limb.soft)
-            share = np.where(reach > 0, wanted / np.where(reach > 0, reach, 1.0), 1.0)
+            target_distance = distance_for(reach, first + second, self.limb.soft)
+            share = np.where(reach > 0, target_distance / np.where(reach > 0, reach, 1.0), 1.0)
             place = place + away * (share - 1.0)[:, np.newaxis]
         return from_frame(to_axes(turn), place - rotate(turn, self._seat))
 

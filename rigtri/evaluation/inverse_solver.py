@@ -93,19 +93,19 @@ def _serve(
 
     of: the blocks, where there are several, which are to hold no places from one node to the next.
     """
-    wanted = [_next_request(each, None, some) for each, some in zip_longest(asking, of)]
-    while wanted[0] is not None:
-        node, parts, free = wanted[0]
+    requests = [_next_request(each, None, some) for each, some in zip_longest(asking, of)]
+    while requests[0] is not None:
+        node, parts, free = requests[0]
         if len(asking) > 1:
-            pieces = [{node: each.parts} for each in wanted if each is not None]
+            pieces = [{node: each.parts} for each in requests if each is not None]
             parts = joined(pieces, count, block)[node]
-        told = not free or all(bool(np.isfinite(each).all()) for each in parts)
-        kept = keep(node, parts) if told else None
+        finite = not free or all(bool(np.isfinite(each).all()) for each in parts)
+        kept = keep(node, parts) if finite else None
         answers = (
             kept if kept is None or len(asking) == 1 else cut({node: kept}, rows)[node]
             for rows in blocks(count, block)
         )
-        wanted = [_next_request(*each) for each in zip_longest(asking, answers, of)]
+        requests = [_next_request(*each) for each in zip_longest(asking, answers, of)]
 
 
 def _next_request(asking: Asking, kept: Parts | None, of: Block | None) -> KeepRequest | None:

@@ -118,15 +118,15 @@ def _pointed(
     """How much the axis points at one target, (f,)."""
     points = rotate(from_axes(orthonormal_axes(driver)), reader.axis)
     if target.node:
-        wanted = normalise(nodes[target.node][..., 3, :3] - driver[..., 3, :3])
+        towards = normalise(nodes[target.node][..., 3, :3] - driver[..., 3, :3])
     else:
         direction = target.direction
         if direction is None:
             raise ValueError(f"target '{target.name}' has no direction for a {reader.kind} reader")
-        wanted = rotate(from_axes(orthonormal_axes(frame)), normalise(direction))
+        towards = rotate(from_axes(orthonormal_axes(frame)), normalise(direction))
     if reader.kind == "dot":
-        return np.clip(dot(normalise(points), wanted), 0.0, 1.0)
-    off = angle(points, wanted)
+        return np.clip(dot(normalise(points), towards), 0.0, 1.0)
+    off = angle(points, towards)
     return np.clip((reader.outer - off) / (reader.outer - reader.inner), 0.0, 1.0)
 
 
@@ -142,7 +142,7 @@ def _blended(reader: PoseReader, rotation: Floats) -> Floats:
     found = _kernel(reader, far / radius)
     if reader.kernel == "gaussian":
         # Linear ones end at the nearest pose, so there nothing is left to be untangled.
-        found = _solved(_kernel(reader, apart / radius), found)
+        found = _solve_rows(_kernel(reader, apart / radius), found)
     found = np.maximum(found, 0.0)
     total = np.zeros(found.shape[:-1])
     for k in range(found.shape[-1]):
@@ -197,7 +197,7 @@ def _kernel(reader: PoseReader, share: Floats) -> Floats:
     return exponential(-_FALL * share * share)
 
 
-def _solved(matrix: Floats, rows: Floats) -> Floats:
+def _solve_rows(matrix: Floats, rows: Floats) -> Floats:
     """``rows · matrix⁻¹``, (..., t), by elimination with pivots: elementwise, the same bits everywhere."""
     left, right = matrix.T.copy(), np.moveaxis(rows, -1, 0).copy()
     count = len(left)

@@ -53,7 +53,7 @@ class Shared:
         return replace(clip, tracks=tracks)
 
 
-def as_read(rig: Rig, without: Iterable[int] = ()) -> Shared:
+def with_shared_times(rig: Rig, without: Iterable[int] = ()) -> Shared:
     """The rig as a reader finds it; the keys of some nodes, ``without``, do not count, nor get others.
 
     Where clips stand alone, as in glTF, it is the rig itself.

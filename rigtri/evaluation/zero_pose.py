@@ -107,7 +107,7 @@ class ControlsAtZero:
         rig, found = self.rig, {}
         size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
         for joint, own in self.fk.items():
-            there = unposed(rig, own.offset, controls)
+            there = world_at_zero(rig, own.offset, controls)
             here = rig.world[joint]
             axes = nearest_rotation(here)
             turned = orthonormal_axes(there)
@@ -133,7 +133,7 @@ class ControlsAtZero:
         return from_axes(orthonormal_axes(self.world[node] if node >= 0 else _WORLD))
 
 
-def unposed(rig: Rig, node: int, controls: set[int]) -> Floats:
+def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:
     """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
     world = _WORLD
     while node >= 0:

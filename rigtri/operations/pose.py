@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, posed_at, size_of
+from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, pose_at, size_of
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
@@ -46,8 +46,8 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
     if report is not None and timeline is not None:
         warn_outside_clip(timeline, time, report)
     if not options.evaluate:
-        return posed_at(rig, timeline, time, size=size_of(rig), evaluate=False)
-    at_work = keyed_in(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+        return pose_at(rig, timeline, time, size=size_of(rig), evaluate=False)
+    at_work = controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
     solver = Solver(rig, at_work)
     posed = solver.run({} if timeline is None else sample_parts(rig, timeline.clip, np.array([time])))
     if report is not None:

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.evaluation.active_controls import NOTHING, keyed_in, moved_at_rest, size_of
+from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, size_of
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.ik import Ik
@@ -98,8 +98,8 @@ def _chains(rig: Rig, options: SnapOptions) -> list[tuple[int, int, int]]:
     chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limbs] or known
     for chain in chains:
         if chain not in known:
-            told = ", ".join(f"'{rig.title(node)}'" for node in chain)
-            raise GeometryError(f"The limb {told} has no IK end; make one with: rigtri add-controls --ik")
+            names = ", ".join(f"'{rig.title(node)}'" for node in chain)
+            raise GeometryError(f"The limb {names} has no IK end; make one with: rigtri add-controls --ik")
     if not chains:
         raise GeometryError(
             "No limb here has an IK end; make some with: rigtri add-controls --whole-character"
@@ -164,7 +164,7 @@ class _Limb:
 
     def _at_work(self, rig: Rig) -> frozenset[int]:
         timeline = self._now(rig)
-        return keyed_in(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+        return controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
 
     def _now(self, rig: Rig) -> Timeline | None:
         """The timeline, with the tracks that a later state of the rig has in it."""
@@ -227,15 +227,15 @@ class _Limb:
         size = size_of(self.rig)
         if all(_alike(now.part(node), parts, size) for node, parts in channels.items()):
             return self.rig
-        clips, wanted = list(self.rig.clips), _wanted(channels)
+        clips, target = list(self.rig.clips), _channel_values(channels)
         for k in self.timeline.members if self.timeline else ():
             tracks = []
             for track in clips[k].tracks:
-                values = wanted.pop((track.node, track.path), None)
+                values = target.pop((track.node, track.path), None)
                 rows = None if values is None else _rows(values, len(self.times))
                 tracks.append(track if rows is None else insert_keys(track, self.times, rows))
             clips[k] = replace(clips[k], tracks=tuple(tracks))
-        fresh = [self._nearby(timeline, *which, values) for which, values in wanted.items()]
+        fresh = [self._nearby(timeline, *which, values) for which, values in target.items()]
         home = timeline.members[0]
         clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *(t for t in fresh if t is not None)))
         return replace(self.rig, clips=tuple(clips))
@@ -260,7 +260,7 @@ class _Limb:
         timeline = self.timeline
         assert timeline is not None
         clips, held, made = list(self.rig.clips), steps_only(timeline), dict[tuple[int, Path], Track]()
-        for (node, path), values in _wanted(channels).items():
+        for (node, path), values in _channel_values(channels).items():
             needs = node in working and path == ("rotation" if self.to == "fk" else "translation")
             if needs or np.abs(values - _part(self.rig, node, path)).max() > NOTHING:
                 still = len(values) == 1 or bool((values == values[0]).all())
@@ -311,7 +311,7 @@ class _Limb:
         return far / size_of(rig)
 
 
-def _wanted(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:
+def _channel_values(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:
     return {
         (node, path): values
         for node, parts in channels.items()
@@ -324,11 +324,11 @@ def _part(rig: Rig, node: int, path: Path) -> Floats:
     return PoseCache(rig).part(node)[_PATHS.index(path)]
 
 
-def _alike(now: Parts, wanted: Parts, size: float) -> bool:
+def _alike(now: Parts, target: Parts, size: float) -> bool:
     """Whether the two differ by no more than rounding."""
-    moved = float(np.abs(wanted.translation - now.translation).max())
-    turned = float(rotation_angle(multiply(conjugate(now.rotation), wanted.rotation)).max())
-    grown = float(np.abs(wanted.scale - now.scale).max())
+    moved = float(np.abs(target.translation - now.translation).max())
+    turned = float(rotation_angle(multiply(conjugate(now.rotation), target.rotation)).max())
+    grown = float(np.abs(target.scale - now.scale).max())
     return moved <= SAME * size and turned <= SAME and grown <= SAME
 
 

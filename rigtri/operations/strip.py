@@ -16,7 +16,7 @@ from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
-from rigtri.operations.add_posereader.replaced_keys import restored
+from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
 from rigtri.operations.add_twist.twist import INFLUENCES
 from rigtri.operations.operation import operation
 from rigtri.report import Report
@@ -38,7 +38,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     """
     gone = _gone(rig)
     readers = [node for node in gone if rig.metadata.get(node, {}).get("type") == "poseReader"]
-    rig, driven = restored(rig, readers, report)
+    rig, driven = restore_replaced_keys(rig, readers, report)
     for node, columns in driven.items():
         report.driven.setdefault(rig.keys[node], set()).update(columns)
     notes = {}

@@ -10,7 +10,7 @@ import pytest
 from baked_rigs import animated, apart, control, rigged, size
 
 from rigtri.evaluation import curve_refinement, sampling
-from rigtri.evaluation.active_controls import keyed_in
+from rigtri.evaluation.active_controls import controls_with_keys
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
@@ -53,7 +53,7 @@ def test_joints_follow_ik_between_keys(name: str) -> None:
     baked = bake(rig, options=BakeOptions(between=5e-6), report=report)
     times = np.linspace(0.0, rig.rules.per_second, 500)
     timeline = timelines(rig)[0]
-    there = Solver(rig, keyed_in(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
+    there = Solver(rig, controls_with_keys(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
     world = sampling.worlds(baked, sampling.locals_at(baked, baked.clips[0], times))
     for joint in ("forearm_L", "hand_L"):
         node = rig.find(joint)

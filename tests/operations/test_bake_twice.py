@@ -12,7 +12,7 @@ from places import SAMPLES, slow
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.key_reduction import is_reduction_of
-from rigtri.evaluation.shared_key_times import as_read
+from rigtri.evaluation.shared_key_times import with_shared_times
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
@@ -100,7 +100,7 @@ def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
     one = Track(rig.find("head"), "rotation", "LINEAR", np.array([0.0, 4.0]), turns)
     other = Track(rig.find("hand_L"), "rotation", "STEP", np.array([0.0, 1.0]), turns)
     clip = Clip(rig.clips[home].name, (one, other), rig.clips[home].key)
-    seen = as_read(replace(rig, clips=(clip,)))
+    seen = with_shared_times(replace(rig, clips=(clip,)))
     before = float(np.nextafter(np.float32(1.0), np.float32(0.0)))
     for track in seen.rig.clips[0].tracks:
         assert track.times.tolist() == [0.0, before, 1.0, 4.0]
@@ -110,7 +110,7 @@ def test_joints_that_share_an_array_are_read_at_each_others_times() -> None:
     plain = replace(rig, clips=(clip,))
     assert seen.undone(seen.rig, plain).clips[0] is clip
     alone = read(SAMPLES / "biped.glb").rig
-    assert as_read(alone).rig is alone
+    assert with_shared_times(alone).rig is alone
 
 
 # --- keys whose choice rounding turns
@@ -142,7 +142,7 @@ def rounded_above(rig: Rig, seed: int) -> Rig:
 @pytest.mark.parametrize("seed", [1, 4])
 def test_rounding_above_a_limb_turns_no_choice_of_keys(seed: int) -> None:
     coarse = BakeOptions(stretch=True, tolerance=1e-3)
-    once = as_read(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
+    once = with_shared_times(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
     ready = rounded_above(once, seed)
     twice = bake(ready, options=coarse)
     for was, now in zip(ready.clips, twice.clips, strict=True):

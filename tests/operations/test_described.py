@@ -22,7 +22,7 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.operations.take_clips.take_clips import _tell_unkeyed
+from rigtri.operations.take_clips.take_clips import _warn_unkeyed
 from rigtri.report import Report
 
 
@@ -190,9 +190,9 @@ def test_take_clips_tells_of_channels_that_were_posed_without_keys() -> None:
     translation = rig.translation.copy()
     translation[control] += 0.1
     every = {node: node for node in range(len(rig))}
-    _tell_unkeyed(rig, rig, every, report)
+    _warn_unkeyed(rig, rig, every, report)
     assert not report.warnings
-    _tell_unkeyed(rig, replace(rig, translation=translation), every, report)
+    _warn_unkeyed(rig, replace(rig, translation=translation), every, report)
     (notice,) = report.warnings
     assert notice.code == "held-without-keys"
     assert "'head_ctl (translation)'" in notice.text

@@ -51,7 +51,7 @@ class Plan:
                     "title": rig.title(node),
                     "above": _above(rig, node),
                     "joint": bool(rig.is_joint[node]),
-                    "note": {key: _told(note[key]) for key in _TELLING if key in note},
+                    "note": {key: _plain(note[key]) for key in _TELLING if key in note},
                     "world": flat(self.reference.world[node]),
                     "stands": self._stands(node),
                 }
@@ -141,7 +141,7 @@ def named(rig: Rig, node: int) -> str:
     return rig.names[node] or f"Node_{rig.labels[node].removeprefix('#')}"
 
 
-def _told(value: Any) -> Any:
+def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, list | tuple) else value
 
 
@@ -159,10 +159,10 @@ def _axes(rig: Rig) -> list[dict[str, Any]]:
         turns = [_seen(rig.world[joint], rig.world[above])]
         if joint in binds and above in binds:
             turns.append(_seen(binds[joint], binds[above]))
-        told = [turn for turn in turns if np.isfinite(turn).all()]
-        if told:
+        finite = [turn for turn in turns if np.isfinite(turn).all()]
+        if finite:
             names = {"name": named(rig, joint), "above": _above(rig, joint)}
-            found.append(names | {"turns": [flat(turn) for turn in told]})
+            found.append(names | {"turns": [flat(turn) for turn in finite]})
     return found
 
 

@@ -244,7 +244,7 @@ class _Builder:
         self.rig = rig
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
-        for title, timeline in replaced_keys.titles(self.rig).items():
+        for title, timeline in replaced_keys.timelines_by_title(self.rig).items():
             if self.clips is not None and self.clips.isdisjoint(timeline.members):
                 continue
             self._keep(title, timeline)
@@ -268,11 +268,11 @@ class _Builder:
     def _given_back(self, rig: Rig, node: int) -> Rig:
         """The rig with the keys back that this reader has replaced, where it drives others from now on."""
         note = rig.metadata[node]
-        wanted = [(output.get("mesh"), output.get("morph")) for output in self.note["outputs"]]
+        required = [(output.get("mesh"), output.get("morph")) for output in self.note["outputs"]]
         had = [(output.get("mesh"), output.get("morph")) for output in note.get("outputs", ())]
-        if set(had) <= set(wanted):
+        if set(had) <= set(required):
             return rig
-        rig, driven = replaced_keys.restored(rig, [node], self.report)
+        rig, driven = replaced_keys.restore_replaced_keys(rig, [node], self.report)
         for mesh, columns in driven.items():
             self.report.driven.setdefault(rig.keys[mesh], set()).update(columns)
         return noted(rig, node, {key: value for key, value in note.items() if key != replaced_keys.KEY})
@@ -360,13 +360,13 @@ class _Builder:
         return {"name": name, "direction": self._numbers(direction)}
 
     def _in_frame(self, direction: Sequence[float] | None) -> Floats:
-        wanted = np.array(direction, dtype=np.float64)
-        if wanted.shape != (3,) or not np.isfinite(wanted).all() or not wanted.any():
+        required = np.array(direction, dtype=np.float64)
+        if required.shape != (3,) or not np.isfinite(required).all() or not required.any():
             raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
         if self.frame < 0:
-            return normalise(wanted)
+            return normalise(required)
         axes = from_axes(orthonormal_axes(self.rig.world[self.frame]))
-        return np.asarray(rotate(conjugate(axes), normalise(wanted)))
+        return np.asarray(rotate(conjugate(axes), normalise(required)))
 
     def _posed(self, text: str) -> Floats:
         """The driver's rotation in the frame in a pose, (4,)."""
@@ -402,10 +402,10 @@ class _Builder:
             if column in drive.columns:
                 raise UsageError(f"morph target '{morph}' of '{name}' can follow one target, not two")
             drive.columns[column] = names.index(target)
-            self._tell_shared(meshes[0], column, morph)
+            self._warn_shared(meshes[0], column, morph)
         return list(found.values())
 
-    def _tell_shared(self, mesh: Mesh, column: int, morph: str) -> None:
+    def _warn_shared(self, mesh: Mesh, column: int, morph: str) -> None:
         """Warn where another reader drives a morph target too: the keys will be this one's."""
         for note in self.rig.metadata.values():
             if note.get("type") != "poseReader" or note.get("name") == self.name:
@@ -497,7 +497,9 @@ class _Builder:
         for drive in self.drives:
             was, mesh = timeline.track(drive.mesh.node, "weights"), self.rig.address(drive.mesh.node)
             old = self.note[replaced_keys.KEY]
-            self.note[replaced_keys.KEY] = replaced_keys.kept(old, title, mesh, was, drive.columns)
+            self.note[replaced_keys.KEY] = replaced_keys.add_replaced_keys(
+                old, title, mesh, was, drive.columns
+            )
 
     def _morph_tracks(self, timeline: Timeline, times: Floats, found: Floats) -> Iterable[Track]:
         for drive in self.drives:
@@ -569,12 +571,12 @@ class _Moving:
 
     @cached_property
     def _part(self) -> tuple[Rig, dict[int, int]]:
-        wanted: set[int] = set()
+        required: set[int] = set()
         for node in (self.driver, self.frame, *self.nodes):
-            while node >= 0 and node not in wanted:
-                wanted.add(node)
+            while node >= 0 and node not in required:
+                required.add(node)
                 node = int(self.rig.parents[node])
-        return replace(self.rig, clips=()).part(sorted(wanted))
+        return replace(self.rig, clips=()).part(sorted(required))
 
     def affecting(self, timeline: Timeline) -> Timeline:
         """The timeline with only those tracks that can change what is read."""

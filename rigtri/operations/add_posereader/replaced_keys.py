@@ -19,7 +19,7 @@ from rigtri.report import Report
 KEY = "before"
 
 
-def titles(rig: Rig) -> dict[str, Timeline]:
+def timelines_by_title(rig: Rig) -> dict[str, Timeline]:
     """What can be played, each by its name, or by the number of its clip where several share one."""
     every = timelines(rig)
     names = [timeline.name for timeline in every]
@@ -29,7 +29,7 @@ def titles(rig: Rig) -> dict[str, Timeline]:
     }
 
 
-def kept(
+def add_replaced_keys(
     old: Sequence[Mapping[str, Any]], clip: str, mesh: str, was: Track | None, morphs: Collection[int]
 ) -> list[Mapping[str, Any]]:
     """What is kept of all clips, with the columns of a track that are driven from now on.
@@ -61,7 +61,9 @@ def kept(
     return [*others, entry]
 
 
-def restored(rig: Rig, nodes: Collection[int], report: Report) -> tuple[Rig, dict[int, set[int]]]:
+def restore_replaced_keys(
+    rig: Rig, nodes: Collection[int], report: Report
+) -> tuple[Rig, dict[int, set[int]]]:
     """The rig with the keys back that the pose readers ``nodes`` have replaced, and which those are.
 
     The last reader first, as each keeps what the one before it has left. Keys of clips and meshes
@@ -70,18 +72,18 @@ def restored(rig: Rig, nodes: Collection[int], report: Report) -> tuple[Rig, dic
     driven: dict[int, set[int]] = {}
     for node in sorted(nodes, reverse=True):
         for entry in rig.metadata[node].get(KEY, ()):
-            mesh, timeline = rig.known(entry["mesh"]), titles(rig).get(entry["clip"])
+            mesh, timeline = rig.known(entry["mesh"]), timelines_by_title(rig).get(entry["clip"])
             now = None if mesh is None or timeline is None else timeline.track(mesh, "weights")
             if mesh is None or timeline is None or now is None:
                 if mesh is None or timeline is None or "times" in entry:
-                    _tell_gone(rig.title(node), entry, report, lost=mesh is None)
+                    _warn_lost_keys(rig.title(node), entry, report, lost=mesh is None)
                 continue
             driven.setdefault(mesh, set()).update(entry["morphs"])
             rig = _put_back(rig, timeline, now, entry)
     return rig, driven
 
 
-def _tell_gone(reader: str, entry: Mapping[str, Any], report: Report, *, lost: bool) -> None:
+def _warn_lost_keys(reader: str, entry: Mapping[str, Any], report: Report, *, lost: bool) -> None:
     what = f"mesh '{entry['mesh']}'" if lost else f"clip '{entry['clip']}'"
     report.warn(
         "keys-gone",

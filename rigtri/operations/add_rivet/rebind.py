@@ -43,9 +43,9 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
 
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
-    told = {note.get("mesh") for note in rig.metadata.values() if note.get("type") == "rivet"}
+    meshes_of_rivets = {note.get("mesh") for note in rig.metadata.values() if note.get("type") == "rivet"}
     skins = {spread.skin for spread in rig.pending.weight_redistributions}
-    if not told or not skins:
+    if not meshes_of_rivets or not skins:
         return rig
     meshes = rig.meshes
     touched = {mesh.node for mesh in meshes if mesh.skin in skins}

@@ -87,7 +87,7 @@ class AddRivetOptions:
             )
         for weights in self.barycentric:
             if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
-                raise UsageError(f"--barycentric {_told(weights)}: three weights from 0 to 1 that sum to 1")
+                raise UsageError(f"--barycentric {_listed(weights)}: three weights from 0 to 1 that sum to 1")
         refuse_points("--at", self.at)
         refuse_unworkable("--fps", self.fps)
         if len(self.names) > 1 and len(self.names) != self.count:
@@ -154,7 +154,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     return _Rivet(rig, options.names[0], seat, ground.size, options, report, frozenset(clips)).built()
 
 
-def _told(numbers: Sequence[float]) -> str:
+def _listed(numbers: Sequence[float]) -> str:
     return ",".join(f"{number:g}" for number in numbers)
 
 

@@ -15,14 +15,20 @@ from typing import Literal, get_args
 import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation.active_controls import NOTHING, controls_and_poles, keyed_in, moved_at_rest, size_of
+from rigtri.evaluation.active_controls import (
+    NOTHING,
+    controls_and_poles,
+    controls_with_keys,
+    moved_at_rest,
+    size_of,
+)
 from rigtri.evaluation.constraint_solver import Parts
-from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, Refined, refined
+from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, RefinedSamples, refine_samples
 from rigtri.evaluation.inverse_solver import solve_controls
 from rigtri.evaluation.key_reduction import key_tolerances, reduce_keys
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.shared_key_times import as_read, times_of
+from rigtri.evaluation.shared_key_times import times_of, with_shared_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import (
     Timeline,
@@ -44,9 +50,9 @@ from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (
-    followers,
     rebake_followers,
     refuse_cycles,
+    rivets_and_readers,
     rivets_of_constraints,
 )
 from rigtri.operations.bake.residuals import fidelity
@@ -74,7 +80,7 @@ _PASSES = 6
 
 @dataclass(frozen=True)
 class BakeOptions:
-    """Everything that `bake` can be told; the defaults are the command's.
+    """The options of `bake`; the defaults are the command's.
 
     to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
     fps: so many samples a second besides the keys; None: as many as ``between`` needs: how far what lies
@@ -95,8 +101,8 @@ class BakeOptions:
         if self.to not in DIRECTIONS:
             raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
         refuse_single_name("--clip", self.clips)
-        told = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
-        for flag, number in (*told, ("--between", self.between)):
+        flags = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
+        for flag, number in (*flags, ("--between", self.between)):
             refuse_unworkable(flag, number)
         if self.fps is not None and not self.fps > 0:
             raise UsageError("--fps is a number above 0, e.g. 30")
@@ -143,7 +149,7 @@ class _Baker:
         self.rig, self.options, self.report, self.start = rig, options, report, rig
         self.solvers: dict[frozenset[int] | None, Solver] = {}
         self.reference = ControlsAtZero(rig)
-        follows = options.to == "joints" and followers(rig)
+        follows = options.to == "joints" and rivets_and_readers(rig)
         if not (
             self.reference.fk or self.reference.limbs or self.reference.roots or rules_of(rig) or follows
         ):
@@ -159,20 +165,20 @@ class _Baker:
                 self.report.warn("no-clips", text)
             for timeline in self._chosen():
                 self._to_controls(timeline)
-            self._tell_limited()
+            self._warn()
             return self.rig
         self.report.reposed = True
         held = rivets_of_constraints(self.rig)
-        told = len(self.report.added)
+        reported = len(self.report.added)
         refuse_cycles(self.rig)
         # What follows a rivet comes to rest once everything before it in the chain has; and then its keys,
         # as other nodes' key times depend on them: a few passes each.
         for _ in range(_PASSES * (len(held) + 1)):
             before = self.rig
-            del self.report.added[told:]
+            del self.report.added[reported:]
             self._once()
             if not held or _same_motion(before, self.rig):
-                self._tell_limited()
+                self._warn()
                 return self.rig
         names = ", ".join(f"'{self.rig.title(node)}'" for node in sorted(held))
         raise GeometryError(
@@ -195,15 +201,15 @@ class _Baker:
         Where joints share their key times those of followers come to them, too, so it is done again until
         there are no more times.
         """
-        told, mine = len(self.report.added), twist_joints(self.rig)
-        seen = as_read(self.rig, without=[twist.node for twist in mine])
+        reported, mine = len(self.report.added), twist_joints(self.rig)
+        seen = with_shared_times(self.rig, without=[twist.node for twist in mine])
         for _ in range(_ROUNDS):
-            del self.report.added[told:]
+            del self.report.added[reported:]
             rig = seen.rig
             for twist in mine:
                 rig, _ = keyed(rig, twist)
             self.rig = seen.undone(rebake_followers(rig, clips, self.report), self.rig)
-            last, seen = seen, as_read(self.rig)
+            last, seen = seen, with_shared_times(self.rig)
             if last.same_times(seen):
                 break
 
@@ -256,8 +262,8 @@ class _Baker:
         """The nodes whose keys say that a control is at work: controls and poles."""
         return controls_and_poles(self.rig)
 
-    def _telling(self, timeline: Timeline, told: Collection[tuple[int, Path]]) -> Timeline:
-        """The timeline without what is found anew, ``told``, and what follows it: the rest says when.
+    def _times_from(self, timeline: Timeline, replaced: Collection[tuple[int, Path]]) -> Timeline:
+        """The timeline without channels that are ``replaced`` and what follows them: the rest gives times.
 
         So a second run, which reads keys that were thinned, looks at the same times.
         """
@@ -266,7 +272,7 @@ class _Baker:
         kept = tuple(
             t
             for t in timeline.clip.tracks
-            if t.path != "weights" and t.node not in follow and (t.node, t.path) not in told
+            if t.path != "weights" and t.node not in follow and (t.node, t.path) not in replaced
         )
         return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 
@@ -278,15 +284,15 @@ class _Baker:
             times = np.unique(np.concatenate([times, before[before > times[0]]]))
         return times
 
-    def _samples(self, curve: JointCurve | ControlCurve, telling: Timeline) -> Refined:
+    def _samples(self, curve: JointCurve | ControlCurve, telling: Timeline) -> RefinedSamples:
         """Where they get keys: also where what lies between these would else be off."""
         times = self._times(telling)
         if steps_only(telling) or not curve.nodes:
-            return Refined(times, curve.at(times), 0.0, limited=False)
+            return RefinedSamples(times, curve.at(times), 0.0, limited=False)
         bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
-        return refined(curve, times, bound=bound, per_second=self.rig.rules.per_second)
+        return refine_samples(curve, times, bound=bound, per_second=self.rig.rules.per_second)
 
-    def _tell_limited(self) -> None:
+    def _warn(self) -> None:
         warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))
         warn_spline_swings(self.start, self.report)
 
@@ -298,15 +304,15 @@ class _Baker:
     # --- to joints
 
     def _to_joints(self, timeline: Timeline) -> None:
-        solver = self._solver(keyed_in(self.rig, timeline))
+        solver = self._solver(controls_with_keys(self.rig, timeline))
         nodes = [node for node in solver.sets if not is_twist(self.rig.metadata.get(node))]
         if not solver.steps or not nodes:
             return
-        told = {
+        replaced = {
             (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
         }
-        told |= {(node, path) for node in solver.offsets for path in _PATHS}
-        telling = self._telling(timeline, told)
+        replaced |= {(node, path) for node in solver.offsets for path in _PATHS}
+        telling = self._times_from(timeline, replaced)
         samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
         times, parts = samples.times, samples.parts
         held = self._jumps(telling, times)
@@ -383,7 +389,7 @@ class _Baker:
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
         solver = self._solver(self.movers - carrying)
         made = self.movers | solver.offsets
-        telling = self._telling(timeline, {(node, path) for node in made for path in _PATHS})
+        telling = self._times_from(timeline, {(node, path) for node in made for path in _PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
         samples = self._samples(ControlCurve(solver, clip, self.size), telling)
@@ -404,17 +410,17 @@ class _Baker:
         found = solve_controls(solver, sample_parts(self.rig, clip, times), keep)
         self.rig = put_tracks(self.rig, timeline, tracks)
         controls = sorted({node for block in found for node in block.found.controls})
-        told, notices = fidelity(
+        fidelity_record, notices = fidelity(
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
         )
         self.report.extend(notices)
-        self._record(timeline, solver, samples, tracks, controls, told)
+        self._record(timeline, solver, samples, tracks, controls, fidelity_record)
 
     def _record(
         self,
         timeline: Timeline,
         solver: Solver,
-        samples: Refined,
+        samples: RefinedSamples,
         tracks: Sequence[Track],
         nodes: Sequence[int],
         more: Mapping[str, float] | None = None,

@@ -14,7 +14,7 @@ from rigtri.operations.add_rivet import rivet
 from rigtri.report import Report
 
 
-def followers(rig: Rig) -> list[int]:
+def rivets_and_readers(rig: Rig) -> list[int]:
     """The nodes of pose readers and then of rivets: morph weights move the points that hold rivets."""
     return [
         node
@@ -69,7 +69,7 @@ def rebake_followers(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
 
     One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, and is told.
     """
-    for node in followers(rig):
+    for node in rivets_and_readers(rig):
         module = posereader if rig.metadata[node]["type"] == "poseReader" else rivet
         try:
             rig = module.rebaked(rig, node, clips=clips, report=report)

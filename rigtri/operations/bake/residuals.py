@@ -25,16 +25,16 @@ def fidelity(
     """
     joint, time, far = _farthest(rig, blocks, times)
     residuals = [residual for block in blocks for residual in block.found.residuals]
-    told = {
+    record = {
         "deviation": far / size,
         "residual_degrees": float(np.degrees(max((r.turn for r in residuals), default=0.0))),
         "residual_move": max((r.move for r in residuals), default=0.0) / size,
     }
     if far <= max(tolerance, NOTHING) * size:
-        return told, []
+        return record, []
     name = rig.title(joint)
     text = f"The controls give '{name}' back {far / size:.2g} of the size off, at {clip}@{time:g}"
-    return told, [Notice("controls-off", f"{text}; {_advice(rig, joint)}", name, geometry=True)]
+    return record, [Notice("controls-off", f"{text}; {_advice(rig, joint)}", name, geometry=True)]
 
 
 def _farthest(rig: Rig, blocks: Sequence[Block], times: Floats) -> tuple[int, float, float]:

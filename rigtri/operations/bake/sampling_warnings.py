@@ -10,7 +10,7 @@ import numpy as np
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
 from rigtri.model.animation import Track, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
 # Two keys of a spline are on opposite sides where the cosine between their quaternions is below this:
@@ -63,7 +63,7 @@ def warn_spline_swings(rig: Rig, report: Report) -> None:
         nodes = [node for node, times in swings.items() if times]
         if nodes:
             first = min(time for node in nodes for time in swings[node])
-            names = some(rig.title(node) for node in nodes)
+            names = list_names(rig.title(node) for node in nodes)
             report.warn(
                 "splines-swing",
                 f"Clip '{clip.name}': the file's own splines of {names} swing round by nearly 360°, from a "

@@ -154,7 +154,9 @@ def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     Raises NameNotFoundError, UsageError, GeometryError (a cycle; a frame that cannot be measured).
     """
     options.checked()
-    return follow(rig, _asked(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report)
+    return follow(
+        rig, _constraint_of(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report
+    )
 
 
 def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Rig:
@@ -166,13 +168,13 @@ def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Ri
     _refuse_cycles(rig, rule, place)
     with np.errstate(all="ignore"):
         rule = measured(rig, rule, keep=keep)
-    _tell(rig, rule, report)
+    _warn(rig, rule, report)
     stored = _stored(rig, rule, place, vrm, report)
     _refuse_unsolvable(rig, stored, rule)
     return stored
 
 
-def _asked(rig: Rig, options: ConstrainOptions) -> Rule:
+def _constraint_of(rig: Rig, options: ConstrainOptions) -> Rule:
     """What the options say, with offsets still to be measured."""
     drivers = tuple(rig.find(name, "node") for name, _ in options.drivers)
     chain = _chain(rig, options) if options.kind == "polevector" else ()
@@ -276,7 +278,7 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
         ) from error
 
 
-def _tell(rig: Rig, rule: Rule, report: Report) -> None:
+def _warn(rig: Rig, rule: Rule, report: Report) -> None:
     """What the user should know of the rule as it is."""
     if not rule.weights.any():
         report.warn(
@@ -308,9 +310,9 @@ def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) 
             rig = renamed(rig, node, name)
         rig = remove_node_constraint(rig, node)
     if vrm:
-        rig, why, said = export_node_constraint(rig, rule, known)
-        note |= {"vrm": said} if said else {}
-        if said is None:
+        rig, why, kind = export_node_constraint(rig, rule, known)
+        note |= {"vrm": kind} if kind else {}
+        if kind is None:
             report.warn(
                 UNTOLD,
                 f"'{rig.title(rule.child)}': VRMC_node_constraint cannot say this {rule.kind} constraint "

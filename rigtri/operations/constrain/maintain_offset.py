@@ -93,8 +93,8 @@ def _pole_offsets(rule: Rule, world: Floats, drivers: Floats) -> Floats:
         return identity(len(drivers))  # a straight limb: the pole stays the only one who knows
     places = drivers[:, 3, :3]
     feet = project(places, root, end)
-    wanted = feet + normalise(bend) * length(places - feet)[:, np.newaxis]
-    return _moves(transform_points(wanted, inverse(drivers)))
+    poles = feet + normalise(bend) * length(places - feet)[:, np.newaxis]
+    return _moves(transform_points(poles, inverse(drivers)))
 
 
 def _moves(places: Floats) -> Floats:

@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.maths.matrices import decompose, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
 # Of the largest number of a bind pose; less went through another program's float32.
@@ -48,7 +48,7 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report, *,
             moves.setdefault(above, back)
     if not moves:
         return rig
-    names = some(rig.title(node) for node in moves)
+    names = list_names(rig.title(node) for node in moves)
     text = f"{names} was moved in Blender while controls drove, where its bones stayed with them: put back"
     report.warn("armature-moved", text)
     for node, back in moves.items():

@@ -24,10 +24,10 @@ from rigtri.model.skin import Skin
 from rigtri.operations.take_clips.node_matching import pairs
 
 
-def _moved(told: Floats, rounded: Floats) -> float:
+def _moved(exact: Floats, rounded: Floats) -> float:
     """How far the axes of a matrix have moved, as a share of their size."""
     size = float(length(rounded[:3, :3]).max())
-    far = float(np.abs(told[:3, :3] - rounded[:3, :3]).max())
+    far = float(np.abs(exact[:3, :3] - rounded[:3, :3]).max())
     return far / size if np.isfinite(far) and size > 0 else 0.0
 
 
@@ -51,9 +51,9 @@ class Counterparts:
         self.turns: dict[int, Floats] = {}
         self._rounded: dict[tuple[int, str], float] = {}
         for node in sorted(self.of):
-            told = self._turn(node)
-            self.turns[node] = self.snapped(told)
-            self._rounded[node, "C"] = _moved(told, self.turns[node])
+            turn = self._turn(node)
+            self.turns[node] = self.snapped(turn)
+            self._rounded[node, "C"] = _moved(turn, self.turns[node])
 
     def slack(self, node: int) -> float:
         """How much C and D of a node, and C of the node above, were rounded: radians, or shares of a size."""
@@ -131,11 +131,11 @@ class Counterparts:
         if node in self._bound:
             return self._bound[node]
         theirs, between = self.of[node], self.between(node)
-        told = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
+        drawn = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
         posed = theirs in self.moving and not self.other.is_joint[theirs]
-        if posed or not np.isfinite(told).all():
+        if posed or not np.isfinite(drawn).all():
             return self._inherited(node, between)
-        return told
+        return drawn
 
     def _inherited(self, node: int, between: Floats) -> Floats:
         """C of the nearest node above that both files have, of a size that makes scales at rest alike."""

@@ -52,7 +52,7 @@ class Comparison:
     def agree(self, pair: Pair) -> bool:
         """Whether a track says what RIG says, by the clock as it is set."""
         was, bound = pair[0], self.tolerances.of(pair[1])
-        now = self.clock.told(pair[1])
+        now = self.clock.to_rig_time(pair[1])
         return not differing(was, now, bound).any() or self.same_knots(was, now, bound) is not None
 
     def same_knots(self, was: Track, now: Track, bound: Floats) -> float | None:
@@ -61,4 +61,4 @@ class Comparison:
 
     @cached_property
     def _dropped(self) -> bool:
-        return tangents_dropped((was, self.clock.told(now)) for was, now in self.pairs)
+        return tangents_dropped((was, self.clock.to_rig_time(now)) for was, now in self.pairs)

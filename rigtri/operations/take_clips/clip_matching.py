@@ -44,7 +44,7 @@ class ClipNames:
     globs: a name, ``#2`` for a clip by its number, "" for the one without a name.
     """
 
-    def __init__(self, rig: Rig, edited: Rig, said: Mapping[str, str], report: Report) -> None:
+    def __init__(self, rig: Rig, edited: Rig, user_names: Mapping[str, str], report: Report) -> None:
         self.rig, self.edited, self.report = rig, edited, report
         self.ours, self.theirs = timelines(rig), timelines(edited)
         self.known: dict[str, list[Timeline]] = {}
@@ -52,7 +52,7 @@ class ClipNames:
             self.known.setdefault(timeline.name, []).append(timeline)
         for shared in [known for known in self.known.values() if len(known) > 1]:
             self.known |= {f"#{timeline.members[0]}": [timeline] for timeline in shared}
-        self.said = self._said(said)
+        self.user_names = self._named_by_user(user_names)
         self.made = MadeNames(edited, self.theirs, {*rig.names, *edited.names} - {""})
         self.unclear: dict[str, str] = {}  # of parts of some clip: why it is not known of which
         self.paired: dict[str, str] = {}  # of clips that were told by something else than a name: why
@@ -62,10 +62,10 @@ class ClipNames:
 
     # --- what the user has said
 
-    def _said(self, said: Mapping[str, str]) -> dict[str, str]:
+    def _named_by_user(self, user_names: Mapping[str, str]) -> dict[str, str]:
         """The clips of the edited file that the user has named, and what they are known as here."""
         found: dict[str, str] = {}
-        for name, clip in said.items():
+        for name, clip in user_names.items():
             hits = [t for t in self.theirs if matches(name, t, (t.name,), self.theirs)]
             if not hits:
                 raise NameNotFoundError("clip", name, [t.name for t in self.theirs])
@@ -94,8 +94,8 @@ class ClipNames:
     def _home_of(self, timeline: Timeline) -> str:
         """The clip of the rig that a clip of the edited file belongs to, or its own name."""
         name = timeline.name
-        if name in self.said:
-            return self.said[name]
+        if name in self.user_names:
+            return self.user_names[name]
         if name in self.known:
             return name
         if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
@@ -135,11 +135,11 @@ class ClipNames:
         """
         loose = [t for t in self.theirs if t.name in self.unclear]
         parts = [t for t in self.theirs if self.made.is_of_object(t)]
-        told = [t for t in parts if t.name in self.said]
+        named = [t for t in parts if t.name in self.user_names]
         homes = {self.homes[id(t)] for t in parts if t not in loose}
         for timeline in loose:
             start, end = span(timeline.clip)
-            first = next(t for t in (*told, *loose) if self.made.alike(t.clip, timeline.clip))
+            first = next(t for t in (*named, *loose) if self.made.alike(t.clip, timeline.clip))
             if start == end and len(homes) == 1:
                 (self.homes[id(timeline)],) = homes
             elif first is timeline:
@@ -159,7 +159,9 @@ class ClipNames:
         Where one of them has no name, and their lengths are the same, to one frame.
         """
         left = [t for name, found in self.known.items() for t in found if name not in self.homes.values()]
-        lost = [t for t in self.theirs if self.homes[id(t)] not in self.known and t.name not in self.said]
+        lost = [
+            t for t in self.theirs if self.homes[id(t)] not in self.known and t.name not in self.user_names
+        ]
         if len(left) != 1 or len({self.homes[id(t)] for t in lost}) != 1 or self.one_timeline:
             return
         if left[0].clip.name and all(t.clip.name for t in lost):
@@ -174,7 +176,7 @@ class ClipNames:
 
     # --- what a user is told
 
-    def tell_unsure(self, name: str, parts: Sequence[Timeline]) -> bool:
+    def warn_unsure(self, name: str, parts: Sequence[Timeline]) -> bool:
         """Tell of parts of a clip that were told by something else than a name; False where none was."""
         called = parts[0].name
         if called in self.paired:
@@ -189,16 +191,16 @@ class ClipNames:
             self.report.warn("split-clip", text)
         return bool(unclear)
 
-    def _tell(self, together: Mapping[str, Sequence[Timeline]]) -> None:
+    def _warn_unmatched(self, together: Mapping[str, Sequence[Timeline]]) -> None:
         """Tell of clips that were not known by name."""
         left = [name for name in self.known if name not in together]
         # What has no motion at all gets its one clip, whatever that is called.
         motionless = self.one_timeline and not self.ours
         for name, parts in together.items():
             called = parts[0].name
-            if self.tell_unsure(name, parts) or name in self.known or motionless:
+            if self.warn_unsure(name, parts) or name in self.known or motionless:
                 continue
-            if self.said.get(called) != called:
+            if self.user_names.get(called) != called:
                 close = get_close_matches(name, list(self.known), n=3) or left[:3]
                 hint = f" Did you mean {', '.join(map(repr, close))}?" if close else ""
                 self.report.warn(
@@ -212,24 +214,24 @@ class ClipNames:
     def taken(self, patterns: Sequence[str]) -> list[Taken]:
         """The clips to be taken, of those that a glob matches by either name."""
         for pattern in patterns:
-            if not any(self._asked(timeline, pattern) for timeline in self.theirs):
+            if not any(self._is_requested(timeline, pattern) for timeline in self.theirs):
                 every = [name for timeline in self.theirs for name in self._names(timeline)]
                 raise NameNotFoundError("clip", pattern, every)
         together = self.together(patterns)
         if self.one_timeline:
             together = self._alone(together)
-        self._tell(together)
+        self._warn_unmatched(together)
         return [self.merged(name, parts) for name, parts in together.items()]
 
     def together(self, patterns: Sequence[str] = ()) -> dict[str, list[Timeline]]:
         """The clips of the edited file by what they are of the rig; those that a glob matches."""
         found: dict[str, list[Timeline]] = {}
         for timeline in self.theirs:
-            if not patterns or any(self._asked(timeline, pattern) for pattern in patterns):
+            if not patterns or any(self._is_requested(timeline, pattern) for pattern in patterns):
                 found.setdefault(self.homes[id(timeline)], []).append(timeline)
         return found
 
-    def _asked(self, timeline: Timeline, pattern: str) -> bool:
+    def _is_requested(self, timeline: Timeline, pattern: str) -> bool:
         return matches(pattern, timeline, self._names(timeline), self.theirs)
 
     @property

@@ -20,7 +20,7 @@ from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
 from rigtri.model.metadata import SWITCH
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
 _PATH: Path = "translation"
@@ -36,12 +36,12 @@ class Switches:
     off: frozenset[int]
 
 
-def switches(told: Rig, ends: Mapping[int, int]) -> Switches:
+def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
     """What a file says of its IK ends: ``ends`` has their nodes there, and what they are in the rig."""
     sizes: dict[int, float] = {}
-    for node, above in enumerate(told.parents.tolist()):
-        if above in ends and SWITCH.fullmatch(told.names[node]):
-            x, y, z = decompose(told.local[node])[2]
+    for node, above in enumerate(edited.parents.tolist()):
+        if above in ends and SWITCH.fullmatch(edited.names[node]):
+            x, y, z = decompose(edited.local[node])[2]
             sizes[ends[above]] = float(x + y + z) / 3
     return Switches(
         frozenset(end for end, size in sizes.items() if size > _ON),
@@ -54,10 +54,10 @@ def ik_ends(rig: Rig) -> list[int]:
     return [node for node, note in rig.metadata.items() if note.get("kind") == "ik"]
 
 
-def holding(rig: Rig, told: Switches, every: Sequence[Timeline]) -> Rig:
+def hold_switched_on_ik(rig: Rig, switched: Switches, every: Sequence[Timeline]) -> Rig:
     """The rig with a key of each IK end that is on, where it stands at rest, in each timeline without keys
     of it and of its pole."""
-    limbs = _limbs(rig, told.on)
+    limbs = _limbs(rig, switched.on)
     done = rig
     for timeline in every:
         tracks = [track for k in timeline.members for track in rig.clips[k].tracks]
@@ -74,14 +74,14 @@ def holding(rig: Rig, told: Switches, every: Sequence[Timeline]) -> Rig:
     return done
 
 
-def drop_switched_off_ik_keys(rig: Rig, told: Switches, every: Sequence[Timeline], report: Report) -> Rig:
+def drop_switched_off_ik_keys(rig: Rig, switched: Switches, every: Sequence[Timeline], report: Report) -> Rig:
     """The rig without keys of IK ends that are off, and of their poles, in the timelines, with a notice."""
-    gone = {node for limb in _limbs(rig, told.off) for node in (limb.control, limb.pole)}
+    gone = {node for limb in _limbs(rig, switched.off) for node in (limb.control, limb.pole)}
     members = {k for timeline in every for k in timeline.members}
     lost = {track.node for k in members for track in rig.clips[k].tracks} & gone
     if not lost:
         return rig
-    names = some(rig.title(node) for node in sorted(lost))
+    names = list_names(rig.title(node) for node in sorted(lost))
     report.warn("ik-off", f"IK was switched off in Blender (rigtri_ik): the keys of {names} are left out")
     clips = (
         replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in lost))

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import controls_and_poles, keyed_in, size_of
+from rigtri.evaluation.active_controls import controls_and_poles, controls_with_keys, size_of
 from rigtri.evaluation.frame_batches import blocks
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
@@ -16,7 +16,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_comparison import Comparison
-from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.report import Report
 
@@ -31,8 +31,8 @@ def warn_lost_motion(seen: Comparison, most: float, report: Report) -> None:
         return
     known = controls_and_poles(rig)
     agreed = (pair for pair in seen.pairs if pair[0].node in known and seen.agree(pair))
-    told = [(was, seen.clock.told(now)) for was, now in agreed]
-    thin = [(was, now, times) for was, now in told if len(times := _more(was, now))]
+    pairs = [(was, seen.clock.to_rig_time(now)) for was, now in agreed]
+    thin = [(was, now, times) for was, now in pairs if len(times := _more(was, now))]
     if not thin:
         return
     frames = {(now.node, now.path): now for _, now, _ in thin}
@@ -41,7 +41,7 @@ def warn_lost_motion(seen: Comparison, most: float, report: Report) -> None:
     far, joint, time = _apart(rig, home, without, np.unique(np.concatenate([each for *_, each in thin])))
     far /= size_of(rig)
     if far > most:
-        controls = some(rig.title(node) for node, _ in frames)
+        controls = list_names(rig.title(node) for node, _ in frames)
         report.warn(
             "keys-lost",
             f"Clip '{home.name}': between the keys that IN has of {controls}, which nobody has edited, the "
@@ -52,7 +52,7 @@ def warn_lost_motion(seen: Comparison, most: float, report: Report) -> None:
 
 def _apart(rig: Rig, a: Timeline, b: Timeline, times: Floats) -> tuple[float, int, float]:
     """How far joints are apart at some times in two states of a clip, at most, in file units; which, when."""
-    solver, joints = Solver(rig, keyed_in(rig, a)), np.flatnonzero(rig.is_joint).tolist()
+    solver, joints = Solver(rig, controls_with_keys(rig, a)), np.flatnonzero(rig.is_joint).tolist()
     worst = (0.0, -1, 0.0)
     for rows in blocks(len(times)):
         one, other = (solver.run(sample_parts(rig, t.clip, times[rows])) for t in (a, b))

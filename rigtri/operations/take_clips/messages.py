@@ -1,4 +1,4 @@
-"""What a user is told about two files that differ in more than motion."""
+"""Messages about two files that differ in more than motion."""
 
 from __future__ import annotations
 
@@ -16,28 +16,29 @@ from rigtri.report import Report
 _MOVED = 1e-4
 
 
-def strangers(rig: Rig, edited: Rig) -> str:
+def why_nothing_matches(rig: Rig, edited: Rig) -> str:
     """Why no node of the two files is one."""
     nameless = [file for file, known in (("RIG", rig), ("EDITED", edited)) if not any(known.names)]
     if nameless:
         return (
-            f"The nodes of {' and '.join(nameless)} have no names, and their places do not tell "
+            f"The nodes of {' and '.join(nameless)} have no names, and their positions do not show "
             f"which is which: {why_apart(rig, edited)}. Give the nodes names before you edit the file"
         )
     return (
-        f"No node of EDITED has the name of one of RIG: there are {some(edited.names)} and "
-        f"{some(rig.names)}. Were they made of one another?"
+        f"No node of EDITED has the name of one of RIG: there are {list_names(edited.names)} and "
+        f"{list_names(rig.names)}. Were they made of one another?"
     )
 
 
-def tell(both: Counterparts, report: Report) -> None:
+def warn_differences(both: Counterparts, report: Report) -> None:
     """What differs between the two files beside motion."""
     rig, edited = both.rig, both.other
     driven = {edited.names[t.node] for clip in edited.clips for t in clip.tracks if moves(t)}
     if unclear := [name for name in both.unclear if name in driven]:
         report.warn(
             "unclear-names",
-            f"Several nodes are called {some(unclear)}, and nothing tells which is which; they were left out",
+            f"Several nodes are called {list_names(unclear)}, "
+            "so it is not clear which is which; they were left out",
         )
     if driven_places := [node for node in both.placed if both.of[node] in both.moving]:
         report.warn(
@@ -53,7 +54,7 @@ def tell(both: Counterparts, report: Report) -> None:
     if moved:
         report.warn(
             "other-parents",
-            f"{some(moved)} have other parents in EDITED; their motion was taken through the world",
+            f"{list_names(moved)} have other parents in EDITED; their motion was taken through the world",
         )
     if both.other_proportions:
         report.warn(
@@ -63,44 +64,44 @@ def tell(both: Counterparts, report: Report) -> None:
         )
 
 
-def tell_tracks(
+def warn_tracks(
     report: Report,
     clip: str,
     sampled: Sequence[str],
     kept: Sequence[str],
     splines: Sequence[tuple[str, float]],
 ) -> None:
-    """Tell of the tracks of a clip, by the names of their nodes, that could not be taken key by key.
+    """Warn of the tracks of a clip, by the names of their nodes, that could not be taken key by key.
 
     sampled: worked out anew; kept: those that only RIG has; splines: kept, and how far EDITED's are off.
     """
     if sampled:
         report.warn(
             "sampled",
-            f"In '{clip}' the motion of {some(sampled)} had to be worked out at EDITED's keys: "
-            "what is above them, or their axes, move or shear; between keys it may differ",
+            f"In '{clip}' the motion of {list_names(sampled)} was sampled at EDITED's keys: "
+            "the nodes above them, or their axes, move or shear; between keys it may differ",
         )
     if kept:
         report.warn(
             "kept-keys",
-            f"EDITED has no keys for {some(kept)} in '{clip}'; RIG's were kept",
+            f"EDITED has no keys for {list_names(kept)} in '{clip}'; RIG's were kept",
         )
     if splines:
         far = max(size for _, size in splines)
         report.warn(
             "splines-kept",
-            f"In '{clip}' EDITED says at the spline keys of {some(n for n, _ in splines)} "
-            f"what RIG says, and has other curves between (up to {far:.2g}); RIG's splines were kept",
+            f"In '{clip}' EDITED has at the spline keys of {list_names(n for n, _ in splines)} "
+            f"the values of RIG, and other curves between (up to {far:.2g}); RIG's splines were kept",
         )
 
 
 def moves(track: Track) -> bool:
-    """Whether a track says more than one thing."""
+    """Whether the values of a track change."""
     values = key_values(track)
     return bool(np.abs(values - values[0]).max(initial=0.0) > _MOVED)
 
 
-def some(names: Iterable[str]) -> str:
+def list_names(names: Iterable[str]) -> str:
     listed = list(dict.fromkeys(name for name in names if name))
     more = f" and {len(listed) - 4} more" if len(listed) > 4 else ""
     return ", ".join(f"'{name}'" for name in listed[:4]) + more if listed else "no names"

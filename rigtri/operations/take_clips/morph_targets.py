@@ -40,7 +40,7 @@ class MorphNames:
         mesh = self._meshes.get(node)
         return () if mesh is None else mesh.morph_names
 
-    def told(
+    def merged_track(
         self,
         node: int,
         track: Track,

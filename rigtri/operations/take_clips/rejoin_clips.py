@@ -56,7 +56,7 @@ def joined(
         if _is(parts, title) and tracks is whole.clip.tracks:
             continue
         if not _is(parts, title):
-            known.tell_unsure(name, parts)
+            known.warn_unsure(name, parts)
             report.added.append({"type": "joined", "clip": title, "from": list(whole.parts)})
         for part in parts:
             clips[part.members[0]] = None

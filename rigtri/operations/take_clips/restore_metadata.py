@@ -21,8 +21,13 @@ from rigtri.model.metadata import ADDED
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
-from rigtri.operations.take_clips.ik_switches import drop_switched_off_ik_keys, holding, ik_ends, switches
-from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.ik_switches import (
+    drop_switched_off_ik_keys,
+    hold_switched_on_ik,
+    ik_ends,
+    switches,
+)
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.report import Report
@@ -50,41 +55,42 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     if not any(note.get("type") != "group" for note in found.values()):
         many = [described.names[node] for node in missing if described.names[node] in both.unclear]
         raise GeometryError(
-            f"Several nodes of one name could be meant by {some(many)} of the file of --rig; "
+            f"Several nodes of one name could be meant by {list_names(many)} of the file of --rig; "
             "a name must be one node's"
             if many
             else "No node of the file of --rig is in this file; were they made of one another?"
         )
     if missing:
-        names = some(described.names[node] for node in missing)
+        names = list_names(described.names[node] for node in missing)
         report.warn("not-in-this-file", f"{names} of the file of --rig are not in this file")
-    _tell_of_others(rig, found, report)
+    _warn_other_metadata(rig, found, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
     others = _bound_otherwise(rig, described, both.of)
     if others:
         report.warn(
             "other-bind-poses",
-            f"Joints are bound otherwise than in the file of --rig ({some(others)}): another character, "
+            f"Joints are bound otherwise than in the file of --rig ({list_names(others)}): "
+            "another character, "
             "or axes that a DCC has turned. Controls keep the rest of this file, which may be what a frame "
             "of a clip shows. For a file that a DCC has exported: rigtri take-clips RIG --from IN",
             geometry=True,
         )
         return whole
-    told = switches(whole, {node: node for node in ik_ends(whole)})
-    if told.on | told.off:
+    switched = switches(whole, {node: node for node in ik_ends(whole)})
+    if switched.on | switched.off:
         whole = put_back(whole, described, both.of, report)
     rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
-    whole = drop_switched_off_ik_keys(whole, told, timelines(whole), report)
-    return holding(whole, told, timelines(whole))
+    whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
+    return hold_switched_on_ik(whole, switched, timelines(whole))
 
 
-def _tell_of_others(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
+def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
     """A notice where the file has a description of its own that says something else."""
     names = [rig.title(node) for node, note in found.items() if rig.metadata.get(node, note) != note]
     if names:
-        text = f"What this file says of {some(names)} is replaced by what the file of --rig says"
+        text = f"What this file says of {list_names(names)} is replaced by what the file of --rig says"
         report.warn("described-anew", text)
 
 
@@ -171,7 +177,9 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
         report.reposed = True  # lines of controls go along
         report.added.append({"type": "described", "nodes": names})
     if elsewhere:
-        text = f"{some(elsewhere)} hang on other nodes than in the file of --rig, and keep the rest they have"
+        text = (
+            f"{list_names(elsewhere)} have other parents than in the file of --rig, and keep their rest pose"
+        )
         more = "For a file that a DCC has exported: rigtri take-clips RIG --from IN"
         report.warn("rest-kept", f"{text}. {more}", geometry=True)
     return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)

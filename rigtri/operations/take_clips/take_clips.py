@@ -26,22 +26,32 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.generated_names import span
-from rigtri.operations.take_clips.ik_switches import drop_switched_off_ik_keys, holding, ik_ends, switches
+from rigtri.operations.take_clips.ik_switches import (
+    drop_switched_off_ik_keys,
+    hold_switched_on_ik,
+    ik_ends,
+    switches,
+)
 from rigtri.operations.take_clips.key_merging import merged, thinned
-from rigtri.operations.take_clips.messages import moves, some, strangers, tell, tell_tracks
+from rigtri.operations.take_clips.messages import (
+    list_names,
+    moves,
+    warn_differences,
+    warn_tracks,
+    why_nothing_matches,
+)
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.retargeting import PATHS, rest_parts
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED, differing, lacking
-from rigtri.operations.take_clips.unkeyed_poses import told as told_of
-from rigtri.operations.take_clips.unkeyed_poses import unkeyed
+from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
 from rigtri.report import Report
 
 
 @dataclass(frozen=True)
 class TakeClipsOptions:
-    """Everything that `take_clips` can be told; the defaults are the command's.
+    """The options of `take_clips`; the defaults are the command's.
 
     clips: globs of the clips, by their names in either file; all where there is none. names: the clip
     of the rig that a clip of the edited file is, where the names do not say it. tolerance: how far what
@@ -77,20 +87,20 @@ def take_clips(rig: Rig, edited: Rig, *, options: TakeClipsOptions, report: Repo
     options = options.checked()
     # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
     of = pairs(rig, edited).of
-    told = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
-    if told.on | told.off:
+    switched = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
+    if switched.on | switched.off:
         edited = put_back(edited, rig, of, report, binds=True)
-        _tell_unkeyed(rig, edited, of, report)
+        _warn_unkeyed(rig, edited, of, report)
     both = Counterparts(rig, edited)
     if not both.of:
-        raise GeometryError(strangers(rig, edited))
+        raise GeometryError(why_nothing_matches(rig, edited))
     names = ClipNames(rig, edited, options.names, report)
     if not names.theirs:
         raise GeometryError(
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
     every = names.taken(options.clips)
-    tell(both, report)
+    warn_differences(both, report)
     taken_all, changed = set[str](), set[str]()
     for taken in every:
         taking = _Taking(rig, both, taken, options.tolerance, report)
@@ -105,16 +115,16 @@ def take_clips(rig: Rig, edited: Rig, *, options: TakeClipsOptions, report: Repo
         if rig is not before:
             changed.add(taken.name)
     rig = drop_switched_off_ik_keys(
-        rig, told, [each for each in timelines(rig) if each.name in taken_all], report
+        rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
     )
-    return holding(rig, told, [each for each in timelines(rig) if each.name in changed])
+    return hold_switched_on_ik(rig, switched, [each for each in timelines(rig) if each.name in changed])
 
 
-def _tell_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
+def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
     """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
     controls = {n: of[n] for n, note in rig.metadata.items() if note.get("type") == "control" and n in of}
     if left := unkeyed(edited, controls, rig, rig, of):
-        text = f"No clip of EDITED has keys of {told_of(rig, left)}, posed otherwise than in RIG"
+        text = f"No clip of EDITED has keys of {list_channels(rig, left)}, posed otherwise than in RIG"
         report.warn("held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig")
 
 
@@ -156,7 +166,7 @@ class _Taking:
         else:
             self._one_range()
             rig = put_tracks(self.rig, home, self.changed) if self.changed else self.rig
-        self._tell()
+        self._warn()
         if rig is not self.rig:
             self.report.reposed = True
         return rig
@@ -180,7 +190,7 @@ class _Taking:
             for place, track in left.items():
                 if (now := self.ranges.fitted(track, self.spans.get(place))) is not track:
                     self.changed.append(now)
-        if self.changed and self.ranges.told:
+        if self.changed and self.ranges.reported:
             self.report.warn("other-range", self.ranges.notice(self.taken.name))
 
     # --- nodes
@@ -212,7 +222,7 @@ class _Taking:
 
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig says it already."""
-        bound, now = self.tolerances.of(theirs), self.clock.told(theirs)
+        bound, now = self.tolerances.of(theirs), self.clock.to_rig_time(theirs)
         self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
@@ -276,14 +286,14 @@ class _Taking:
         ours, theirs = MorphNames(self.rig), MorphNames(self.both.other)
         for track in tracks:
             node = self.both.back[track.node]
-            told = ours.told(node, track, theirs, self._old(node, "weights"), self.clock.times)
-            if told is None:
+            merged = ours.merged_track(node, track, theirs, self._old(node, "weights"), self.clock.times)
+            if merged is None:
                 self.report.warn(
                     "other-morphs",
                     f"'{self.rig.title(node)}' has other morph targets in EDITED; their motion was left out",
                 )
             else:
-                self._add(self._fresh(told))
+                self._add(self._fresh(merged))
 
     def _add(self, track: Track | None) -> None:
         if track is not None:
@@ -297,12 +307,14 @@ class _Taking:
         clip = Clip(self.taken.name, tuple(self.changed), self.taken.key)
         return replace(self.rig, clips=(*self.rig.clips, clip))
 
-    def _tell(self) -> None:
+    def _warn(self) -> None:
         name, report = self.taken.name, self.report
-        tell_tracks(report, name, self.sampled, self.kept, self.splines)
+        warn_tracks(report, name, self.sampled, self.kept, self.splines)
         lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
         if lost:
-            report.warn("no-such-node", f"RIG has no {some(lost)}; their motion in '{name}' was left out")
+            report.warn(
+                "no-such-node", f"RIG has no {list_names(lost)}; their motion in '{name}' was left out"
+            )
         replaced = [self._old(track.node, track.path) for track in self.changed]
         report.added.append(
             {

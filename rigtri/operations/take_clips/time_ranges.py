@@ -36,7 +36,7 @@ class Clock:
         # Where it may be moved to by less than that: Blender's NLA tracks come out one frame late.
         self.beside: tuple[float, ...] = ()
         self._known = {clip_times.tobytes(): clip_times for clip_times in _times_of(taken.home)}
-        self._told: dict[int, tuple[Floats, Floats]] = {}
+        self._times_of_rig: dict[int, tuple[Floats, Floats]] = {}
         frame = frame_of(taken.clip)
         if taken.home is not None and frame:
             (start, end), (ours, last) = span(taken.clip), span(taken.home.clip)
@@ -53,7 +53,7 @@ class Clock:
     def settle(self, shift: float) -> None:
         """Move EDITED's times by so much of the rig's unit."""
         self.shift = shift
-        self._told.clear()
+        self._times_of_rig.clear()
 
     def times(self, theirs: Floats) -> Floats:
         """Times of the edited file as those of the rig, (k,)."""
@@ -65,13 +65,13 @@ class Clock:
         """A track where the clip lies, in EDITED's own unit."""
         return replace(track, times=as_float32(track.times + self.shift / self.factor))
 
-    def told(self, track: Track) -> Track:
+    def to_rig_time(self, track: Track) -> Track:
         """A track at the rig's times; arrays that are one stay one."""
-        if id(track.times) not in self._told:
+        if id(track.times) not in self._times_of_rig:
             times = self.times(track.times)
             times = self._known.get(times.tobytes(), times)
-            self._told[id(track.times)] = track.times, times
-        times, values = self._told[id(track.times)][1], track.values
+            self._times_of_rig[id(track.times)] = track.times, times
+        times, values = self._times_of_rig[id(track.times)][1], track.values
         if track.interpolation == "CUBICSPLINE" and self.factor != 1.0:
             values = values * np.array([1.0 / self.factor, 1.0, 1.0 / self.factor])[:, np.newaxis]
         return replace(track, times=times, values=values)
@@ -91,14 +91,14 @@ class Ranges:
     """The ranges, in RIG's unit, of a clip: RIG's, EDITED's as it is there, and as it is taken.
 
     whole: RIG's clip is to have the range that EDITED's has, as EDITED moves most of what RIG moves.
-    told: whether the user is to know of it.
+    reported: whether the user is to know of it.
     """
 
     ours: tuple[float, float]
     theirs: tuple[float, float]
     taken: tuple[float, float]
     whole: bool
-    told: bool
+    reported: bool
 
     def fitted(self, track: Track, own: tuple[float, float] | None) -> Track:
         """A track in the clip's range, or in that which EDITED's track has, ``own``: cut on its own curve, or

@@ -32,7 +32,7 @@ SAME_TANGENT = 1e-3
 _STEEPER = 1.5
 
 
-def apart(path: str, a: Floats, b: Floats) -> Floats:
+def differences(path: str, a: Floats, b: Floats) -> Floats:
     """How far values, (k, c), are apart, (k,): turns in radians."""
     if path == "rotation":
         return rotation_angle(product(conjugate(unit(a)), unit(b)))
@@ -44,12 +44,12 @@ def off(was: Track, now: Track, missed: float = MISSED) -> Floats:
     values, times = key_values(now), now.times
     if np.array_equal(was.times, times) and np.array_equal(was.values, now.values):
         return np.zeros(len(times))
-    told = [sample(was, times)]
+    ours = [sample(was, times)]
     if was.interpolation == "STEP" and len(was.times) > 1:
-        told += [sample(was, times - missed), sample(was, times + missed)]
+        ours += [sample(was, times - missed), sample(was, times + missed)]
     if was.path == "rotation" and was.interpolation == "LINEAR" and len(was.times) > 1:
-        told.append(_straight(was, times))
-    return np.asarray(np.min([apart(now.path, values, each) for each in told], axis=0))
+        ours.append(_straight(was, times))
+    return np.asarray(np.min([differences(now.path, values, each) for each in ours], axis=0))
 
 
 def differing(was: Track, now: Track, bound: Floats) -> Booleans:
@@ -58,7 +58,7 @@ def differing(was: Track, now: Track, bound: Floats) -> Booleans:
     if was.interpolation == now.interpolation == "CUBICSPLINE" and len(now.times) > 1:
         for share in (0.25, 0.5, 0.75):
             between = now.times[:-1] + share * np.diff(now.times)
-            far = apart(now.path, sample(now, between), sample(was, between))
+            far = differences(now.path, sample(now, between), sample(was, between))
             bent = far > np.maximum(bound[:-1], bound[1:])
             found[:-1] |= bent
             found[1:] |= bent
@@ -91,11 +91,11 @@ def lacking(was: Track, now: Track, frames: Floats, bound: Floats, unit_of: floa
         left = np.clip(np.searchsorted(now.times, was.times, side="right") - 1, 0, len(now.times) - 2)
         within = (was.times >= now.times[0]) & (was.times <= now.times[-1])
         inside = within & (np.diff(now.times)[left] > _GAP * frame) & ~np.isin(was.times, now.times)
-    times, told = was.times[inside], key_values(was)[inside]
+    times, ours = was.times[inside], key_values(was)[inside]
     if not len(times) or _left_out(was, now, frames, unit_of):
         return found
-    said = [sample(now, times + missed) for missed in (0.0, -MISSED, MISSED)]
-    far = np.min([apart(was.path, told, each) for each in said], axis=0)
+    their_values = [sample(now, times + missed) for missed in (0.0, -MISSED, MISSED)]
+    far = np.min([differences(was.path, ours, each) for each in their_values], axis=0)
     gone = left[inside][far > bound[left[inside]]]
     found[gone] = True
     found[np.minimum(gone + 1, len(found) - 1)] = True
@@ -133,7 +133,7 @@ def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
 
     A DCC keeps tangents or drops them all, and makes its own; a hand moves some. Two, at least, tell.
     """
-    told = 0
+    bent = 0
     for was, now in pairs:
         if was.interpolation != "CUBICSPLINE" or now.interpolation != "CUBICSPLINE":
             continue
@@ -148,8 +148,8 @@ def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
             apart = np.abs(a[:, side] - b[:, side]).max(axis=1)
             if (apart[large > 0] <= SAME_TANGENT * large[large > 0]).any():
                 return False
-            told += int(np.count_nonzero(large > 0)) if side == 0 else 0
-    return told > 1
+            bent += int(np.count_nonzero(large > 0)) if side == 0 else 0
+    return bent > 1
 
 
 def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) -> float | None:
@@ -173,15 +173,15 @@ def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) 
     bends = _bends(now)
     bend = np.where(on_frame, 0.0, np.maximum(bends[at - 1], bends[at]))
     near = np.interp(knots, now.times, bound)
-    if (apart(now.path, sample(now, knots), sample(was, knots)) > near + bend).any():
+    if (differences(now.path, sample(now, knots), sample(was, knots)) > near + bend).any():
         return None
     far = off(was, now)
     segment = np.clip(np.searchsorted(was.times, now.times, side="right") - 1, 0, len(was.times) - 2)
     own = key_values(was)
-    reach = apart(was.path, own[:-1], own[1:])
+    reach = differences(was.path, own[:-1], own[1:])
     chord = _linear(was)
     bulge = np.zeros(len(reach))
-    np.maximum.at(bulge, segment, apart(was.path, sample(was, now.times), sample(chord, now.times)))
+    np.maximum.at(bulge, segment, differences(was.path, sample(was, now.times), sample(chord, now.times)))
     swing = np.maximum(0.5 * reach, _swing(was))
     return None if (far > bound + bulge[segment] + swing[segment]).any() else float(far.max())
 
@@ -199,7 +199,7 @@ def _bends(track: Track) -> Floats:
     """How far keys are from the middle between their neighbours, (k,); the ends as those beside them."""
     values = key_values(track)
     line = _between(track.path, values[:-2], values[2:])
-    found = apart(track.path, line, values[1:-1])
+    found = differences(track.path, line, values[1:-1])
     return np.concatenate([found[:1], found, found[-1:]])
 
 

@@ -19,7 +19,7 @@ from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.messages import some
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
 # What went through another program's float32; moves as a share of the size.
@@ -46,7 +46,9 @@ def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, in
             tracks = [Track(node, path, "STEP", start, as_float32(value)) for node, path, value in fresh]
             done = put_tracks(done, timeline, tracks)
     if done is not rested:
-        text = f"No clip has keys of {told(rested, fresh)}, posed otherwise than in the file of --rig"
+        text = (
+            f"No clip has keys of {list_channels(rested, fresh)}, posed otherwise than in the file of --rig"
+        )
         report.warn("held-without-keys", f"{text}: held so in all clips")
     return done
 
@@ -73,12 +75,12 @@ def unkeyed(
     ]
 
 
-def told(rig: Rig, channels: Iterable[tuple[int, Path, Floats]]) -> str:
+def list_channels(rig: Rig, channels: Iterable[tuple[int, Path, Floats]]) -> str:
     """Nodes by name, each with its channels."""
     paths = dict[int, list[str]]()
     for node, path, _ in channels:
         paths.setdefault(node, []).append(path)
-    return some(f"{rig.title(node)} ({', '.join(each)})" for node, each in paths.items())
+    return list_names(f"{rig.title(node)} ({', '.join(each)})" for node, each in paths.items())
 
 
 def _passes(track: Track, value: Floats) -> bool:
