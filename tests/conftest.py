@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import difflib
 import re
+import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 import pytest
 from hypothesis import settings
-from places import ASSETS, GOLDENS, LARGE, NO_ASSETS, SAMPLES
+from places import ASSETS, GOLDENS, NO_ASSETS, SAMPLES, TESTS
 from program import program
 
 from rigtri import register_usd_schemas
 
 # A slow machine is no failure, and a law that fails should fail the same way tomorrow.
-settings.register_profile("rigtri", deadline=None, derandomize=True)
-settings.load_profile("rigtri")
+settings.register_profile("readme", deadline=None, derandomize=True, max_examples=25)
+settings.register_profile("proofs", deadline=None, derandomize=True, max_examples=200)
 
 # Tests open stages of their own.
 register_usd_schemas()
@@ -30,25 +32,69 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.
 CLOSE = 1e-5
 
 
+# What `pytest -m quick` runs, besides the examples in docstrings.
+QUICK = (
+    "maths",
+    "model",
+    "laws",
+    "evaluation/test_two_bone.py",
+    "evaluation/test_insertion.py",
+    "frames/test_reframe.py",
+    "frames/test_rounding.py",
+    "recognition/test_limbs.py",
+    "formats/gltf/test_gltf_read.py",
+    "formats/gltf/test_gltf_write.py",
+    "formats/usd/test_usd_reading.py",
+    "formats/usd/test_usd_writing.py",
+    "formats/vrm/test_vrm.py",
+    "export/test_explain.py",
+    "pipeline/test_pipeline.py",
+    "cli/test_completion.py",
+    "house/test_architecture.py",
+)
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="write goldens anew; then look at git diff")
-    parser.addoption("--slow", action="store_true", help="run the long proofs too")
+    parser.addoption("--slow", action="store_true", help="run the proofs too")
+    parser.addoption("--sample", metavar="K/N", default="1/1", help="of the proofs, the Kth of N parts")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    settings.load_profile("proofs" if config.getoption("--slow") else "readme")
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave the long proofs out unless they are asked for."""
-    if config.getoption("--slow"):
-        return
+    """Mark the quick tests and the proofs; leave out the proofs that are not asked for."""
+    kept, left_out = [], []
     for item in items:
-        if item.get_closest_marker("slow") or (
-            _is_of_large_file(item) and not item.get_closest_marker("large")
-        ):
-            item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
+        folder = item.path.relative_to(TESTS) if item.path.is_relative_to(TESTS) else None
+        if folder is None or folder.as_posix().startswith(QUICK):
+            item.add_marker("quick")
+        if folder is not None and (folder.parts[0] == "proofs" or _is_of_a_real_file(item)):
+            item.add_marker("slow")
+        asked_for = config.getoption("--slow") and _is_in_part(item, config.getoption("--sample"))
+        (left_out if item.get_closest_marker("slow") and not asked_for else kept).append(item)
+    items[:] = kept
+    config.hook.pytest_deselected(items=left_out)
 
 
-def _is_of_large_file(item: pytest.Item) -> bool:
+def _is_of_a_real_file(item: pytest.Item) -> bool:
     given = item.callspec.params.values() if hasattr(item, "callspec") else ()
-    return any(isinstance(value, Path) and value.name in LARGE for value in given)
+    return any(isinstance(value, Path) and value.is_relative_to(ASSETS) for value in given)
+
+
+def _is_in_part(item: pytest.Item, part: str) -> bool:
+    """Whether the hash of a test's name falls into part K of N."""
+    number, count = map(int, part.split("/"))
+    return zlib.crc32(item.nodeid.encode()) % count == number - 1
+
+
+@pytest.fixture(scope="session")
+def every(pytestconfig: pytest.Config) -> Callable[[int], int]:
+    """``every(7)``: the step through all bytes of a file, 7, or 1 where the proofs run."""
+    return lambda step: 1 if pytestconfig.getoption("--slow") else step
 
 
 @pytest.fixture(scope="session")

@@ -10,8 +10,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = ROOT / "samples"
-BUILDERS = ROOT / "tests" / "builders"
-GOLDENS = ROOT / "tests" / "goldens"
+TESTS = ROOT / "tests"
+BUILDERS = TESTS / "builders"
+GOLDENS = TESTS / "goldens"
 ASSETS = Path(os.environ.get("RIGTRI_ASSETS") or ROOT.parent / "shared" / "assets")
 NO_ASSETS = "real files are not here: set RIGTRI_ASSETS"
 
@@ -71,27 +72,6 @@ KNOWN: dict[str, set[str]] = {
     },
 }
 
-# Of most tests of real files a file of many keys is the longest by far: `slow`, unless the test is marked
-# `large`.
-LARGE = {"gdquest_mannequiny-0.3.0.glb", "kaykit_Barbarian.glb", "raylib_robot.glb"}
-
-# One real file of each kind, which stands for the others where a test would be long with all of them.
-KINDS = {
-    "Godette_v4.vrm",
-    "addon_Example_vrm1.vrm",
-    "blender_cubic_godot_enemy.glb",
-    "gltfpack_cc_kn_godot_enemy.glb",
-    "gt_sparse_player.glb",
-    "khronos_CesiumMan_Binary.glb",
-    "khronos_RiggedFigure_sep.gltf",
-    "magnum_Assimp_skin-shared.gltf",
-    "mayausd_HIK_Export.usda",
-    "momentum_skeleton_non_joint_root.glb",
-    "pixar_twoBends.usda",
-    "test.usda",
-    "usdwg_CesiumMan.usdz",
-}
-
 # The samples that stand for the others.
 FEW = {"arm.gltf", "biped.glb", "biped.usda", "mirrored_pair.glb"}
 
@@ -133,10 +113,9 @@ def samples_of_all_kinds(*suffixes: str) -> list[Any]:
     return [path if path.name in FEW else slow(path) for path in sample_files(*suffixes)]
 
 
-def files_of_all_kinds() -> list[Any]:
-    """A sample and a real file of each kind; with --slow all samples and all real files."""
-    real = [path if path.name in KINDS else slow(path) for path in asset_files()]
-    return [*samples_of_all_kinds(), *real]
+def files_of_all_kinds(*suffixes: str) -> list[Any]:
+    """A sample of each kind; with --slow all samples and all real files."""
+    return [*samples_of_all_kinds(*suffixes), *asset_files(*suffixes)]
 
 
 def real_files() -> list[Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ from baked_rigs import (
     stored,
     with_keyed_controls,
 )
-from places import KINDS, SAMPLES, USD, asset_files, leave_out_refused, samples_of_all_kinds, slow
+from places import SAMPLES, USD, files_of_all_kinds, leave_out_refused, slow
 from program import cli
 from second_opinions import validator
 
@@ -43,7 +42,7 @@ from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 
-@pytest.mark.parametrize("clip", ["walk", "wave"])
+@pytest.mark.parametrize("clip", ["walk", slow("wave")])
 def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
     rig = rigged()
     home = bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions())
@@ -275,18 +274,11 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
     assert apart(before, after, "walk", sampling.key_times(before.clip("walk"))) < BOUND
 
 
-def moving() -> list[Any]:
-    """Files with joints, which a .vrma has not; one of each kind, with --slow all."""
-    suffixes = (".glb", ".gltf", ".vrm", *USD)
-    quick = (KINDS | {"gdquest_mannequiny-0.3.0.glb"}) - {"mayausd_HIK_Export.usda"}
-    real = [
-        pytest.param(p, marks=() if p.name in quick else pytest.mark.slow) for p in asset_files(*suffixes)
-    ]
-    return [*samples_of_all_kinds(*suffixes), *real]
+# A .vrma has no joints.
+WITH_JOINTS = files_of_all_kinds(".glb", ".gltf", ".vrm", *USD)
 
 
-@pytest.mark.large
-@pytest.mark.parametrize("path", moving(), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", WITH_JOINTS, ids=lambda path: path.name)
 def test_real_motion_comes_home(path: Path) -> None:
     try:
         rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))

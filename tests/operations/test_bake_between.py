@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from baked_rigs import animated, apart, control, rigged, size
+from places import slow
 
 from rigtri.evaluation import curve_refinement, sampling
 from rigtri.evaluation.active_controls import controls_with_keys
@@ -33,7 +34,7 @@ def reaching(name: str) -> Rig:
     return replace(rig, clips=rig.clips[-1:])
 
 
-@pytest.mark.parametrize("clip", ["walk", "wave"])
+@pytest.mark.parametrize("clip", [slow("walk"), "wave"])
 def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
     rig, report = rigged(), Report()
     home = bake(

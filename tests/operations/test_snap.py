@@ -265,20 +265,14 @@ def test_what_cannot_be_snapped_is_told() -> None:
         snap(rig, options=SnapOptions("ik", ()))
 
 
-def files_to_snap() -> list[Any]:
-    """Two samples and a short real file; the others are long."""
-    short, real = "pixar_skinnedArm.usda", ("usdwg_RiggedFigure.usdz", "raylib_robot.glb")
-    found = [pytest.param(path, id=path.name) for path in asset_files() if path.name == short]
-    found += [
-        pytest.param(path, id=path.name, marks=pytest.mark.slow)
-        for path in asset_files()
-        if path.name in real
-    ]
-    samples = [pytest.param(SAMPLES / "biped.glb", id="biped.glb", marks=pytest.mark.slow)]
-    return [*samples, pytest.param(SAMPLES / "biped.usda", id="biped.usda", marks=pytest.mark.slow), *found]
+REAL = {"pixar_skinnedArm.usda", "raylib_robot.glb", "usdwg_RiggedFigure.usdz"}
+TO_SNAP = [
+    *map(slow, (SAMPLES / "biped.glb", SAMPLES / "biped.usda")),
+    *(path for path in asset_files() if path.name in REAL),
+]
 
 
-@pytest.mark.parametrize("path", files_to_snap())
+@pytest.mark.parametrize("path", TO_SNAP, ids=lambda path: path.name)
 def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
     suffix = ".usdc" if path.suffix == ".usda" else path.suffix
     made, up, fk, ik, again = (tmp_path / f"{k}{suffix}" for k in range(5))

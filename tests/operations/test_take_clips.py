@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from morphs import arm
-from places import SAMPLES, asset_files, leave_out_refused, samples_of_all_kinds, slow
+from places import SAMPLES, files_of_all_kinds, leave_out_refused
 from program import cli
 from pxr import Usd
 from rigs import chain
@@ -60,7 +60,7 @@ def in_metal(rig: Rig) -> Rig:
     return replace(above, parents=parents).reordered(order)
 
 
-FILES = [*samples_of_all_kinds(), *map(slow, asset_files())]
+FILES = files_of_all_kinds()
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

@@ -12,7 +12,7 @@ from typing import Any
 import click
 import jsonschema
 import pytest
-from places import ROOT, SAMPLES, asset_files, leave_out_refused, sample_files, slow
+from places import ROOT, SAMPLES, files_of_all_kinds, leave_out_refused, slow
 from program import cli
 from pydantic import ValidationError
 from ruamel.yaml import YAML
@@ -572,10 +572,8 @@ def test_the_schema_refuses_what_a_spec_may_not_say(line: str) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    [
-        *(pytest.param(path, id=path.name) for path in sample_files()),
-        *(pytest.param(path, id=path.name, marks=pytest.mark.slow) for path in asset_files()),
-    ],
+    files_of_all_kinds(),
+    ids=lambda path: path.name,
 )
 def test_a_starter_is_a_spec_for_its_character(path: Path, tmp_path: Path) -> None:
     try:

@@ -98,7 +98,6 @@ def test_any_value_of_a_gltf_may_be_wrong(make: Any, tmp_path: Path) -> None:
     fuzz(make(), tmp_path, 61)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("make", [character, avatar_1, avatar_0, motion])
 def test_every_value_of_a_gltf_may_be_wrong(make: Any, tmp_path: Path) -> None:
     fuzz(make(), tmp_path, 1)

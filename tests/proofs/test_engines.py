@@ -19,7 +19,6 @@ from places import (
     leave_out,
     leave_out_refused,
     sample_files,
-    slow,
 )
 
 from rigtri.errors import RigtriError
@@ -30,14 +29,6 @@ from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import TOLERANCE, verify
 
-# What runs without --slow: one of each kind, and these samples.
-SAMPLED = [
-    "gltf/khronos_CesiumMan_Binary.glb",
-    "vrm/addon_Example_vrm1.vrm",
-    "usd/usdwg_CesiumMan.usdz",
-    "usd/mayausd_HIK_Export.usda",
-]
-SHOWN = {"arm.gltf", "biped.glb", "biped.usda", "tail.glb"}
 # Blender keeps bones as head, tail and roll in float32: of the untouched samples/hand.glb it shows
 # vertices up to 5.8e-5 of the size away from where three.js and rigtri put them.
 BLENDER = 3e-5
@@ -45,18 +36,14 @@ BLENDER = 3e-5
 RAW = 1.5
 
 
-def files() -> list[Any]:
-    sampled = [ASSETS / name for name in SAMPLED]
-    rest = [pytest.param(path, marks=pytest.mark.slow) for path in asset_files() if path not in sampled]
-    own = sample_files(".glb", ".gltf", ".usda", ".usdz")
-    return [*(path if path.name in SHOWN else slow(path) for path in own), *sampled, *rest]
+FILES = [*sample_files(".glb", ".gltf", ".usda", ".usdz"), *asset_files()]
 
 
 def name_of(path: Path) -> str:
     return str(path.relative_to(ASSETS if path.is_relative_to(ASSETS) else SAMPLES))
 
 
-@pytest.fixture(params=files(), ids=name_of)
+@pytest.fixture(params=FILES, ids=name_of)
 def path(request: pytest.FixtureRequest) -> Any:
     if not request.param.exists():
         pytest.skip(NO_ASSETS)
@@ -89,7 +76,7 @@ def assert_alike(path: Path, before: Shown, after: Shown, limit: float) -> None:
     assert apart(before, after) <= limit
 
 
-@pytest.mark.parametrize("preset", ["blender", slow("maya")])
+@pytest.mark.parametrize("preset", ["blender", "maya"])
 def test_blender_shows_the_same_vertices_at_every_moment(path: Path, preset: str, tmp_path: Path) -> None:
     if path.name in KNOWN[NOT_FOR_BLENDER]:
         leave_out(path, NOT_FOR_BLENDER)

@@ -48,7 +48,6 @@ def rows(places: Floats) -> Floats:
     return np.broadcast_to(places, (MOMENTS, 3))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> None:
     rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))

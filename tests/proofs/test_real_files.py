@@ -69,7 +69,6 @@ def orient(rig: Rig, report: Report) -> Rig:
     return orient_joints(rig, report=report)
 
 
-@pytest.mark.large
 def test_nothing_moves_by_more_than_the_float32_floor(path: Path, tmp_path: Path) -> None:
     opened(path)
     edit(path, tmp_path / path.name, orient)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from engines import apart, blender, blender_ik, blender_scene, three_rig
 from numpy.testing import assert_allclose
-from places import ASSETS, NO_ASSETS, SAMPLES, USD, slow
+from places import ASSETS, NO_ASSETS, SAMPLES, USD
 
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
@@ -37,12 +37,7 @@ CHARACTERS = [
     ASSETS / "usd" / "usdwg_CesiumMan.usdz",
     ASSETS / "usd" / "mayausd_HIK_Export.usda",
 ]
-# What runs without --slow: one of each kind.
-QUICK = [BIPEDS[0], BIPEDS[2], CHARACTERS[2], CHARACTERS[3]]
-SHOWN = [
-    pytest.param(path, id=path.name, marks=() if path in QUICK else pytest.mark.slow)
-    for path in (*BIPEDS, *CHARACTERS)
-]
+SHOWN = [pytest.param(path, id=path.name) for path in (*BIPEDS, *CHARACTERS)]
 # A share of the character's size: Blender keeps places in float32, through some dozen parents.
 CLOSE = 1e-5
 # A share of the limb's length.
@@ -174,7 +169,7 @@ def same_bones(before: dict[str, Any], after: dict[str, Any]) -> None:
     assert names[0] == names[1]
 
 
-@pytest.mark.parametrize("path", [BIPEDS[0], slow(BIPEDS[2])], ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [BIPEDS[0], BIPEDS[2]], ids=lambda path: path.name)
 def test_loose_nodes_of_every_kind_leave_blender_the_bones_and_vertices_it_had(
     path: Path, tmp_path: Path
 ) -> None:
@@ -187,10 +182,10 @@ def test_loose_nodes_of_every_kind_leave_blender_the_bones_and_vertices_it_had(
 
 @pytest.mark.parametrize(
     ("step", "more"),
-    [(poles, 0), (poles_as_joints, 4), slow(tail, 3), (twists, 16)],
+    [(poles, 0), (poles_as_joints, 4), (tail, 3), (twists, 16)],
     ids=["poles", "poles_as_joints", "tail", "twists"],
 )
-@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usdz")])
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usdz"])
 def test_blender_has_a_bone_more_for_each_joint_that_is_added(
     name: str, step: Step, more: int, tmp_path: Path
 ) -> None:

@@ -111,7 +111,6 @@ def test_the_samples_move_as_rigtri_says_and_keys_do_what_they_say(
     assert (state["clip"], glb["results"][11], glb["results"][12]) == (1, "solid", True)
 
 
-@pytest.mark.slow
 def test_a_joint_is_found_under_the_pointer_before_the_control_that_stands_on_it(
     page: Any, tmp_path: Path
 ) -> None:
@@ -178,7 +177,6 @@ def test_names_are_shown_as_they_are_and_nothing_in_them_runs(page: Any, tmp_pat
     assert asks_nobody(told)
 
 
-@pytest.mark.slow
 def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, tmp_path: Path) -> None:
     options = {
         "viewport": {"width": 320, "height": 568},
@@ -234,7 +232,6 @@ def drawn_by(content: bytes, points: int) -> Builder:
     return b
 
 
-@pytest.mark.slow
 def test_meshes_that_are_compressed_with_draco_are_shown(page: Any, tmp_path: Path) -> None:
     points = [[0.0, 0, 0], [1, 0, 0], [0, 2, 3]]
     triangles = [[0, 1, 2], [0, 2, 1]]
@@ -302,7 +299,6 @@ def off(shown: dict[str, list[float]], points: dict[str, Floats]) -> float:
     return most
 
 
-@pytest.mark.slow
 def test_blend_shapes_of_usd_move_with_their_animation(page: Any, tmp_path: Path) -> None:
     paths = []
     for number, binding in enumerate((BOUND, "")):
@@ -336,7 +332,6 @@ def test_an_image_that_no_browser_reads_is_counted_and_told(page: Any, tmp_path:
     assert "cannot read an image that is in the file" in inside["results"][0]
 
 
-@pytest.mark.slow
 def test_an_svg_is_told_once_and_is_no_error(page: Any, tmp_path: Path) -> None:
     svg = b"<svg xmlns='http://www.w3.org/2000/svg' width='1' height='1'/>"
     (tmp_path / "a.svg").write_bytes(svg)
@@ -359,7 +354,6 @@ REAL = {
 }
 
 
-@pytest.mark.slow
 def test_real_files_stand_and_move_as_rigtri_says(page: Any, tmp_path: Path) -> None:
     if not ASSETS.is_dir():
         pytest.skip(NO_ASSETS)

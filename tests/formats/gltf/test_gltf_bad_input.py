@@ -230,12 +230,14 @@ def test_a_glb_cut_off_anywhere_is_refused(tmp_path: Path) -> None:
         assert not survives(path), length
 
 
-def test_a_glb_with_any_byte_changed_never_ends_in_a_traceback(tmp_path: Path) -> None:
+def test_a_glb_with_any_byte_changed_never_ends_in_a_traceback(
+    tmp_path: Path, every: Callable[[int], int]
+) -> None:
     content = bytearray(small().glb(tmp_path / "a.glb").read_bytes())
     path = tmp_path / "changed.glb"
-    for place in range(len(content)):
+    for place in range(0, len(content), every(9)):
         old = content[place]
-        for new in {0, 255, old ^ 1, ord("9"), ord("-")} - {old} if place % 9 == 0 else {old ^ 16}:
+        for new in {0, 255, old ^ 1, ord("9"), ord("-")} - {old} if place % 81 == 0 else {old ^ 16}:
             content[place] = new
             path.write_bytes(content)
             survives(path)
@@ -265,7 +267,7 @@ def fuzz(builder: Builder, folder: Path, every: int) -> None:
 
 
 def test_any_value_of_a_small_file_may_be_wrong(tmp_path: Path) -> None:
-    fuzz(small(), tmp_path, 3)
+    fuzz(small(), tmp_path, 7)
 
 
 def test_any_value_of_a_rich_file_may_be_wrong(tmp_path: Path) -> None:
