@@ -25,7 +25,7 @@ from rigtri.model.control_shapes import COLORS, KINDS, Kind
 from rigtri.model.joint_names import Side, side
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.aim_targets import Aim, Rules, aim_of, limb_children
+from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
 from rigtri.operations.control_names import call, remembered
 from rigtri.operations.joint_selection import Selection, chosen
@@ -131,7 +131,7 @@ class _Builder:
         self.world = rig.world
         self.limbs = with_recognised(rig, options.ik) if self._all_limbs else options.ik
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
-        self.aims = {joint: aim_of(self.tree, self.ref, joint, rules) for joint in self.tree.joints}
+        self.aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
         self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)

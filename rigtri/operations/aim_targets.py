@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import sqrt
@@ -86,8 +86,12 @@ def _continuing(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
     return ahead[0] if len(ahead) == 1 and tree.above[joint] >= 0 else None
 
 
-def aim_of(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
-    """Where ``joint`` aims in the pose of ``ref``."""
+def aim_targets(tree: Skeleton, ref: ReferencePose, joints: Iterable[int], rules: Rules) -> dict[int, Aim]:
+    """Where each of ``joints`` aims in the pose of ``ref``."""
+    return {joint: _aim(tree, ref, joint, rules) for joint in joints}
+
+
+def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     if rules.aim_at and joint in rules.aim_at:
         return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
     limb_node = rules.limb_child.get(joint)

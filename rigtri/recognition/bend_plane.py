@@ -14,10 +14,9 @@ import numpy as np
 
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.maths.matrices import inverse, transform_directions
-from rigtri.maths.scalar_vector import Vector
-from rigtri.maths.triangle import DEGENERATE_SINE, bend_angle, bend_sine, hinge
+from rigtri.maths.triangle import bend_angle, bend_direction, bend_sine, hinge
 from rigtri.maths.trigonometry import Floats, sin_cos
-from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular, unit_of
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import Limb
@@ -92,31 +91,19 @@ def bend(
 
 
 def in_pose(limbs: Sequence[Limb], world: Floats) -> list[Bend]:
-    """What a pose, (n, 4, 4), says of each limb, however little: a `sine` near 0 says nothing."""
-    return [_posed(*(Vector(*world[node, 3, :3].tolist()) for node in limb.triple)) for limb in limbs]
+    """What a pose, (n, 4, 4), shows of each limb, however little: a `sine` near 0 shows nothing."""
+    nodes = np.array([limb.triple for limb in limbs], dtype=np.int64).reshape(-1, 3)
+    a, b, c = (world[nodes[:, k], 3, :3] for k in range(3))
+    sines = bend_sine(a, b, c).tolist()
+    bends = zip(bend_direction(a, b, c), hinge(a, b, c), sines, strict=True)
+    return [Bend(direction, normal, "pose", sine) for direction, normal, sine in bends]
 
 
-def _posed(a: Vector, b: Vector, c: Vector) -> Bend:
-    """To the bit as `bend_direction`, `hinge` and `bend_sine`: limbs are few, so plain numbers are faster."""
-    area, sine = area_and_sine(a, b, c)
-    if sine < DEGENERATE_SINE:
-        return Bend(direction_of(Vector()), direction_of(Vector()), "pose", sine)
-    chord = c - a
-    square = chord.dot(chord)
-    off = b - (a + chord * ((b - a).dot(chord) / square)) if square else Vector()
-    far = off.length > DEGENERATE_SINE * ((b - a).length + (c - b).length)
-    return Bend(direction_of(off if far else Vector()), direction_of(area), "pose", sine)
-
-
-def area_and_sine(a: Vector, b: Vector, c: Vector) -> tuple[Vector, float]:
-    """AB × BC of one limb, and the sine of its bend, 0 where it is straight or points coincide."""
-    upper, lower = b - a, c - b
-    return upper.cross(lower), upper.unit.cross(lower.unit).length
-
-
-def direction_of(v: Vector) -> Floats:
-    """As `normalise`, to the bit, of one vector: (3,), NaN where it has no length."""
-    return np.array(unit_of([*v]) or [np.nan] * 3)
+def areas_and_sines(points: Floats) -> tuple[Floats, Floats]:
+    """AB × BC, (k, 3), of triples of points, (k, 3, 3), and the sines of their bends, (k,)."""
+    a, b, c = points[:, 0], points[:, 1], points[:, 2]
+    with np.errstate(invalid="ignore", over="ignore"):
+        return cross(b - a, c - b), bend_sine(a, b, c)
 
 
 def _own(rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None) -> Bend | None:

@@ -16,12 +16,15 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import alike, axis_fits, axis_straightened
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotates, rotation_angle, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import STEADFAST
-from rigtri.operations.orient_joints.plan import UNCHANGED, Plan
+from rigtri.operations.orient_joints.dead_band import UNCHANGED, DeadBand
+from rigtri.operations.orient_joints.targets import Targets
+from rigtri.report import Report
 
 Policy = Literal["freeze", "error"]
 
@@ -75,41 +78,72 @@ def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
     return list(found.values())
 
 
-def settle(plan: Plan, turns: Floats, wanted: Iterable[int], policy: Policy) -> Floats:
-    """Turns, (n, 4), under which every constraint keeps its meaning; what gave way is reported.
+@dataclass(frozen=True, eq=False)
+class Constrained:
+    """Deltas of nodes, (n, 4), under which every constraint keeps its meaning.
 
-    turns: what each node is to take. wanted: the joints that have a turn of their own.
+    skipped: why joints keep their axes. follows: the joints that take the delta of another one.
+    """
+
+    delta: Floats
+    skipped: dict[int, str]
+    follows: dict[int, int]
+
+
+def apply_constraint_policy(
+    delta: Floats,
+    joints: Iterable[int],
+    targets: Targets,
+    scales: ScaleTable,
+    band: DeadBand,
+    ties: Sequence[NodeConstraint],
+    *,
+    policy: Policy,
+    report: Report,
+) -> Constrained:
+    """What nodes can take of their deltas, (n, 4), for the sake of constraints; what gave way is reported.
+
+    joints: those that have a delta of their own. ties: constraints beside those of the file.
     Raises GeometryError with the policy ``error`` where a joint would have to give way.
     """
-    rig, result = plan.tree.rig, turns.copy()
-    own = {rig.frame_of.get(joint, joint) for joint in wanted}
-    joints = {rig.frame_of.get(joint, joint): joint for joint in plan.tree.joints}
-    held = {node: _held(plan, joint) for node, joint in joints.items()} | dict(rig.rules.fixed)
-    # What leads and has no turn of its own does not get one for the sake of what follows it.
-    kept = {node: plan.kept.get(joint, "unchanged") for node, joint in joints.items() if node not in own}
-    for bond in bonds(rig, plan.ties):
+    rig, tree = targets.tree.rig, targets.tree
+    result = Constrained(delta.copy(), dict(targets.skipped), {})
+    own = {rig.frame_of.get(joint, joint) for joint in joints}
+    joint_of = {rig.frame_of.get(joint, joint): joint for joint in tree.joints}
+    held = {node: _held(targets, joint) for node, joint in joint_of.items()} | dict(rig.rules.fixed)
+    # What leads and has no delta of its own does not get one for the sake of what follows it.
+    kept = {
+        node: targets.skipped.get(joint, "unchanged") for node, joint in joint_of.items() if node not in own
+    }
+    for bond in bonds(rig, ties):
         if own.isdisjoint(bond.nodes):
             continue
         leader = next(node for node in bond.nodes if node in own)
         leads = {node: kept.get(node, "no joint") for node in bond.tops if node not in own}
-        turn, why = _common(plan, bond, leader, turns[leader], ChainMap(leads, held))
-        gave_way = [k for k in bond.nodes if k in own and _apart(turns[k], turn) > UNCHANGED]
+        common, why = _common(rig, scales, band, bond, leader, delta[leader], ChainMap(leads, held))
+        gave_way = [k for k in bond.nodes if k in own and _apart(delta[k], common) > UNCHANGED]
         if gave_way:
-            names, because = _names(rig, gave_way), _told(rig, bond)
-            lead = f"can only turn as '{rig.title(leader)}' does ({because})"
-            text = f"{names} {f'cannot turn: {why} ({because})' if why else lead}"
-            if policy == "error":
-                raise GeometryError(f"{text}. Leave it out with --exclude, or take --on-constraint freeze.")
-            code = "constraint" if any(c.kind != "length" for c in bond.constraints) else "rotation-not-unit"
-            plan.report.warn(code, f"{text}.", joint=rig.title(gave_way[0]))
+            _report(rig, bond, leader, gave_way, why, policy, report)
         for node in (node for node in bond.nodes if node >= 0):
-            result[node] = turn
-            if node in joints and why and node in gave_way:
-                plan.kept[joints[node]] = f"{why} ({_told(rig, bond)})"
-            elif node in joints and node != leader and rotates(turn):
-                plan.kept.pop(joints[node], None)
-                plan.follows[joints[node]] = joints[leader]
+            result.delta[node] = common
+            if node in joint_of and why and node in gave_way:
+                result.skipped[joint_of[node]] = f"{why} ({_names_of_constraints(rig, bond)})"
+            elif node in joint_of and node != leader and rotates(common):
+                result.skipped.pop(joint_of[node], None)
+                result.follows[joint_of[node]] = joint_of[leader]
     return result
+
+
+def _report(
+    rig: Rig, bond: Bond, leader: int, gave_way: list[int], why: str, policy: Policy, report: Report
+) -> None:
+    names, because = _names(rig, gave_way), _names_of_constraints(rig, bond)
+    lead = f"can only turn as '{rig.title(leader)}' does ({because})"
+    text = f"{names} {f'cannot turn: {why} ({because})' if why else lead}"
+    if policy == "error":
+        raise GeometryError(f"{text}. Leave it out with --exclude, or take --on-constraint freeze.")
+    code = "constraint" if any(c.kind != "length" for c in bond.constraints) else "rotation-not-unit"
+    report.warn(code, f"{text}.", joint=rig.title(gave_way[0]))
 
 
 def _apart(a: Floats, b: Floats) -> float:
@@ -121,43 +155,49 @@ def _names(rig: Rig, nodes: Sequence[int]) -> str:
     return ", ".join(f"'{rig.title(node)}'" for node in nodes[:4]) + more
 
 
-def _told(rig: Rig, bond: Bond) -> str:
-    said = {
+def _names_of_constraints(rig: Rig, bond: Bond) -> str:
+    texts = {
         "tail": "'{}' is the end of a swinging chain",
         "length": "rotations of '{}' are not unit, which this format shows",
     }
-    words = [
-        said.get(c.kind, f"{c.kind} constraint of '{{}}'").format(rig.title(c.node)) for c in bond.constraints
+    names = [
+        texts.get(c.kind, f"{c.kind} constraint of '{{}}'").format(rig.title(c.node))
+        for c in bond.constraints
     ]
-    return "; ".join(words[:3]) + (" …" if len(words) > 3 else "")
+    return "; ".join(names[:3]) + (" …" if len(names) > 3 else "")
 
 
-def _held(plan: Plan, joint: int) -> str:
-    reason = plan.kept.get(joint, "")
+def _held(targets: Targets, joint: int) -> str:
+    reason = targets.skipped.get(joint, "")
     return reason if reason in STEADFAST else ""
 
 
 def _common(
-    plan: Plan, bond: Bond, leader: int, wanted: Floats, held: Mapping[int, str]
+    rig: Rig,
+    scales: ScaleTable,
+    band: DeadBand,
+    bond: Bond,
+    leader: int,
+    requested: Floats,
+    held: Mapping[int, str],
 ) -> tuple[Floats, str]:
-    """The turn, (4,), that all of a bond can take; else identity, and why."""
-    rig, scales = plan.tree.rig, plan.scales
+    """The delta, (4,), that all of a bond can take; else identity, and why."""
     stays = next((node for node in bond.nodes if node < 0 or held.get(node)), None)
     if stays is not None:
         return IDENTITY, f"'{rig.title(stays)}' stays ({held[stays]})" if stays >= 0 else "the world stays"
-    turn = wanted
+    delta = requested
     about = [c for c in bond.constraints if c.axis.any() and c.node in bond.nodes]
     for constraint in about:
-        turn = axis_straightened(constraint, turn, UNCHANGED)
-    if turn is not wanted:
-        turn = plan.quiet(leader, turn)
+        delta = axis_straightened(constraint, delta, UNCHANGED)
+    if delta is not requested:
+        delta = band.apply(delta[np.newaxis], [leader])[0]
     for constraint in about:
-        if not axis_fits(constraint, turn):
+        if not axis_fits(constraint, delta):
             return IDENTITY, f"the {constraint.kind} axis would be no axis of its new frame"
     for node in bond.nodes:
-        if node >= 0 and scales.uneven[node] and not scales.keeps(node, to_axes(turn)):
+        if node >= 0 and scales.uneven[node] and not scales.keeps(node, to_axes(delta)):
             return IDENTITY, f"the scale of '{rig.title(node)}' is not uniform"
-    for node in (c.node for c in bond.constraints if c.kind == "length" and rotates(turn)):
+    for node in (c.node for c in bond.constraints if c.kind == "length" and rotates(delta)):
         if np.ptp(scales.sign[node]):  # its half turn would go into rotations that are not unit
             return IDENTITY, f"the scale of '{rig.title(node)}' mirrors it"
-    return turn, ""
+    return delta, ""

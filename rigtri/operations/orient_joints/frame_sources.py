@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -22,10 +22,11 @@ from rigtri.maths.quaternions import (
     to_axes,
     unit,
 )
-from rigtri.maths.triangle import axis_of, frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.joint_frames import set_world_axes
+from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
 
 # A common rotation smaller than this (radians) is what float32 positions leave over.
@@ -34,41 +35,27 @@ NO_ROTATION = 2e-6
 SAME_REST = 1e-5
 
 
-def turn_onto(
-    world_axes: Floats, ref: ReferencePose, joints: Sequence[int], aim_axis: str = "x", up_axis: str = "y"
-) -> Floats:
-    """The turns, (j, 4), that give joints these world axes (rows, any handedness), (j, 3, 3).
+def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int], Floats]:
+    """The joints that have namesakes in another rig, and the changes of frame, (k, 4), to the axes of those.
 
-    Carried into the joint's own space and made orthonormal there, first the aim axis, then
-    the up axis; the third gives way where the handedness is not the joint's own.
+    In the bind pose of that rig; one rotation common to the whole skeleton is taken out first.
+    Joints without a namesake are skipped and listed. Raises GeometryError when nothing matches.
     """
-    rows = transform_directions(world_axes, ref.inverse[list(joints)][:, np.newaxis])
-    aim, up = aim_axis[-1], up_axis[-1]
-    axes = frame(rows[:, axis_of(aim)[0]], rows[:, axis_of(up)[0]], aim_axis=aim, up_axis=up)
-    return from_axes(axes)
-
-
-def like_turns(
-    tree: Skeleton, ref: ReferencePose, joints: Sequence[int], like: Rig, report: Report
-) -> dict[int, Floats]:
-    """The turns that give joints the axes of their namesakes in another rig's bind pose.
-
-    One rotation common to the whole skeleton is taken out first. Joints without a
-    namesake are kept and listed. Raises GeometryError when nothing matches.
-    """
-    other = skeleton(like, plain=True)
+    tree, other = targets.tree, skeleton(like, plain=True)
     pairs = _namesakes(tree.rig, tree.joints, like, other.joints)
     if not pairs:
         raise GeometryError("--like: no joint of the two files has the same name")
-    ours, theirs, common = _common_pose(tree, ref, other, pairs)
-    wanted = multiply(common, from_axes(nearest_rotation(theirs.world[list(pairs.values())])))
+    ours, theirs, common = _common_pose(tree, targets.ref, other, pairs)
+    joints = [joint for joint in targets.joints if joint in pairs]
+    target = from_axes(nearest_rotation(theirs.world[list(pairs.values())]))
     now = from_axes(nearest_rotation(ours.world[list(pairs)]))
-    turn = dict(zip(pairs, unit(multiply(conjugate(now), wanted)), strict=True))
-    missing = [tree.rig.title(joint) for joint in joints if joint not in pairs]
+    delta = unit(multiply(conjugate(now), multiply(common, target)))
+    missing = [tree.rig.title(joint) for joint in targets.joints if joint not in pairs]
     if missing:
         shown = ", ".join(missing[:10]) + (" …" if len(missing) > 10 else "")
-        report.warn("like-unmatched", f"{len(missing)} joints have no namesake: kept: {shown}")
-    return {joint: turn[joint] for joint in joints if joint in pairs}
+        report.warn("like-unmatched", f"{len(missing)} joints have no namesake: skipped: {shown}")
+    place = {joint: k for k, joint in enumerate(pairs)}
+    return joints, delta[[place[joint] for joint in joints]]
 
 
 def _common_pose(
@@ -113,11 +100,11 @@ def _common_rotation(
     if not min(sizes) > 0:
         return IDENTITY, 0.0 if max(sizes) == 0 else 1.0
     ours, other = ours / sizes[0], other / sizes[1]
-    q = _nearest_turn(other, ours)
+    q = _nearest_rotation(other, ours)
     return q, float(length(rotate(q, other) - ours).max())
 
 
-def _nearest_turn(start: Floats, end: Floats) -> Floats:
+def _nearest_rotation(start: Floats, end: Floats) -> Floats:
     """The rotation, (4,), that takes points nearest to others, (k, 3), about the origin.
 
     Source: B. K. P. Horn, "Closed-form solution of absolute orientation using unit
@@ -166,37 +153,39 @@ def _eigen(symmetric: Floats) -> tuple[Floats, Floats]:
     return np.diag(a).copy(), v
 
 
-def mirrored_turns(
-    tree: Skeleton,
-    ref: ReferencePose,
-    turns: Mapping[int, Floats],
-    onto: Callable[[int, Floats], Floats],
+def mirrored_deltas(
+    targets: Targets,
+    joints: Sequence[int],
+    delta: Floats,
     *,
     mirror: Mirror,
     from_side: Literal["left", "right"],
     across: Across,
     report: Report,
-) -> dict[int, Floats]:
-    """The turns of one side's joints from the new frames of the other side's.
+) -> Floats:
+    """Changes of frame, (n, 4), with those of one side's joints made from the new frames of the other side's.
 
     `frames.mirror_modes` says what each way of mirroring means; with ``behavior`` the side aims backwards.
-    onto: the turn of a joint that gives it axes of the world, see `turn_onto`.
     """
-    rig = tree.rig
-    result: dict[int, Floats] = {}
-    for joint in turns:
+    rig, known = targets.tree.rig, set(joints)
+    twins: dict[int, int] = {}
+    for joint in joints:
         if side_of(rig, joint) in ("", from_side):
             continue
         source = twin_of(rig, joint)
-        if source is None or source not in turns:
+        if source is None or source not in known:
             why = f"has no twin on the {from_side} side" if source is None else "keeps its axes"
             also = "" if source is None else f", as its twin '{rig.title(source)}' does not turn"
             report.warn("no-twin", f"'{rig.title(joint)}' {why}{also}.")
             continue
-        axes = transform_directions(to_axes(turns[source]), ref.world[source])
-        result[joint] = onto(joint, mirrored_axes(axes, mirror, across))
-    if not any(side_of(rig, joint) for joint in turns):
+        twins[joint] = source
+    if not any(side_of(rig, joint) for joint in joints):
         raise GeometryError("no joint that turns says left or right in its name")
+    result = delta.copy()
+    if twins:
+        sources = list(twins.values())
+        axes = transform_directions(to_axes(delta[sources]), targets.ref.world[sources][:, np.newaxis])
+        set_world_axes(result, mirrored_axes(axes, mirror, across), list(twins), targets)
     return result
 
 
@@ -207,44 +196,43 @@ def frames_json(report: Report) -> dict[str, Any]:
     return {"rigtri": "frames", "v": 1, "joints": joints} | ({"split": split} if split else {})
 
 
-def stored_splits(rig: Rig, turns: Mapping[int, Floats], frames: object) -> dict[int, Floats]:
-    """The turns that a ``--save-frames`` file gives to a node of its own above the joint.
+def stored_splits(rig: Rig, joints: Iterable[int], frames: object) -> list[int]:
+    """The joints for which a ``--save-frames`` file has a node of its own above them.
 
-    Not where the joint has one already: then the turn is that node's. FileError for a list
+    Not where the joint has one already: then the delta is that node's. FileError for a list
     that is none.
     """
     split = frames.get("split", []) if isinstance(frames, dict) else []
     if not isinstance(split, list) or not all(isinstance(name, str) for name in split):
         raise FileError("--frames: 'split' is no list of joints")
-    return {
-        joint: turn
-        for joint, turn in turns.items()
-        if _stored_name(rig, joint, split) and joint not in rig.frame_of
-    }
+    return [joint for joint in joints if _stored_name(rig, joint, split) and joint not in rig.frame_of]
 
 
-def stored_turns(
+def stored_deltas(
     rig: Rig, joints: Sequence[int], frames: object, *, inverted: bool, report: Report
-) -> dict[int, Floats]:
-    """The turns that a ``--save-frames`` file holds for joints. Raises FileError for another file."""
+) -> tuple[list[int], Floats]:
+    """The joints that a ``--save-frames`` file has, and their changes of frame, (k, 4).
+
+    Raises FileError for another file.
+    """
     if not isinstance(frames, dict) or frames.get("rigtri") != "frames" or frames.get("v") != 1:
         raise FileError("--frames: this is no file of --save-frames (version 1)")
     stored = frames.get("joints")
     if not isinstance(stored, dict):
         raise FileError("--frames: 'joints' is missing")
-    turns: dict[int, Floats] = {}
+    found: dict[int, Floats] = {}
     known: dict[str, list[int]] = {}
     for joint in joints:
         name = _stored_name(rig, joint, stored)
         if name:
             known.setdefault(name, []).append(joint)
-            q = _checked(name, stored[name])
-            turns[joint] = conjugate(q) if inverted else q
-    _tell_shared(rig, known, report)
+            found[joint] = _checked(name, stored[name])
+    _warn_shared(rig, known, report)
     lost = [name for name in stored if name not in known]
     if lost:
         report.warn("frames-unmatched", f"{len(lost)} stored frames fit no joint: {', '.join(lost[:10])}")
-    return turns
+    delta = np.array(list(found.values())).reshape(-1, 4)
+    return list(found), conjugate(delta) if inverted else delta
 
 
 def _stored_name(rig: Rig, joint: int, stored: Container[str]) -> str:
@@ -259,7 +247,7 @@ def _stored_name(rig: Rig, joint: int, stored: Container[str]) -> str:
     return name if skins and alone else ""
 
 
-def _tell_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -> None:
+def _warn_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -> None:
     """A notice where one stored frame is for joints of several skeletons or animations."""
     shared = {name: joints for name, joints in known.items() if len(joints) > 1}
     if not shared:

@@ -12,17 +12,22 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.constraint_transform import lost_rules
+from rigtri.frames.error_bounds import LeverArm
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
+from rigtri.frames.scale_tolerance import same_scales, ties
 from rigtri.maths.quaternions import IDENTITY, rotates
-from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
-from rigtri.operations.orient_joints.constraint_policy import settle
+from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.operations.orient_joints import messages
+from rigtri.operations.orient_joints.constraint_policy import apply_constraint_policy
 from rigtri.operations.orient_joints.frame_sources import stored_splits
-from rigtri.operations.orient_joints.messages import check, record, tell_fixed, tell_straight
-from rigtri.operations.orient_joints.plan import OrientJointsOptions, Plan
-from rigtri.operations.orient_joints.scale_policy import allowed_turns, splits
+from rigtri.operations.orient_joints.requested_frames import RequestedFrames, requested_frames
+from rigtri.operations.orient_joints.scale_policy import ScalePolicy
+from rigtri.operations.orient_joints.targets import Targets, find_targets
 from rigtri.report import Report
 
 # What products of float64 quaternions leave of a rotation that is undone.
@@ -39,62 +44,123 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     run changes nothing. Each joint's record goes to ``report.joints``.
 
     Raises NameNotFoundError, UsageError, GeometryError (a scale that forbids it under the
-    policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; nothing may turn).
+    policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; no axes may change).
     Not handled: poses stored as differences to rest (additive clips).
     """
-    plan = Plan.of(rig, options, report)
-    wanted = plan.wanted()
-    turns = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
-    for joint, turn in wanted.items():
-        turns[joint] = turn
-    policy = options.on_nonuniform_scale
-    styles = {joint: plan.style(joint) for joint in wanted}
-    axis = {joint: axis_of(style.aim)[0] for joint, style in styles.items()}
-    both = {joint: (axis[joint], axis_of(style.up)[0]) for joint, style in styles.items()}
-    parted = splits(rig, _at_frames(rig, turns), both, plan.scales) if policy == "split" else {}
+    targets = find_targets(rig, options)
+    policy, tied = _scale_policy(rig, targets, options)
+    requested = requested_frames(targets, options, policy, report)
+    parted = _splits(rig, requested, targets, policy, options)
+    delta = _allowed(rig, requested, parted, targets, policy, report, exactly=options.frames is not None)
+    constrained = apply_constraint_policy(
+        delta,
+        requested.joints,
+        targets,
+        policy.scales,
+        requested.band,
+        tied,
+        policy=options.on_constraint,
+        report=report,
+    )
+    outcome = messages.Outcome(
+        targets,
+        requested,
+        policy,
+        _at_joints(rig, constrained.delta, targets, requested, parted),
+        parted,
+        constrained.skipped,
+        constrained.follows,
+    )
+    messages.warn_fixed(outcome, options.selection, report)
+    messages.warn_straight(outcome, report)
+    messages.check(outcome, report)
+    messages.record(outcome, report)
+    _warn_lost(rig, constrained.delta, report)
+    out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
+    return split(_marked(out, outcome), parted)
+
+
+def _scale_policy(
+    rig: Rig, targets: Targets, options: OrientJointsOptions
+) -> tuple[ScalePolicy, tuple[NodeConstraint, ...]]:
+    """The policy for scales, and what ties joints to their parents, for their rotations are not unit."""
+    lever_arm, scales = LeverArm(rig), ScaleTable.of(rig)
+    same = same_scales(rig, targets.tree.joints, scales, lever_arm, options.tolerance)
+    tied = ties(rig, lever_arm, options.tolerance)
+    rotated = {k for c in rig.node_constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
+    unsplittable = frozenset(rotated | {tie.node for tie in tied})
+    return ScalePolicy(options.on_nonuniform_scale, rig, replace(scales, same=same), unsplittable), tied
+
+
+def _splits(
+    rig: Rig,
+    requested: RequestedFrames,
+    targets: Targets,
+    policy: ScalePolicy,
+    options: OrientJointsOptions,
+) -> dict[int, Floats]:
+    """The joints, with their deltas (4,), that take them by a node of their own."""
+    found = policy.splits(_at_nodes(rig, requested.delta), targets.styles)
     if options.frames is not None and not options.inverse:
-        parted |= stored_splits(rig, wanted, options.frames)
-    for joint in plan.unsplittable.intersection(parted):
-        del parted[joint]
-    if parted and rig.rules.split_locked:
-        raise GeometryError(_refusal(rig, list(parted)))
-    exact = turns.copy()
-    exact[list(parted)] = IDENTITY
-    in_place = "skip" if policy == "split" else policy
-    exact = allowed_turns(rig, _at_frames(rig, exact), in_place, axis, plan.scales, report)
-    for joint in set(wanted) - set(rig.frame_of) - set(parted):
-        if options.frames is None:  # what the snap left over is noise too
-            exact[joint] = plan.quiet(joint, exact[joint])
-    exact = settle(plan, exact, wanted, options.on_constraint)
-    for joint in set(plan.tree.joints) - set(parted):
-        turns[joint] = exact[rig.frame_of.get(joint, joint)]
-    tell_fixed(plan)
-    tell_straight(plan)
-    check(plan, turns)
-    record(plan, wanted, turns, parted)
-    _tell_rules(rig, exact, report)
-    out = _noted(_zeroed(reframe(rig, exact, scales=plan.scales), rig), plan, turns)
-    return split(out, parted)
+        stored = stored_splits(rig, requested.joints, options.frames)
+        found |= {joint: requested.delta[joint] for joint in stored}
+    found = {joint: delta for joint, delta in found.items() if joint not in policy.unsplittable}
+    if found and rig.rules.split_locked:
+        names = ", ".join(f"'{rig.title(joint)}'" for joint in found)
+        raise GeometryError(
+            f"{names} cannot be split: {rig.rules.split_locked}. Choose --on-nonuniform-scale snap or skip."
+        )
+    return found
 
 
-def _tell_rules(rig: Rig, turns: Floats, report: Report) -> None:
-    """The constraints of rigtri's own whose rules the new axes cannot tell."""
-    for node in lost_rules(rig, turns):
+def _allowed(
+    rig: Rig,
+    requested: RequestedFrames,
+    parted: dict[int, Floats],
+    targets: Targets,
+    policy: ScalePolicy,
+    report: Report,
+    *,
+    exactly: bool,
+) -> Floats:
+    """What nodes take in place, (n, 4), for the sake of their scales; ``exactly``: however small."""
+    delta = requested.delta.copy()
+    delta[list(parted)] = IDENTITY
+    delta = policy.allowed(_at_nodes(rig, delta), targets.styles, report)
+    if not exactly:  # what the snap left over is noise too
+        joints = [joint for joint in requested.joints if joint not in rig.frame_of and joint not in parted]
+        delta[joints] = requested.band.apply(delta[joints], joints)
+    return delta
+
+
+def _at_nodes(rig: Rig, delta: Floats) -> Floats:
+    """Deltas, (n, 4), of joints whose axes a node of their own holds, moved to that node."""
+    if not rig.frame_of:
+        return delta
+    moved = delta.copy()
+    for joint, holder in rig.frame_of.items():
+        moved[holder], moved[joint] = delta[joint], IDENTITY
+    return moved
+
+
+def _at_joints(
+    rig: Rig, delta: Floats, targets: Targets, requested: RequestedFrames, parted: dict[int, Floats]
+) -> Floats:
+    """What joints take of deltas of nodes, (n, 4), or by a node of their own."""
+    taken = requested.delta.copy()
+    joints = [joint for joint in targets.tree.joints if joint not in parted]
+    taken[joints] = delta[[rig.frame_of.get(joint, joint) for joint in joints]]
+    return taken
+
+
+def _warn_lost(rig: Rig, delta: Floats, report: Report) -> None:
+    """Warn of rigtri's own constraints that cannot be expressed in the new axes."""
+    for node in lost_rules(rig, delta):
         report.warn(
             "constraint-lost",
             f"'{rig.names[node]}' tells its rule by axes that turned, so it means something else now; "
             "set it again with rigtri constrain",
         )
-
-
-def _at_frames(rig: Rig, turns: Floats) -> Floats:
-    """The turns of joints whose axes a node of their own holds, moved to that node."""
-    if not rig.frame_of:
-        return turns
-    moved = turns.copy()
-    for joint, holder in rig.frame_of.items():
-        moved[holder], moved[joint] = turns[joint], IDENTITY
-    return moved
 
 
 def _zeroed(rig: Rig, before: Rig) -> Rig:
@@ -112,25 +178,18 @@ def _zeroed(rig: Rig, before: Rig) -> Rig:
     return replace(rig, rotation=rotation)
 
 
-def _refusal(rig: Rig, joints: list[int]) -> str:
-    names = ", ".join(f"'{rig.title(joint)}'" for joint in joints)
-    return f"{names} cannot be split: {rig.rules.split_locked}. Choose --on-nonuniform-scale snap or skip."
+def _marked(rig: Rig, outcome: messages.Outcome) -> Rig:
+    """Mark in the file the re-oriented joints whose up direction was invented, and unmark the others.
 
-
-def _noted(rig: Rig, plan: Plan, turns: Floats) -> Rig:
-    """Mark in the file the turned joints whose up direction was invented, and unmark the others.
-
-    What did not turn keeps its mark or none: nothing was invented for it now. A node has one note, so
+    What keeps its axes keeps its mark or none: nothing was invented for it now. A node has one record, so
     a joint of rigtri's own keeps what says how it was made.
     """
-    notes = {node: dict(note) for node, note in rig.metadata.items()}
-    moves = rotates(turns)
-    for joint in (joint for joint in plan.turning if moves[joint]):
-        up, own = plan.ups.get(joint), notes.get(joint, {})
-        if joint in rig.own:
-            continue
-        if up is not None and up.step >= 7:
-            notes[joint] = {"v": 1, "type": "frame", "up": up.source, "invented": True}
+    metadata = {node: dict(note) for node, note in rig.metadata.items()}
+    moves, ups = rotates(outcome.delta), outcome.requested.ups
+    for joint in (joint for joint in outcome.targets.joints if moves[joint] and joint not in rig.own):
+        own = metadata.get(joint, {})
+        if ups.step[joint] >= 7:
+            metadata[joint] = {"v": 1, "type": "frame", "up": ups.source[joint], "invented": True}
         elif own.get("type") == "frame" and own.get("invented"):
-            del notes[joint]
-    return rig if notes == rig.metadata else replace(rig, metadata=notes)
+            del metadata[joint]
+    return rig if metadata == rig.metadata else replace(rig, metadata=metadata)

@@ -27,7 +27,7 @@ from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.constraint_policy import bonds
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
-from rigtri.operations.orient_joints.scale_policy import cardinal_turns
+from rigtri.operations.orient_joints.scale_policy import cardinal_rotations
 from rigtri.report import Report
 
 WEIGHTS = {name: weight for name, (_, _, _, weight) in CONSTRAINTS.items()}
@@ -61,7 +61,7 @@ def deviation(before: Rig, after: Rig, weights: Mapping[str, float] = WEIGHTS) -
 def stored(seed: int, *, cardinal: tuple[str, ...] = ()) -> dict[str, object]:
     """Turns for every joint as --frames holds them: random, or onto axes."""
     random = np.random.default_rng(seed)
-    onto = cardinal_turns()
+    onto = cardinal_rotations()
     joints = {
         name: (onto[random.integers(24)] if name in cardinal else quaternion(random)).tolist()
         for name in NODES
@@ -211,7 +211,7 @@ def test_only_the_destination_of_an_aim_is_held(tmp_path: Path) -> None:
 
 def test_noise_of_storage_does_not_hold_a_joint(tmp_path: Path) -> None:
     rig = opened(avatar(5), tmp_path)
-    noisy = multiply(cardinal_turns()[5], from_axis_angle([0.6, 0.0, 0.8], 1e-6))
+    noisy = multiply(cardinal_rotations()[5], from_axis_angle([0.6, 0.0, 0.8], 1e-6))
     frames = {"rigtri": "frames", "v": 1, "joints": {"gaze": noisy.tolist()}}
     after = orient_joints(rig, options=OrientJointsOptions(frames=frames))
     assert rotates(turns_of(rig, after))[NODES["gaze"]]

@@ -1,0 +1,273 @@
+"""The bend planes of limbs and chains: the plane normal of each joint, and which chains are straight.
+
+Source: "Rigging with Triangles" and "Using Vector Math to Rig an Arm" (hinge of the
+limb's own triple).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.frames.skeleton import ZERO_LENGTH
+from rigtri.maths.arrays import Integers
+from rigtri.maths.triangle import STRAIGHT_SINE
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length, normalise
+from rigtri.model.joint_names import twin
+from rigtri.operations.aim_targets import chain_child, limb_path
+from rigtri.operations.orient_joints.targets import Targets
+from rigtri.recognition.bend_plane import Bend, areas_and_sines, bend, in_pose
+from rigtri.recognition.limbs import Limb
+
+_STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
+_SOURCE = {"pose": "plane of the limb", "facing": "side, name and facing"}
+
+
+@dataclass(frozen=True, eq=False)
+class UpDirections:
+    """A direction of the world for each node, filled in as it is found.
+
+    vector: (n, 3), NaN where there is none. step: (n,), of the ladder in `up_direction`, 0 for none.
+    sine: (n,), of the bend that it was found by, which bounds its noise. source: in words.
+    """
+
+    vector: Floats
+    step: Integers
+    sine: Floats
+    source: list[str]
+
+    @staticmethod
+    def none(count: int) -> UpDirections:
+        vector, step = np.full((count, 3), np.nan), np.zeros(count, dtype=np.int64)
+        return UpDirections(vector, step, np.ones(count), [""] * count)
+
+    def set(
+        self, joints: Sequence[int], vector: Floats, step: int, source: str, sine: Floats | float = 1.0
+    ) -> None:
+        """vector: (3,) or (k, 3); sine: one or (k,)."""
+        self.vector[joints], self.step[joints], self.sine[joints] = vector, step, sine
+        for joint in joints:
+            self.source[joint] = source
+
+    def copy_from(self, other: UpDirections, joints: Sequence[int]) -> None:
+        self.vector[joints], self.step[joints] = other.vector[joints], other.step[joints]
+        self.sine[joints] = other.sine[joints]
+        for joint in joints:
+            self.source[joint] = other.source[joint]
+
+
+@dataclass(frozen=True, eq=False)
+class BendPlanes:
+    """normals: of the planes that limbs and chains bend in. adjoining: of triples beside a joint.
+
+    straight: per joint of a limb or chain without a plane of its own, its name and the sine of its bend.
+    """
+
+    normals: UpDirections
+    adjoining: UpDirections
+    straight: dict[int, tuple[str, float]] = field(default_factory=dict)
+
+
+def bend_planes(targets: Targets, facing: Floats | None, *, per_joint: bool) -> BendPlanes:
+    """The planes of limbs, then of chains without a limb, then those of the other side.
+
+    facing: where the character looks, (3,). per_joint: each inner joint of a chain its own plane.
+    """
+    count = len(targets.tree.rig)
+    planes = BendPlanes(UpDirections.none(count), UpDirections.none(count))
+    known: dict[int, None] = {}  # in the order in which they were found
+    taken: set[int] = set()
+    for limb, posed in zip(targets.limbs, in_pose(targets.limbs, targets.ref.world), strict=True):
+        members = _members(targets, limb)
+        taken.update(members)
+        _set_limb(planes, targets, limb, members, posed, facing)
+        known |= dict.fromkeys(members)
+    chains = _chains(targets, taken)
+    lines = [_line(targets, chain) for chain in chains]
+    triples = [triple for nodes in lines for triple in zip(nodes, nodes[1:], nodes[2:], strict=False)]
+    areas, sines = _triples(targets, triples)
+    start = 0
+    for chain, nodes in zip(chains, lines, strict=True):
+        if len(nodes) >= 3:
+            part = slice(start, start + len(nodes) - 2)
+            start = part.stop
+            _set_chain(planes, targets, chain, nodes, areas[part], sines[part], per_joint=per_joint)
+        known |= dict.fromkeys(chain)
+    _set_adjoining(planes.adjoining, targets)
+    _set_from_twins(planes.normals, targets, chains, known)
+    return planes
+
+
+def _set_limb(
+    planes: BendPlanes,
+    targets: Targets,
+    limb: Limb,
+    members: list[int],
+    posed: Bend,
+    facing: Floats | None,
+) -> None:
+    rig, ref = targets.tree.rig, targets.ref
+    found: Bend | None = posed
+    if posed.sine < STRAIGHT_SINE:
+        name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
+        planes.straight.update(dict.fromkeys(members, (name, posed.sine)))
+        found = bend(
+            rig,
+            limb,
+            ref.world,
+            least_sine=STRAIGHT_SINE,
+            others=targets.limbs,
+            facing=facing,
+            other_pose=ref.other,
+        )
+    if found is not None:
+        _set_bend(planes.normals, members, found)
+
+
+def _set_bend(normals: UpDirections, joints: Sequence[int], found: Bend) -> None:
+    source = _SOURCE.get(found.source, found.source)
+    normals.set(joints, found.hinge, _STEP[found.source], source, found.sine)
+
+
+def _members(targets: Targets, limb: Limb) -> list[int]:
+    """The limb, the clavicle above it, and for a leg the foot and toes below it."""
+    tree, aims = targets.tree, targets.aims
+    members = limb_path(tree, limb)
+    above = tree.above.get(limb.start, -1)
+    aim = aims.get(above)
+    if aim is not None and aim.node == limb.start:
+        members.insert(0, above)
+    node = limb.end
+    while limb.kind == "leg" and (aim := aims.get(node)) is not None:
+        if aim.node is None or aim.node not in aims:
+            break
+        node = aim.node
+        if node in members:
+            break
+        members.append(node)
+    return [joint for joint in members if joint in aims]
+
+
+def _chains(targets: Targets, taken: set[int]) -> list[list[int]]:
+    """The joints that no limb has, each with those it aims at one after another."""
+    aims, chains, done = targets.aims, [], set(taken)
+    for joint in aims:
+        if joint in done:
+            continue
+        chain = {joint: None}
+        last = joint
+        while (node := aims[last].node) is not None and node in aims:
+            if node in done or node in chain:
+                break
+            chain[node], last = None, node
+        done.update(chain)
+        chains.append(list(chain))
+    return chains
+
+
+def _line(targets: Targets, chain: Sequence[int]) -> list[int]:
+    """A chain's joints, the skipped joint that leads into it, and what its last one aims at."""
+    tree, aims = targets.tree, targets.aims
+    above, last = tree.above[chain[0]], aims[chain[-1]].node
+    leads = above >= 0 and above not in aims
+    leads = leads and chain_child(tree, targets.ref, above) == chain[0]
+    ends = [last] if last is not None and last not in chain else []
+    return [*([above] if leads else []), *chain, *ends]
+
+
+def _triples(targets: Targets, triples: Sequence[tuple[int, int, int]]) -> tuple[Floats, Floats]:
+    """AB × BC, (t, 3), and the sine of the bend, (t,), of triples of nodes."""
+    nodes = np.array(triples, dtype=np.int64).reshape(-1, 3)
+    return areas_and_sines(targets.ref.world[nodes, 3, :3])
+
+
+def _set_chain(
+    planes: BendPlanes,
+    targets: Targets,
+    chain: list[int],
+    nodes: list[int],
+    areas: Floats,
+    sines: Floats,
+    *,
+    per_joint: bool,
+) -> None:
+    """areas: (len(nodes) - 2, 3); sines: of the bends there."""
+    most = float(sines.max())
+    if most < STRAIGHT_SINE:
+        rig = targets.tree.rig
+        name = f"{rig.title(nodes[0])} … {rig.title(nodes[-1])}"
+        planes.straight.update(dict.fromkeys(chain, (name, most)))
+        found = _in_clips(targets, nodes)
+        if found is not None:
+            _set_bend(planes.normals, chain, found)
+    elif not per_joint:
+        planes.normals.set(chain, _area_weighted(areas), 2, "plane of the chain", most)
+    else:  # each inner joint its own plane; the first and last take their neighbour's
+        inner = {joint: min(max(place - 1, 0), len(areas) - 1) for place, joint in enumerate(nodes)}
+        bent = {joint: k for joint, k in inner.items() if joint in targets.aims and sines[k] >= STRAIGHT_SINE}
+        k = list(bent.values())
+        planes.normals.set(list(bent), normalise(areas[k]), 2, "plane of the joint", sines[k])
+
+
+def _area_weighted(areas: Floats) -> Floats:
+    """The common normal of a chain, unit, (3,): areas, (t, 3), summed, each on the side of the largest.
+
+    Of areas that differ by less than a tenth the first counts as the largest, so that
+    rounding does not choose between them.
+    """
+    sizes = length(areas)
+    largest = areas[int(np.argmax(sizes >= 0.9 * sizes.max()))]
+    same_side = np.where((dot(areas, largest) < 0)[:, np.newaxis], -areas, areas)
+    return normalise(same_side.cumsum(axis=0)[-1])
+
+
+def _in_clips(targets: Targets, nodes: list[int]) -> Bend | None:
+    """The hinge of a straight chain as its clips show it, at the first joint that they bend."""
+    ref = targets.ref
+    apart = [nodes[0]]
+    for node in nodes[1:]:
+        if length(ref.position(node) - ref.position(apart[-1])) > ZERO_LENGTH * ref.extent:
+            apart.append(node)
+    for triple in zip(apart, apart[1:], apart[2:], strict=False):
+        # No sine reaches 2: only clips and the other pose count here.
+        found = bend(targets.tree.rig, Limb(*triple), ref.world, least_sine=2.0, other_pose=ref.other)
+        if found is not None:
+            return found
+    return None
+
+
+def _set_adjoining(adjoining: UpDirections, targets: Targets) -> None:
+    """The plane of parent, joint and aim; else of the joint, what it aims at, and what that aims at."""
+    aims, above = targets.aims, targets.tree.above
+    after: dict[int | None, int | None] = {joint: aim.node for joint, aim in aims.items()}
+    own = {joint: (above[joint], joint, aim.node) for joint, aim in aims.items() if above[joint] >= 0}
+    next_ = {joint: (joint, aim.node, after.get(aim.node)) for joint, aim in aims.items()}
+    for triples in (next_, own):  # the last that holds counts
+        whole = {joint: triple for joint, triple in triples.items() if None not in triple}
+        areas, sines = _triples(targets, list(whole.values()))  # type: ignore[arg-type]
+        bent = np.flatnonzero(sines >= STRAIGHT_SINE)
+        joints = np.array(list(whole), dtype=np.int64)[bent].tolist()
+        adjoining.set(joints, normalise(areas[bent]), 6, "adjoining plane", sines[bent])
+
+
+def _set_from_twins(
+    normals: UpDirections, targets: Targets, chains: Iterable[Sequence[int]], known: Iterable[int]
+) -> None:
+    """The other side's hinge for joints of chains without one; ``known``: joints that may have their own."""
+    rig, ref = targets.tree.rig, targets.ref
+    named: dict[str, int] = {}
+    for joint in known:
+        if 1 <= normals.step[joint] <= 3:
+            named.setdefault(rig.names[joint], joint)
+    for joint in (joint for chain in chains for joint in chain if not normals.step[joint]):
+        other = rig.names[joint] and twin(rig.names[joint])
+        if not other or other == rig.names[joint] or other not in named:
+            continue
+        there = named[other]
+        apart = np.abs(ref.position(joint) - ref.position(there))
+        mirror = np.where(np.arange(3) == int(np.argmax(apart)), 1.0, -1.0)
+        # A normal is mirrored as a rotation is: across the plane and backwards.
+        normals.set([joint], normals.vector[there] * mirror, 4, "other side", float(normals.sine[there]))

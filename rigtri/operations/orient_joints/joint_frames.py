@@ -1,0 +1,128 @@
+"""The reorientation that each joint's style asks for, from its aim and its up direction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from rigtri.frames.skeleton import ReferencePose
+from rigtri.maths.matrices import transform_directions
+from rigtri.maths.quaternions import IDENTITY, from_axes, to_axes
+from rigtri.maths.triangle import axis_of, frame
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.orient_joints.dead_band import DeadBand
+from rigtri.operations.orient_joints.scale_policy import ScalePolicy
+from rigtri.operations.orient_joints.targets import Targets
+from rigtri.operations.orient_joints.up_direction import UpLadder
+
+
+def joint_frames(targets: Targets, ladder: UpLadder, band: DeadBand, policy: ScalePolicy) -> Floats:
+    """The change of frame of each node, (n, 4), in its own space; identity of what is no target.
+
+    Finds the up directions of ``ladder`` and widens ``band`` by them on the way: an up direction may be
+    the new axis of another joint.
+    """
+    delta = np.broadcast_to(IDENTITY, (len(targets.tree.rig), 4)).copy()
+    for joints in _batches(targets):
+        aimed = [joint for joint in joints if _is_aimed(targets, joint)]
+        if aimed:
+            ladder.find(aimed, _related_axes(aimed, delta, targets, band, policy))
+            band.widen_for_roll(aimed, targets, ladder.ups)
+            _set_aimed(delta, aimed, targets, ladder.ups.vector)
+        world = [joint for joint in joints if _is_world(targets, joint)]
+        set_world_axes(delta, np.broadcast_to(np.eye(3), (len(world), 3, 3)), world, targets)
+        copies = [joint for joint in joints if targets.aims[joint].how == "parent" and joint not in world]
+        if copies:
+            above = [targets.tree.above[joint] for joint in copies]
+            band.roll[copies] = band.roll[above]
+            set_world_axes(delta, _new_axes(above, delta, targets, band, policy), copies, targets)
+    return delta
+
+
+def _batches(targets: Targets) -> Iterator[list[int]]:
+    """Joints whose frames can be found at once, each after those whose new axes it takes."""
+    styles, above = targets.styles, targets.tree.above
+    copies = {joint: None for joint in targets.joints if targets.aims[joint].how == "parent"}
+    others = [joint for joint in targets.joints if joint not in copies]
+    first = [joint for joint in others if styles[joint].up_from != "child"]
+    if any(styles[joint].up_from == "parent" for joint in first):
+        yield from ([joint] for joint in first)
+    elif first:
+        yield first
+    yield from ([joint] for joint in reversed(others) if styles[joint].up_from == "child")
+    while copies:
+        ready = [joint for joint in copies if above[joint] not in copies]
+        yield ready
+        copies = {joint: None for joint in copies if joint not in ready}
+
+
+def _is_world(targets: Targets, joint: int) -> bool:
+    return targets.styles[joint].world or targets.aims[joint].how == "world"
+
+
+def _is_aimed(targets: Targets, joint: int) -> bool:
+    return targets.aims[joint].how not in ("keep", "parent") and not _is_world(targets, joint)
+
+
+def _set_aimed(delta: Floats, joints: Sequence[int], targets: Targets, up: Floats) -> None:
+    """Bring the aim axes of joints onto their bones, and their up axes near to ``up``, (n, 3)."""
+    for style, group in targets.by_style(joints).items():
+        own_up = transform_directions(up[group], targets.ref.inverse[group])
+        delta[group] = from_axes(frame(targets.aim[group], own_up, aim_axis=style.aim, up_axis=style.up))
+
+
+def set_world_axes(delta: Floats, axes: Floats, joints: Sequence[int], targets: Targets) -> None:
+    """Bring joints onto axes of the world, (k, 3, 3) rows, of which they take their aim and up axes."""
+    place = {joint: k for k, joint in enumerate(joints)}
+    for style, group in targets.by_style(joints).items():
+        delta[group] = delta_onto(axes[[place[joint] for joint in group]], targets.ref, group, style)
+
+
+def delta_onto(axes: Floats, ref: ReferencePose, joints: Sequence[int], style: AxisStyle) -> Floats:
+    """The deltas, (k, 4), that give joints these world axes (rows, any handedness), (k, 3, 3).
+
+    Taken into the joint's own space and made orthonormal there, first the aim axis, then the up
+    axis; the third gives way where the handedness is not the joint's own.
+    """
+    rows = transform_directions(axes, ref.inverse[list(joints)][:, np.newaxis])
+    aim, up = style.aim[-1], style.up[-1]
+    return from_axes(frame(rows[:, axis_of(aim)[0]], rows[:, axis_of(up)[0]], aim_axis=aim, up_axis=up))
+
+
+def _new_axes(
+    joints: Sequence[int], delta: Floats, targets: Targets, band: DeadBand, policy: ScalePolicy
+) -> Floats:
+    """The world axes (rows) that joints will have, (k, 3, 3)."""
+    axes = to_axes(band.apply(delta[joints], joints))
+    for row, joint in enumerate(joints):
+        axes[row] = policy.axes_taken(axes[row], joint, targets.styles[joint])
+    return normalise(transform_directions(axes, targets.ref.world[joints][:, np.newaxis]))
+
+
+def _related_axes(
+    joints: Sequence[int], delta: Floats, targets: Targets, band: DeadBand, policy: ScalePolicy
+) -> Mapping[int, Floats]:
+    """The direction in the world, (3,), of the axis of another joint that gives some joints their up."""
+    found = {}
+    tree, aims = targets.tree, targets.aims
+    for joint in joints:
+        style = targets.styles[joint]
+        if style.up_from not in ("parent", "child"):
+            continue
+        letter, sign = axis_of(style.up)
+        if style.up_from == "parent":
+            other: int | None = tree.above[joint]
+        else:
+            other = aims[joint].node
+            if other not in tree.above:
+                other = next(iter(tree.below[joint]), None)
+            if other is not None and other in aims and aims[other].how == "parent":
+                other = None  # it copies this joint, so it has no up axis of its own
+        if other is None or other < 0:
+            found[joint] = targets.ref.world[joint, letter, :3] * sign
+        else:
+            found[joint] = _new_axes([other], delta, targets, band, policy)[0, letter] * sign
+    return found
