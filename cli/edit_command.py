@@ -43,9 +43,21 @@ def edit_command(
         run_edit(name, values, step, given_options(ctx), summary, lambda report: besides(values, report))
 
     run = output_options(edit_options(reading_options(run)))
-    for option in (*reversed(more), *reversed(click_options(declared))):
+    for option in reversed(more):
         _add(run, option)
+    run = declared_options(declared)(run)
     return click.command(name, cls=cls, help=words)(source_argument(target_option(run)))
+
+
+def declared_options(declared: type) -> Callable[[Any], Any]:
+    """A decorator with the options that an operation declares."""
+
+    def decorated(command: Any) -> Any:
+        for option in reversed(click_options(declared)):
+            _add(command, option)
+        return command
+
+    return decorated
 
 
 def step_of(name: str, declared: type, values: dict[str, Any]) -> Step:

@@ -1,4 +1,15 @@
-"""rigtri pose"""
+"""Print the pose of one moment, evaluated; with -o make it the rest pose of a file.
+
+Each joint is shown with its translation, rotation (x y z w) and scale relative to its parent, and its
+position in the world. In OUT bind poses and clips stay as they are: meshes show the pose where
+no clip plays.
+
+\b
+Examples:
+    rigtri pose rigged.glb --at walk@0.5
+    rigtri pose rigged.glb --at walk@0.5 --json
+    rigtri pose rigged.glb -o stand.glb --at idle@0
+"""
 
 from __future__ import annotations
 
@@ -8,8 +19,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
+from rigtri.operations.declaration.option import made
+from rigtri.operations.options.pose import PoseOptions
 
-from .asked import given_options, read_options, request
+from .asked import given, given_options, read_options
+from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
 from .options import edit_options, output_option, output_options, reading_options, source_argument
 from .telling import tell_warnings
@@ -19,48 +33,22 @@ if TYPE_CHECKING:
     from rigtri.report import Report
 
 
-@click.command("pose")
+@click.command("pose", help=__doc__)
 @source_argument
 @output_option(
     "Write a file whose rest pose is this pose, in the format of IN; - for standard output.",
 )
-@click.option(
-    "--at",
-    metavar="CLIP@TIME",
-    default="rest",
-    show_default=True,
-    help="The moment, in seconds (USD: time codes), or rest.",
-)
-@click.option(
-    "--evaluate/--no-evaluate",
-    default=True,
-    show_default=True,
-    help="Let controls and constraints that are at work move the joints first, or take joints' own keys.",
-)
+@declared_options(PoseOptions)
 @reading_options
 @edit_options
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
-    """Print the pose of one moment, evaluated; with -o make it the rest pose of a file.
-
-    Each joint is shown with its translation, rotation (x y z w) and scale as seen from its parent, and its
-    place in the world. In OUT bind poses and clips stay as they are: meshes show the pose where
-    no clip plays.
-
-    \b
-    Examples:
-        rigtri pose rigged.glb --at walk@0.5
-        rigtri pose rigged.glb --at walk@0.5 --json
-        rigtri pose rigged.glb -o stand.glb --at idle@0
-    """
-    from rigtri.pipeline.steps.pose import asked, step
-
     if values["target"] is None:
-        _print(values, asked(request(values)))
+        _print(values, made(PoseOptions, values, given(ctx)))
         return
     copy_ahead(ctx, values)
-    run_edit("pose", values, step(request(values)), given_options(ctx), summary)
+    run_edit("pose", values, step_of("pose", PoseOptions, values), given_options(ctx), summary)
 
 
 def summary(report: Report) -> str:

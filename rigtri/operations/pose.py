@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,21 +20,12 @@ from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
+from rigtri.operations.options.pose import PoseOptions as PoseOptions
 from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
 
 # Notes of nodes that a written pose leaves where they are.
 _KEPT = ("control", "offset", "poleVector", "group")
-
-
-@dataclass(frozen=True)
-class PoseOptions:
-    """Which pose. at: ``CLIP@TIME``, the time in the file's unit, or ``rest``. evaluate: as controls and
-    constraints that are at work move the joints; else as the clip's own keys do.
-    """
-
-    at: str = "rest"
-    evaluate: bool = True
 
 
 def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:

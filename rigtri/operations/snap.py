@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, size_of
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
@@ -39,6 +39,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
+from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.report import Report
 
@@ -49,25 +50,6 @@ NEAR = 1e-5
 SAME = 1e-5
 
 
-@dataclass(frozen=True)
-class SnapOptions:
-    """to: what takes over. at: moments, ``CLIP@TIME`` or ``rest``. limbs: root, middle and end joint of
-    each, by name; all with an IK end where there is none.
-    """
-
-    to: Literal["ik", "fk"]
-    at: tuple[str, ...]
-    limbs: tuple[tuple[str, str, str], ...] = ()
-
-    def checked(self) -> SnapOptions:
-        """These options. UsageError for what cannot be."""
-        if self.to not in ("ik", "fk"):
-            raise UsageError(f"--to {self.to}: choose of ik, fk")
-        if not self.at:
-            raise UsageError("say when: --at CLIP@TIME, or --at rest")
-        return self
-
-
 @operation(SnapOptions)
 def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
     """Give IK ends and poles, or FK controls, the values with which joints stand as they do at some moments.
@@ -76,7 +58,6 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
     UsageError, NameNotFoundError, GeometryError (no such limb, no FK controls,
     an IK end that follows a constraint).
     """
-    options = options.checked()
     chains = _chains(rig, options)
     moments: dict[tuple[int, ...], list[tuple[str, float]]] = {}
     for text in options.at:
@@ -95,7 +76,7 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
 def _chains(rig: Rig, options: SnapOptions) -> list[tuple[int, int, int]]:
     """The limbs, as nodes. GeometryError for one without an IK end."""
     known = [limb.chain for limb in ControlsAtZero(rig).limbs]
-    chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limbs] or known
+    chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limb] or known
     for chain in chains:
         if chain not in known:
             names = ", ".join(f"'{rig.title(node)}'" for node in chain)

@@ -79,7 +79,7 @@ def write(
 
     def step(first: Rig, report: Report) -> Rig:
         report.merge(origin.told)
-        same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "origin")
+        same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "source")
         return first if same else replace(rig, source=None)
 
     with _file(origin) as path:

@@ -67,7 +67,7 @@ def test_fk_takes_over_where_ik_has_put_the_joints(time: float) -> None:
     rig = posed_by_ik()
     at = f"walk@{time}"
     report = Report()
-    done = snap(rig, options=SnapOptions("fk", (at,)), report=report)
+    done = snap(rig, options=SnapOptions("fk", (at,), all_limbs=True), report=report)
     assert len(report.added) == 4
     assert apart(rig, done, at) < BOUND
     assert not report.warnings
@@ -143,7 +143,7 @@ def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
         if rig.metadata.get(t.node, {}).get("type") not in ("poleVector", "offset")
     )
     rig = replace(rig, clips=(replace(rig.clip("walk"), tracks=still),))
-    done = snap(rig, options=SnapOptions("fk", ("walk@0.25",)))
+    done = snap(rig, options=SnapOptions("fk", ("walk@0.25",), all_limbs=True))
     assert apart(rig, done, "walk@0.25") < BOUND
     assert control(rig, "hand_L", "fk") in keyed(done, "walk")
 
@@ -219,7 +219,7 @@ def test_at_rest_channels_are_set_at_rest() -> None:
 def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: int) -> None:
     rig = posed_by_ik()
     said, posed = Report(), Report()
-    snap(rig, options=SnapOptions("fk", (at,)), report=said)
+    snap(rig, options=SnapOptions("fk", (at,), all_limbs=True), report=said)
     pose_of(rig, PoseOptions(at), posed)
     assert [n.text for n in said.warnings if n.code == "pose-outside"] == [n.text for n in posed.warnings]
     assert len(posed.warnings) == told

@@ -120,7 +120,7 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     rigtri.write(rig, moved)
     commanded("bake --to controls --clip walk", built, two[1] / "baked.glb")
     assert moved.read_bytes() == (two[1] / "baked.glb").read_bytes()
-    rig = rigtri.snap(rigtri.read(moved), to="ik", at=["walk@0.5"], limbs=[ARM])
+    rig = rigtri.snap(rigtri.read(moved), to="ik", at=["walk@0.5"], limb=[ARM])
     rigtri.write(rig, two[0] / "out.glb")
     commanded(f"snap --to ik --at walk@0.5 --limb {' '.join(ARM)}", moved, tmp_path / "snapped.glb")
     assert (two[0] / "out.glb").read_bytes() == (tmp_path / "snapped.glb").read_bytes()

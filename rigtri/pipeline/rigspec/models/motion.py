@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from rigtri.pipeline.rigspec.models.base import StepModel, option
 from rigtri.pipeline.rigspec.models.values import (
@@ -12,7 +10,6 @@ from rigtri.pipeline.rigspec.models.values import (
     Assignments,
     File,
     Flag,
-    Limbs,
     Names,
     Share,
     Tolerance,
@@ -28,16 +25,6 @@ class TakeClips(StepModel):
     names: Assignments = option("as", ())
 
 
-class Snap(StepModel):
-    """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
-
-    do: Literal["snap"]
-    limbs: Limbs = option("limb", ())
-    all_limbs: Flag = option("all-limbs", False)
-    to: Literal["ik", "fk"]
-    at: Annotated[Names, Field(min_length=1)]
-
-
 class Bake(StepModel):
     """Work controls and constraints out into joint keys, or joints' motion into controls."""
 
@@ -50,11 +37,3 @@ class Bake(StepModel):
     between: Tolerance = 1e-3
     soft: Share | None = None
     stretch: Flag | None = None
-
-
-class Pose(StepModel):
-    """Make the pose of one moment, evaluated, the rest pose."""
-
-    do: Literal["pose"]
-    at: str = "rest"
-    evaluate: Flag = True

@@ -16,7 +16,7 @@ from rigtri.pipeline.rigspec.models.controls import (
     Constrain,
 )
 from rigtri.pipeline.rigspec.models.joints import AddTwist, MakeLimb, Mirror, Strip
-from rigtri.pipeline.rigspec.models.motion import Bake, Pose, Snap, TakeClips
+from rigtri.pipeline.rigspec.models.motion import Bake, TakeClips
 from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
@@ -29,9 +29,7 @@ _OLD: dict[str, type[StepModel]] = {
     "add-posereader": AddPosereader,
     "mirror": Mirror,
     "take-clips": TakeClips,
-    "snap": Snap,
     "bake": Bake,
-    "pose": Pose,
     "strip": Strip,
 }
 STEP_MODELS: dict[str, type[StepModel]] = {name: _OLD.get(name) or step_model(name) for name in OPERATIONS}

@@ -1,0 +1,17 @@
+"""What pose can be asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rigtri.operations.declaration.option import option
+
+
+@dataclass(frozen=True)
+class PoseOptions:
+    """Make the pose of one moment, evaluated, the rest pose."""
+
+    at: str = option("rest", metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest.")
+    evaluate: bool = option(
+        True, help="Evaluate the active controls and constraints, or take the joints' own keys."
+    )

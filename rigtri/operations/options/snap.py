@@ -1,0 +1,33 @@
+"""What snap can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from rigtri.errors import UsageError
+from rigtri.operations.declaration.kinds import Names
+from rigtri.operations.declaration.option import Kind, option
+
+# By name alone: limbs with an IK end, whose joints need not be below each other.
+Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END")]
+
+
+@dataclass(frozen=True)
+class SnapOptions:
+    """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
+
+    to: Literal["ik", "fk"] = option(help="What takes over.")
+    at: Names = option(
+        metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest. Repeatable."
+    )
+    limb: Limbs = option((), help="The three joints of a limb with an IK end. Repeatable.")
+    all_limbs: bool = option(False, help="All limbs with an IK end.")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError where limbs are given twice or not at all, and without a moment."""
+        if bool(self.limb) == self.all_limbs:
+            raise UsageError("give --limb ROOT MIDDLE END, or --all-limbs")
+        if not self.at:
+            raise UsageError("say when: --at CLIP@TIME, or --at rest")
