@@ -26,7 +26,7 @@ def size_of(rig: Rig) -> float:
 def controls_and_poles(rig: Rig) -> frozenset[int]:
     """The nodes whose keys say that a control is at work: controls and poles."""
     kinds = ("control", "poleVector")
-    return frozenset(node for node, note in rig.metadata.items() if note.get("type") in kinds)
+    return frozenset(rig.nodes_of(*kinds))
 
 
 def controls_with_keys(rig: Rig, timeline: Timeline) -> frozenset[int]:
@@ -38,7 +38,7 @@ def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:
     """The controls whose channels are not zero at rest. size: of the rig, in file units."""
     still, found = PoseCache(rig), set[int]()
     for node in controls_and_poles(rig):
-        if rig.metadata[node].get("type") != "control" or rig.is_joint[node]:
+        if rig.type_of(node) != "control" or rig.is_joint[node]:
             continue
         own = still.part(node)
         if (

@@ -89,7 +89,7 @@ class ControlsAtZero:
         """The world matrices of all nodes while controls are zero, (n, 4, 4)."""
         rig = self.rig
         world = np.empty((len(rig), 4, 4))
-        controls = {node for node, note in rig.metadata.items() if note.get("type") == "control"}
+        controls = set(rig.nodes_of("control"))
         moved = self._posed(controls)
         for node in range(len(rig)):
             above = int(rig.parents[node])

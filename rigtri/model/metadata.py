@@ -1,32 +1,381 @@
-"""What rigtri stores on nodes: the types of records, and which of them this version can read."""
+"""What rigtri stores on nodes: one dataclass for each type of record.
+
+schemas/node.schema.json describes the records for other programs. Files may hold anything: `Record.from_dict`
+never raises, and says in `Record.problems` what of a record cannot be used. `Record.to_dict` gives back what
+was stored, in its order, with keys that this version does not know.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
 
-# Notes on nodes that are there only because rigtri has added them.
-ADDED = (
-    "constraint",
-    "control",
-    "group",
-    "limb",
-    "offset",
-    "poleVector",
-    "poseReader",
-    "poseWeight",
-    "rivet",
-    "twist",
-)
-# The version of the description of notes that is read and written, and the types that it has.
-VERSION, KNOWN = 1, (*ADDED, "frame")
+VERSION = 1
 # What the script of export-blender puts below an IK end, as Blender numbers its names.
 SWITCH = re.compile(r"rigtri_ik([._]\d+)?")
 
+Triple = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+Names = tuple[str, ...]
+ControlKind = Literal["fk", "ik", "root"]
+ConstraintKind = Literal["parent", "point", "orient", "scale", "aim", "polevector"]
+ConstraintSpace = Literal["world", "local", "roll"]
+WorldUp = Literal["vector", "object", "objectrotation", "none"]
+NodeConstraintKind = Literal["rotation", "roll", "aim"]
+ReaderKind = Literal["dot", "cone", "rbf"]
+Kernel = Literal["linear", "gaussian"]
+ReaderMode = Literal["swing", "twist", "both"]
 
-def illegible(note: Mapping[str, Any]) -> str:
-    """Why this version cannot read a note, which stays as it is then; "" where it can."""
-    if note.get("v") != VERSION:
-        return f"its version is {note.get('v')!r}, and this rigtri reads {VERSION}"
-    return "" if note.get("type") in KNOWN else f"its type {note.get('type')!r} is not known to this rigtri"
+
+@dataclass(frozen=True, kw_only=True)
+class Stored:
+    """Values under keys, as JSON or USD attributes hold them.
+
+    A field is stored under its name in camel case. One without a default must be there.
+    stored: what was read, unknown keys included. problems: what of it cannot be used, in words; fields have
+    their default then, or an empty value.
+    """
+
+    stored: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    problems: tuple[str, ...] = field(default=(), compare=False)
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> Self:
+        """The record that is stored so; see `problems` for what is missing or of another kind."""
+        values: dict[str, Any] = {}
+        problems = []
+        for key in _keys(cls):
+            if key.name in stored:
+                value = key.read(stored[key.name])
+                if value is not None:
+                    values[key.field] = value
+                    continue
+                problems.append(f"its {key.name} is {stored[key.name]!r:.60}")
+            elif key.required:
+                problems.append(f"its {key.name} is missing")
+            if key.required:
+                values[key.field] = key.empty
+        return cls(**values, stored=stored, problems=tuple(problems))
+
+    def to_dict(self) -> dict[str, Any]:
+        """What to store: keys that were there keep their order and, where nothing changed, their values."""
+        found = dict(self.stored)
+        for key in _keys(type(self)):
+            value = getattr(self, key.field)
+            if key.name in found and key.read(found[key.name]) == value:
+                continue
+            if key.name in found or key.required or value != key.default:
+                found[key.name] = _plain(value)
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record(Stored):
+    """What rigtri stores on one node."""
+
+    type: ClassVar[str] = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        found = super().to_dict()
+        return found if self.stored else {"v": VERSION, "type": self.type, **found}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConstraintRecord(Record):
+    """A constraint; `rigtri.model.constraints` has it with nodes and arrays."""
+
+    type: ClassVar[str] = "constraint"
+    kind: ConstraintKind
+    child: str
+    drivers: Names
+    weights: tuple[float, ...]
+    offsets: tuple[float, ...]
+    chain: Names = ()
+    skip: Names = ()
+    rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = "xyz"
+    joint_orient: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    rest: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    space: ConstraintSpace = "world"
+    roll_axis: Literal["x", "y", "z", ""] = ""
+    aim: Triple = (1.0, 0.0, 0.0)
+    up: Triple = (0.0, 1.0, 0.0)
+    world_up: WorldUp = "none"
+    world_up_vector: Triple = (0.0, 1.0, 0.0)
+    world_up_object: str = ""
+    vrm: NodeConstraintKind | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControlRecord(Record):
+    """A control: what an animator moves."""
+
+    type: ClassVar[str] = "control"
+    kind: ControlKind
+    joint: str
+    chain: Names = ()
+    shape: str = ""
+    size: float | None = None
+    color: Triple | None = None
+    named: str = ""
+    soft: float = 0.0
+    stretch: bool = False
+    side: Literal["left", "right", ""] = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameRecord(Record):
+    """Where the axes of a joint came from. joint: the one whose frame this node is, after a split."""
+
+    type: ClassVar[str] = "frame"
+    up: str = ""
+    invented: bool = False
+    joint: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroupRecord(Record):
+    """The node above all that rigtri adds."""
+
+    type: ClassVar[str] = "group"
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimbRecord(Record):
+    """A joint of a limb that make-limb has built; the first part describes the limb."""
+
+    type: ClassVar[str] = "limb"
+    limb: str
+    part: int
+    chain: Names = ()
+    middle: str = ""
+    aim: str = ""
+    up: str = ""
+    up_from: str = ""
+    hinge: Triple | None = None
+    lengths: tuple[float, ...] = ()
+    planar: bool = False
+    source: str = ""
+    locators: Names = ()
+    end_aim: str | Triple | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OffsetRecord(Record):
+    """The node above a control that has its joint's place."""
+
+    type: ClassVar[str] = "offset"
+    kind: ControlKind
+    joint: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoleVectorRecord(Record):
+    """A locator that gives the direction in which a limb bends."""
+
+    type: ClassVar[str] = "poleVector"
+    chain: Names
+    method: Literal["perpendicular", "ratio"] = "perpendicular"
+    from_: Literal["middle", "root", "foot"] = "middle"
+    reach: float = 0.5
+    reach_of: Literal["limb", "chord"] = "limb"
+    distance: float | None = None
+    bend: float | None = None
+    source: str = ""
+    shape: str = ""
+    size: float | None = None
+    color: Triple | None = None
+    pose: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TargetRecord(Stored):
+    """A target pose of a pose reader, with one of direction, rotation and node."""
+
+    name: str
+    direction: Triple | None = None
+    rotation: Quaternion | None = None
+    node: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseReaderRecord(Record):
+    """A pose-space driver: how much a joint is in each of some poses. inner, outer: in degrees."""
+
+    type: ClassVar[str] = "poseReader"
+    name: str
+    driver: str
+    frame: str
+    axis: Triple
+    reader: ReaderKind
+    targets: tuple[TargetRecord, ...]
+    outputs: tuple[Mapping[str, Any], ...]
+    within: float
+    inner: float = 0.0
+    outer: float = 90.0
+    kernel: Kernel = "linear"
+    mode: ReaderMode = "swing"
+    rest: Quaternion | None = None
+    before: tuple[Mapping[str, Any], ...] = ()
+    fps: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseWeightRecord(Record):
+    """A node whose x is the weight of one target of a pose reader."""
+
+    type: ClassVar[str] = "poseWeight"
+    reader: str
+    target: str
+    control: str = ""
+    attribute: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RivetRecord(Record):
+    """A node that follows a point of a mesh: barycentric coordinates in a triangle."""
+
+    type: ClassVar[str] = "rivet"
+    name: str
+    mesh: str
+    primitive: int
+    vertices: tuple[int, ...]
+    barycentric: Triple
+    within: float
+    fps: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwistRecord(Record):
+    """A joint along a bone that takes a share of a twist."""
+
+    type: ClassVar[str] = "twist"
+    joint: str
+    to: str
+    driver: str
+    number: int
+    count: int
+    at: float
+    weight: float
+    axis: Triple | None = None
+    influences: tuple[Mapping[str, Any], ...] = ()
+
+
+RECORDS: Mapping[str, type[Record]] = {
+    kind.type: kind
+    for kind in (
+        ConstraintRecord,
+        ControlRecord,
+        FrameRecord,
+        GroupRecord,
+        LimbRecord,
+        OffsetRecord,
+        PoleVectorRecord,
+        PoseReaderRecord,
+        PoseWeightRecord,
+        RivetRecord,
+        TwistRecord,
+    )
+}
+# Types of nodes that are there only because rigtri has added them.
+ADDED = frozenset(RECORDS) - {FrameRecord.type}
+
+
+def illegible(stored: Mapping[str, Any]) -> str:
+    """Why this version cannot read a record, which stays as it is then; "" where it can."""
+    if stored.get("v") != VERSION:
+        return f"its version is {stored.get('v')!r}, and this rigtri reads {VERSION}"
+    kind = stored.get("type")
+    return (
+        "" if isinstance(kind, str) and kind in RECORDS else f"its type {kind!r} is not known to this rigtri"
+    )
+
+
+class _Key(NamedTuple):
+    """One field of a record. read: gives a value of its kind, or None for what is none."""
+
+    field: str
+    name: str
+    read: Callable[[Any], Any]
+    required: bool
+    default: Any
+    empty: Any
+
+
+_KEYS: dict[type[Stored], tuple[_Key, ...]] = {}
+
+
+def _keys(cls: type[Stored]) -> tuple[_Key, ...]:
+    """The stored keys of a record, in the order of its fields."""
+    if cls not in _KEYS:
+        _KEYS[cls] = tuple(_keys_of(cls))
+    return _KEYS[cls]
+
+
+def _keys_of(cls: type[Stored]) -> list[_Key]:
+    kinds, found = get_type_hints(cls), []
+    for one in fields(cls):
+        if one.name not in ("stored", "problems"):
+            first, *rest = one.name.rstrip("_").split("_")
+            name = first + "".join(word.capitalize() for word in rest)
+            read, empty = _reader(kinds[one.name])
+            found.append(_Key(one.name, name, read, one.default is MISSING, one.default, empty))
+    return found
+
+
+def _reader(kind: Any) -> tuple[Callable[[Any], Any], Any]:
+    """What reads a stored value as a kind, None where it is of another; and an empty value of the kind."""
+    if kind in _PLAIN:
+        return _PLAIN[kind]
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return lambda value: value if isinstance(value, str) and value in inner else None, inner[0]
+    if origin is tuple:
+        read, _ = _reader(inner[0])
+        count = None if inner[-1] is Ellipsis else len(inner)
+        return lambda value: _tuple(value, read, count), () if count is None else (0.0,) * count
+    if isinstance(kind, type):
+        return lambda value: _nested(kind, value), None
+    # A union: the first of its kinds that fits.
+    readers = [_reader(one)[0] for one in inner if one is not type(None)]
+    return lambda value: next((v for r in readers if (v := r(value)) is not None), None), None
+
+
+def _tuple(value: Any, read: Callable[[Any], Any], count: int | None) -> tuple[Any, ...] | None:
+    if not isinstance(value, list | tuple) or count not in (None, len(value)):
+        return None
+    items = tuple(map(read, value))
+    return None if None in items else items
+
+
+def _nested(kind: type[Stored], value: Any) -> Stored | None:
+    found = kind.from_dict(value) if isinstance(value, Mapping) else None
+    return None if found is None or found.problems else found
+
+
+def _number(value: Any) -> float | None:
+    """A finite number; larger ones than any file holds would overflow."""
+    fits = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+    return float(value) if fits else None
+
+
+def _whole(value: Any) -> int | None:
+    """A whole number, also as a float: USD's lists have floats alone."""
+    return int(value) if _number(value) is not None and value == value // 1 else None
+
+
+_PLAIN: Mapping[Any, tuple[Callable[[Any], Any], Any]] = {
+    str: (lambda value: value if isinstance(value, str) else None, ""),
+    bool: (lambda value: value if isinstance(value, bool) else None, False),
+    float: (_number, 0.0),
+    int: (_whole, 0),
+    Mapping[str, Any]: (lambda value: value if isinstance(value, Mapping) else None, {}),
+}
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it."""
+    if isinstance(value, Stored):
+        return value.to_dict()
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -24,10 +24,12 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import ADDED, SWITCH
+from rigtri.model.metadata import ADDED, SWITCH, Record
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
+
+R = TypeVar("R", bound=Record)
 
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
@@ -122,10 +124,30 @@ class Rig(NodeNames):
         mask[list(self.holders)] = False
         return mask
 
+    def type_of(self, node: int) -> str:
+        """The type of what rigtri has stored on a node, e.g. ``control``; "" where there is nothing."""
+        kind = self.metadata[node].get("type") if node in self.metadata else ""
+        return kind if isinstance(kind, str) else ""
+
+    def nodes_of(self, *types: str) -> list[int]:
+        """The nodes with metadata of these types."""
+        return [node for node in self.metadata if self.type_of(node) in types]
+
+    def records(self, kind: type[R]) -> dict[int, R]:
+        """What is stored in records of one type, by node; without those that cannot be used."""
+        if kind not in self._records:
+            found = {node: kind.from_dict(self.metadata[node]) for node in self.nodes_of(kind.type)}
+            self._records[kind] = {node: record for node, record in found.items() if not record.problems}
+        return self._records[kind]
+
+    @cached_property
+    def _records(self) -> dict[type[Any], dict[int, Any]]:
+        return {}
+
     @cached_property
     def own(self) -> frozenset[int]:
         """Nodes that rigtri has added, with what shows the lines of controls and holds joints of ours."""
-        made = {node for node, note in self.metadata.items() if note.get("type") in ADDED}
+        made = {node for node in self.metadata if self.type_of(node) in ADDED}
         drawings = (
             child
             for node in made
@@ -206,8 +228,8 @@ class Rig(NodeNames):
         """Joints whose axes a node of their own above them holds (``type: frame`` with ``joint``)."""
         return {
             child: node
-            for node, note in self.metadata.items()
-            if note.get("type") == "frame" and "joint" in note
+            for node, stored in self.metadata.items()
+            if self.type_of(node) == "frame" and "joint" in stored
             for child in self.children[node][:1]
         }
 

@@ -47,7 +47,7 @@ def call(rig: Rig, wanted: Mapping[int, str], rule: str, report: Report) -> Rig:
     every = list(rig.names)
     for node, name in names.items():
         above = int(rig.parents[node])
-        if rig.metadata.get(above, {}).get("type") == "offset" and _goes_along(rig, node, above):
+        if rig.type_of(above) == "offset" and _goes_along(rig, node, above):
             offsets[above] = f"{name}_offset"
         every[node] = name
     rig = replace(rig, names=tuple(every))

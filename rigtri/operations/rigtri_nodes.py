@@ -96,7 +96,7 @@ def unposed(rig: Rig, node: int) -> Floats:
     """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
     world = np.eye(4)
     while node >= 0:
-        if rig.metadata.get(node, {}).get("type") != "control":
+        if rig.type_of(node) != "control":
             world = multiply(world, rig.local[node])
         node = int(rig.parents[node])
     return world

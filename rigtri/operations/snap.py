@@ -224,7 +224,7 @@ class _Limb:
     def _nearby(self, timeline: Timeline, node: int, path: Path, values: Floats) -> Track | None:
         """A track for what had none: between the keys around the moments it is what it is at rest."""
         rest = _part(self.rig, node, path)
-        if np.abs(values - rest).max() <= NOTHING or self.rig.metadata[node].get("type") == "offset":
+        if np.abs(values - rest).max() <= NOTHING or self.rig.type_of(node) == "offset":
             return None
         keys = times_within(timeline, None)
         outer = [keys[keys < self.times[0]][-1:], keys[keys > self.times[-1]][:1]]

@@ -37,7 +37,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     Raises GeometryError where a node of someone else hangs below one of ours.
     """
     gone = _gone(rig)
-    readers = [node for node in gone if rig.metadata.get(node, {}).get("type") == "poseReader"]
+    readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
     for node, columns in driven.items():
         report.driven.setdefault(rig.keys[node], set()).update(columns)

@@ -201,7 +201,7 @@ def test_a_limb_gets_both_bones_unless_one_is_named() -> None:
         (AddTwistOptions(limbs=(limb,), upper=True), ["a", "a"]),
         (AddTwistOptions(limbs=(limb,), lower=True), ["b", "b"]),
     ):
-        assert [note["joint"] for note in add_twist(ARM, options=options).notes.values()] == bones
+        assert [note["joint"] for note in add_twist(ARM, options=options).metadata.values()] == bones
 
 
 def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:

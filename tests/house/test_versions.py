@@ -15,7 +15,7 @@ from second_opinions import validator
 
 from rigtri import diff, verify
 from rigtri.formats import read
-from rigtri.model.metadata import KNOWN
+from rigtri.model.metadata import RECORDS
 from rigtri.model.rig import Rig
 from rigtri.operations import add_controls
 from rigtri.operations.joint_selection import Selection
@@ -49,7 +49,7 @@ def test_every_version_has_its_kept_files() -> None:
 def test_a_kept_file_is_read_and_taken_apart(path: Path, samples: Path, tmp_path: Path) -> None:
     document = read(path)
     notes = document.rig.metadata
-    assert {note["type"] for note in notes.values()} == set(KNOWN)
+    assert {note["type"] for note in notes.values()} == set(RECORDS)
     for note in notes.values():
         validator("node").validate(note)
     assert not [notice for notice in document.warnings if notice.code == "note-unread"]

@@ -690,7 +690,7 @@ def test_every_kind_is_the_same_in_both_formats(
     rig = read(out).rig
     (note,) = (note for note in rig.metadata.values() if note["type"] == "constraint")
     validator("node").validate(note)
-    mine = constrain(read(samples / "biped.glb").rig, options=given).notes
+    mine = constrain(read(samples / "biped.glb").rig, options=given).metadata
     (theirs,) = (other for other in mine.values() if other["type"] == "constraint")
     assert note.keys() == theirs.keys()
     for key, value in note.items():
@@ -728,7 +728,9 @@ def test_the_command_writes_what_it_says(suffix: str, samples: Path, tmp_path: P
     assert document["added"][0]["drivers"] == {"head": 2.0, "hand_R": 1.0}
     assert document["verification"]["deviation"] == 0
     assert "hand_L: orient constraint by head (2), hand_R (1) (new)" in result.stderr
-    assert len(rigtri.read(tmp_path / f"out{suffix}").notes) == 2 - (suffix == ".usda") + (suffix == ".usda")
+    assert len(rigtri.read(tmp_path / f"out{suffix}").metadata) == 2 - (suffix == ".usda") + (
+        suffix == ".usda"
+    )
 
 
 @pytest.mark.parametrize(
@@ -853,5 +855,5 @@ def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> No
     local = broken.normalised_local[np.newaxis]
     assert apply_constraints(broken, local).tolist() == local.tolist()
     turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))
-    assert reframe(broken, turns).notes == broken.metadata
+    assert reframe(broken, turns).metadata == broken.metadata
     assert len(constrain(broken, options=options("point", "driver"))) == len(rig) + 1

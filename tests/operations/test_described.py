@@ -134,7 +134,7 @@ def add_options() -> Any:
 def test_notes_of_the_rig_that_is_named_win_and_that_is_told() -> None:
     rig, report = biped(), Report()
     other, node = moved_note(rig)
-    assert rigtri.as_described(rig, other, report=report).notes[node]["soft"] == 0.25
+    assert rigtri.as_described(rig, other, report=report).metadata[node]["soft"] == 0.25
     (notice,) = report.warnings
     assert notice.code == "described-anew"
     assert rig.names[node] in notice.text

@@ -48,7 +48,7 @@ def facts(rig: Rig) -> dict[str, Any]:
             for joints, pole in limbs(rig).items()
         ],
         "marks": [place[node] for node in nodes if _kind(rig, node) and not rig.is_joint[node]],
-        "controls": sum(rig.metadata[node].get("type") == "control" for node in rig.metadata),
+        "controls": sum(rig.type_of(node) == "control" for node in rig.metadata),
         "shapes": list(_shapes(rig, place)),
         "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
         "follows": [[place[source], place[node]] for source, node in _followed(rig)],

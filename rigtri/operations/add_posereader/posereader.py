@@ -316,7 +316,7 @@ class _Builder:
     def _control(self, name: str) -> int:
         """A control that add-controls has made."""
         node = self.rig.find(name, "node")
-        if self.rig.metadata.get(node, {}).get("type") != "control":
+        if self.rig.type_of(node) != "control":
             raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
         return node
 

@@ -268,7 +268,7 @@ class _Baker:
         So a second run, which reads keys that were thinned, looks at the same times.
         """
         held = rivets_of_constraints(self.rig)
-        follow = {node for node, note in self.rig.metadata.items() if note.get("type") in _FOLLOW} - held
+        follow = set(self.rig.nodes_of(*_FOLLOW)) - held
         kept = tuple(
             t
             for t in timeline.clip.tracks

@@ -30,7 +30,7 @@ def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     for rule in rules_of(rig).values():
         for node in rule.sources:
             while node >= 0:
-                if rig.metadata.get(node, {}).get("type") == "rivet":
+                if rig.type_of(node) == "rivet":
                     found.add(node)
                 node = int(rig.parents[node])
     return frozenset(found)
@@ -70,7 +70,7 @@ def rebake_followers(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
     One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, and is told.
     """
     for node in rivets_and_readers(rig):
-        module = posereader if rig.metadata[node]["type"] == "poseReader" else rivet
+        module = posereader if rig.type_of(node) == "poseReader" else rivet
         try:
             rig = module.rebaked(rig, node, clips=clips, report=report)
         except (FileError, GeometryError, NameNotFoundError, UsageError) as error:

@@ -54,7 +54,7 @@ def _limb(rig: Rig, chain: list[int], note: Mapping[str, Any], options: MirrorOp
     if joints and len(joints) < len(chain):
         lone(rig, chain[0], report, "limb", "some of its joints have twins, and some have none")
         return rig
-    if joints and not all(rig.metadata.get(k, {}).get("type") == "limb" for k in joints):
+    if joints and not all(rig.type_of(k) == "limb" for k in joints):
         return rig  # the other side has joints of its own, whose places are not ours to change
     if new:
         names = [twin(rig.names[k]) for k in chain]
@@ -81,7 +81,7 @@ def _parent(rig: Rig, joint: int) -> int | None:
         return other(rig, parent)
     above = int(rig.parents[parent]) if parent >= 0 else -1
     # In USD a skeleton of its own stands between.
-    if parent < 0 or "group" in {rig.metadata.get(k, {}).get("type") for k in (parent, above)}:
+    if parent < 0 or "group" in {rig.type_of(k) for k in (parent, above)}:
         return -1
     return other(rig, parent)
 

@@ -52,7 +52,7 @@ def _forth(rig: Rig, from_side: Side) -> dict[int, str]:
 
 
 def _readers(rig: Rig) -> list[int]:
-    return [node for node, note in rig.metadata.items() if note.get("type") == "poseReader"]
+    return rig.nodes_of("poseReader")
 
 
 def _side(rig: Rig, node: int) -> Side:

@@ -148,12 +148,12 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
     matrix, names, elsewhere = rig.matrix.copy(), [], []
     size = float(np.abs(described.world[:, 3, :3]).max(initial=0.0)) or 1.0
     for theirs, node in sorted(of.items(), key=lambda pair: pair[1]):
-        is_control = rig.metadata[node].get("type") == "control"
+        is_control = rig.type_of(node) == "control"
         above = ours.get(int(rig.parents[node]), np.eye(4))
         ours[node] = above if is_control else multiply(rig.local[node], above)
         if not ((is_control and moving) or node in moving):  # of no clip, no frame is stored as rest
             continue
-        if rig.is_joint[node] or rig.metadata[node].get("type") == "group":
+        if rig.is_joint[node] or rig.type_of(node) == "group":
             continue
         place, parent = described.local[theirs], theirs_at.get(int(described.parents[theirs]), np.eye(4))
         moved = not is_control and np.abs(above - parent).max() > _SAME_PLACE * size
@@ -188,8 +188,8 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
 def _zero(rig: Rig, node: int) -> Floats:
     """Where a node stands while all controls are zero, seen from what is not rigtri's, (4, 4)."""
     place = np.eye(4)
-    while node >= 0 and rig.metadata.get(node, {}).get("type") in ADDED:
-        if rig.metadata[node].get("type") != "control":
+    while node >= 0 and rig.type_of(node) in ADDED:
+        if rig.type_of(node) != "control":
             place = multiply(place, rig.local[node])
         node = int(rig.parents[node])
     return place

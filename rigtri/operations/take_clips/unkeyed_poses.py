@@ -36,7 +36,7 @@ def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, in
     nodes of ``rig`` by its. What one of its clips moves past where a node stands is
     left over from a frame of that.
     """
-    controls = [node for node, note in rested.metadata.items() if note.get("type") == "control"]
+    controls = rested.nodes_of("control")
     fresh = unkeyed(rig, {node: node for node in controls}, rested, described, of)
     done = rested
     for timeline in timelines(rested):

@@ -25,7 +25,7 @@ def check_cycles(path: Path, rule: str, findings: Findings, *, allow_external: b
         refuse_cycles(rig)
     except ControlCycleError as error:
         noted = [node for node in error.nodes if node in rig.metadata]
-        node = next((n for n in noted if rig.metadata[n].get("type") in WAITING), [*noted, *error.nodes][0])
+        node = next((n for n in noted if rig.type_of(n) in WAITING), [*noted, *error.nodes][0])
         place, pointer = _place(rig, node)
         findings.add(rule, place, pointer, error.path)
     except RigtriError:

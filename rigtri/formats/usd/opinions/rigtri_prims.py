@@ -13,5 +13,5 @@ def is_rigtri_prim(rig: Rig, node: int) -> bool:
 
 def sets_transform(before: Rig, rig: Rig, node: int) -> bool:
     """Whether rigtri may set the transform of a prim: its own, or one that gets back what it had lost."""
-    added = rig.metadata.get(node, {}).get("type") in ADDED
+    added = rig.type_of(node) in ADDED
     return is_rigtri_prim(before, node) or (added and bool((before.local[node] != rig.local[node]).any()))

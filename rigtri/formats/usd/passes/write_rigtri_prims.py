@@ -178,7 +178,7 @@ class _Additions:
         return [*self.made.values(), *found]
 
     def _is_group(self, node: int) -> bool:
-        return node >= len(self.source.rig) and self.rig.metadata.get(node, {}).get("type") == "group"
+        return node >= len(self.source.rig) and self.rig.type_of(node) == "group"
 
     def _free(self, parent: Any, name: str) -> Any:
         """A path below ``parent`` that no prim has."""

@@ -1,0 +1,80 @@
+"""Records on nodes: read without ever failing, written as they were, and described by the schema."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rigtri.model.metadata import ADDED, RECORDS, ControlRecord, RivetRecord, Stored, TargetRecord, _keys
+
+SCHEMA = json.loads(Path("schemas/node.schema.json").read_text("utf-8"))
+FORMS = SCHEMA["$defs"]
+CONTROL = {"joint": "hand", "mine": [1, 2], "kind": "ik", "v": 1, "type": "control", "soft": 0.25}
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+)
+
+
+def described(form: dict[str, Any], kind: type[Stored]) -> None:
+    keys = {key.name: key for key in _keys(kind)}
+    assert set(keys) == set(form["properties"]) - {"v", "type"}
+    assert {name for name, key in keys.items() if key.required} == set(form["required"]) - {"v", "type"}
+    for name, inner in form["properties"].items():
+        for choice in inner.get("enum", ()) if name in keys else ():
+            assert keys[name].read(choice) == choice
+        if name in keys and "enum" in inner:
+            assert keys[name].read("banana") is None
+        if name in keys and "default" in inner:
+            assert keys[name].default == inner["default"]
+
+
+@pytest.mark.parametrize("name", sorted(RECORDS))
+def test_records_are_what_the_schema_describes(name: str) -> None:
+    described(FORMS[name], RECORDS[name])
+
+
+def test_the_schema_describes_every_record() -> None:
+    assert set(SCHEMA["properties"]["type"]["enum"]) == set(RECORDS) == {*ADDED, "frame"}
+    described(FORMS["poseReader"]["properties"]["targets"]["items"], TargetRecord)
+
+
+def test_a_record_is_written_as_it_was_with_what_it_does_not_know() -> None:
+    record = ControlRecord.from_dict(CONTROL)
+    assert (record.kind, record.joint, record.soft, record.problems) == ("ik", "hand", 0.25, ())
+    assert list(record.to_dict().items()) == list(CONTROL.items())
+    changed = replace(record, joint="foot", stretch=True).to_dict()
+    assert list(changed.items()) == [*(CONTROL | {"joint": "foot"}).items(), ("stretch", True)]
+    made = ControlRecord(kind="fk", joint="hip")
+    assert list(made.to_dict().items()) == [("v", 1), ("type", "control"), ("kind", "fk"), ("joint", "hip")]
+
+
+def test_whole_numbers_may_be_floats_as_in_usd() -> None:
+    stored = {"name": "button", "mesh": "body", "primitive": 0, "within": 1e-5}
+    stored |= {"vertices": [0.0, 1.0, 9.0], "barycentric": [0.5, 0.5, 0]}
+    record = RivetRecord.from_dict(stored)
+    assert (record.vertices, record.barycentric, record.problems) == ((0, 1, 9), (0.5, 0.5, 0.0), ())
+    assert record.to_dict() == stored
+
+
+def test_what_cannot_be_used_is_named() -> None:
+    record = ControlRecord.from_dict({"kind": "banana", "soft": "0.5"})
+    assert record.problems == ("its kind is 'banana'", "its joint is missing", "its soft is '0.5'")
+    assert (record.kind, record.joint, record.soft) == ("fk", "", 0.0)
+
+
+@given(st.sampled_from(sorted(RECORDS)).map(RECORDS.__getitem__).flatmap(
+    lambda kind: st.tuples(st.just(kind), st.dictionaries(
+        st.sampled_from([key.name for key in _keys(kind)] or ["type"]), VALUES
+    ))
+))  # fmt: skip
+def test_damaged_records_never_raise(damaged: tuple[type[Stored], dict[str, Any]]) -> None:
+    kind, stored = damaged
+    record = kind.from_dict(stored)
+    assert not stored or record.problems or repr(record.to_dict()) == repr(stored)
