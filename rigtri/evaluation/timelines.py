@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Path, Track
@@ -74,6 +75,30 @@ def played_at_once(rig: Rig, name: str) -> Rig:
         if k not in found.members or _is_default(clip) or (clip.idle and clip.tracks)
     ]
     return replace(rig, clips=(replace(found.clip, name=name, key=PLAYED), *apart))
+
+
+def chosen_timelines(rig: Rig, patterns: Sequence[str]) -> list[Timeline]:
+    """The timelines with clips that globs match, by name or ``#NUMBER``; all where there is no glob.
+
+    Raises NameNotFoundError for a glob that matches none.
+    """
+    every, shown = timelines(rig), rig.shown_clips
+    names = {clip.name for clip in shown}
+    found: list[Timeline] = []
+    for pattern in patterns:
+        hits = [
+            t
+            for t in every
+            if any(
+                pattern in (rig.clips[k].name, f"#{k}")
+                or (pattern not in names and fnmatchcase(rig.clips[k].name, pattern))
+                for k in t.members
+            )
+        ]
+        if not hits:
+            raise NameNotFoundError("clip", pattern, [clip.name for clip in shown])
+        found += [t for t in hits if t not in found]
+    return found if patterns else every
 
 
 def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
@@ -182,6 +207,15 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
     count = int((keys[-1] - keys[0]) / step)
     even = as_float32(keys[0] + step * np.arange(1, count + 1))
     return np.unique(np.concatenate([keys, even[even < keys[-1]]]))
+
+
+def times_and_jumps(timeline: Timeline, fps: float | None, per_second: float = 1.0) -> Floats:
+    """See `times_within`; and, where something moves between keys, the last times before jumps."""
+    times = times_within(timeline, fps, per_second)
+    if steps_only(timeline):
+        return times
+    before = just_before(jumps(timeline))
+    return np.unique(np.concatenate([times, before[before > times[0]]]))
 
 
 def as_float32(times: Floats) -> Floats:

@@ -26,13 +26,12 @@ from rigtri.evaluation.pose_readers import (
 )
 from rigtri.evaluation.timelines import (
     Timeline,
-    jumps,
     just_before,
     merged_weights,
     put_tracks,
     steps_only,
     timeline_and_time,
-    times_within,
+    times_and_jumps,
 )
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.matrices import orthonormal_axes
@@ -467,12 +466,10 @@ class _Builder:
             driver, frame, nodes = self.moving.at(moving, times)
             return weights(self.reader, driver, frame, dict(zip(self._nodes(), nodes, strict=True)))
 
-        times = times_within(
+        times = times_and_jumps(
             moving if moving.clip.tracks else timeline, self.options.fps, self.rig.rules.per_second
         )
         if not steps_only(moving):
-            before = just_before(jumps(moving))
-            times = np.unique(np.concatenate([times, before[before > times[0]]]))
             try:
                 times = adaptive_key_times(read, _error, times, within=self.options.within)
             except OverflowError as error:

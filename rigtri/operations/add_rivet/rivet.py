@@ -16,13 +16,11 @@ from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,
-    jumps,
-    just_before,
     keys_and_between,
     put_tracks,
     steps_only,
     timelines,
-    times_within,
+    times_and_jumps,
 )
 from rigtri.limits import refuse_points, refuse_unworkable
 from rigtri.maths.arrays import Integers
@@ -315,13 +313,11 @@ class _Rivet:
         def seats(times: Floats) -> Floats:
             return self._seats(held.sample(moving, times))
 
-        times = times_within(
+        times = times_and_jumps(
             moving if moving.clip.tracks else timeline, self.options.fps, held.rig.rules.per_second
         )
         holds = steps_only(moving)
         if not holds:
-            before = just_before(jumps(moving))
-            times = np.unique(np.concatenate([times, before[before > times[0]]]))
             bound = self.options.within * self.size
             try:
                 times = adaptive_key_times(seats, self._error, times, within=bound)

@@ -5,16 +5,14 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.active_controls import (
     NOTHING,
     controls_and_poles,
@@ -25,27 +23,26 @@ from rigtri.evaluation.active_controls import (
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, RefinedSamples, refine_samples
 from rigtri.evaluation.inverse_solver import solve_controls
-from rigtri.evaluation.key_reduction import key_tolerances, reduce_keys
+from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.shared_key_times import times_of, with_shared_times
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import (
     Timeline,
-    as_float32,
+    chosen_timelines,
     jumps,
-    just_before,
     put_tracks,
     steps_only,
     timelines,
-    times_within,
+    times_and_jumps,
 )
 from rigtri.evaluation.twist_joints import is_twist, twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.limits import refuse_single_name, refuse_unworkable
-from rigtri.maths.quaternions import make_continuous, unit
+from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Interpolation, Path, Track
+from rigtri.model.animation import Path, Track
 from rigtri.model.constraints import rules_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
@@ -55,6 +52,7 @@ from rigtri.operations.bake.dependents import (
     rivets_and_readers,
     rivets_of_constraints,
 )
+from rigtri.operations.bake.reduced_tracks import PATHS, key_counts, reduced_tracks
 from rigtri.operations.bake.residuals import fidelity
 from rigtri.operations.bake.sampling_warnings import warn_spline_swings, warn_undersampled
 from rigtri.operations.bake.stable_keys import is_still_valid
@@ -66,7 +64,6 @@ from rigtri.report import Report
 
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
-_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 # How far what lies between samples may be off unless another share of the size is given: less than what
 # thirty frames a second leave, and few keys for animators; a hundredth of it takes ten times as many.
 BETWEEN = 1e-3
@@ -163,7 +160,7 @@ class _Baker:
             if not timelines(self.rig):
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
-            for timeline in self._chosen():
+            for timeline in chosen_timelines(self.rig, self.options.clips):
                 self._to_controls(timeline)
             self._warn()
             return self.rig
@@ -189,7 +186,7 @@ class _Baker:
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
         self.reference, self.solvers = ControlsAtZero(self.rig), {}
-        chosen = self._chosen()
+        chosen = chosen_timelines(self.rig, self.options.clips)
         for timeline in chosen:
             self._to_joints(timeline)
         self._rest(self.rig)
@@ -212,29 +209,6 @@ class _Baker:
             last, seen = seen, with_shared_times(self.rig)
             if last.same_times(seen):
                 break
-
-    def _chosen(self) -> list[Timeline]:
-        """The timelines of the clips that were asked for."""
-        every = timelines(self.rig)
-        if not self.options.clips:
-            return every
-        shown = self.rig.shown_clips
-        found: list[Timeline] = []
-        for pattern in self.options.clips:
-            names = {clip.name for clip in shown}
-            hits = [
-                t
-                for t in every
-                if any(
-                    pattern in (self.rig.clips[k].name, f"#{k}")
-                    or (pattern not in names and fnmatchcase(self.rig.clips[k].name, pattern))
-                    for k in t.members
-                )
-            ]
-            if not hits:
-                raise NameNotFoundError("clip", pattern, [clip.name for clip in shown])
-            found += [t for t in hits if t not in found]
-        return found
 
     @cached_property
     def size(self) -> float:
@@ -276,17 +250,9 @@ class _Baker:
         )
         return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 
-    def _times(self, timeline: Timeline) -> Floats:
-        """Where joints, or controls, get keys to begin with."""
-        times = times_within(timeline, self.options.fps, self.rig.rules.per_second)
-        if not steps_only(timeline):
-            before = just_before(jumps(timeline))
-            times = np.unique(np.concatenate([times, before[before > times[0]]]))
-        return times
-
     def _samples(self, curve: JointCurve | ControlCurve, telling: Timeline) -> RefinedSamples:
         """Where they get keys: also where what lies between these would else be off."""
-        times = self._times(telling)
+        times = times_and_jumps(telling, self.options.fps, self.rig.rules.per_second)
         if steps_only(telling) or not curve.nodes:
             return RefinedSamples(times, curve.at(times), 0.0, limited=False)
         bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
@@ -295,11 +261,6 @@ class _Baker:
     def _warn(self) -> None:
         warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))
         warn_spline_swings(self.start, self.report)
-
-    @staticmethod
-    def _jumps(timeline: Timeline, times: Floats) -> Floats:
-        """Those times at which what has changed has jumped: values were held up to them."""
-        return times if steps_only(timeline) else jumps(timeline)
 
     # --- to joints
 
@@ -311,16 +272,18 @@ class _Baker:
         replaced = {
             (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
         }
-        replaced |= {(node, path) for node in solver.offsets for path in _PATHS}
+        replaced |= {(node, path) for node in solver.offsets for path in PATHS}
         telling = self._times_from(timeline, replaced)
         samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
         times, parts = samples.times, samples.parts
-        held = self._jumps(telling, times)
+        held = times if steps_only(telling) else jumps(telling)
         refuse_overstretch(self.rig, solver.limbs, parts, timeline.name, times)
         tracks = [
             track
             for node in nodes
-            for track in self._tracks(timeline, times, held, node, parts[node])
+            for track in self._tracks(
+                timeline, times, held, node, parts[node], PoseCache(self.rig).part(node)
+            )
             if track.path in {path for path, _ in solver.writes[node]}
         ]
         self.report.extend(clip_solver_warnings(solver, timeline, times, parts))
@@ -332,39 +295,20 @@ class _Baker:
                 timeline.track(track.node, track.path),
                 track,
                 times,
-                dict(zip(_PATHS, parts[track.node], strict=True))[track.path],
+                dict(zip(PATHS, parts[track.node], strict=True))[track.path],
                 bound=self._bound(track.node, track.path),
                 room=room.get((track.node, track.path), track.times),
             )
         ]
         self.rig = put_tracks(self.rig, timeline, fresh)
-        self._record(timeline, solver, samples, tracks, nodes)
+        self.report.added.append(self._record(timeline, solver, samples, tracks, nodes))
 
     def _tracks(
-        self,
-        timeline: Timeline,
-        times: Floats,
-        held: Floats,
-        node: int,
-        parts: Parts,
-        *,
-        rest: Parts | None = None,
+        self, timeline: Timeline, times: Floats, held: Floats, node: int, parts: Parts, rest: Parts
     ) -> list[Track]:
-        """Keys for what is moved of a node: what stays at rest, and nothing drove, gets none.
-
-        held: the times up to which values may be held.
-        """
-        rest = rest or PoseCache(self.rig).part(node)
-        found = []
-        for path, values, still in zip(_PATHS, parts, rest, strict=True):
-            bound = self._bound(node, path)
-            values = as_float32(make_continuous(values) if path == "rotation" else values)
-            if path != "rotation" and timeline.track(node, path) is None:
-                noise = NOTHING * (1.0 if path == "scale" else self.size)
-                if np.abs(values - still).max() <= min(noise, max(bound, 1e-30)):
-                    continue
-            found.append(_track(node, path, times, held, values, bound))
-        return found
+        """Keys for a node; ``held``: the times up to which values may be held. See `reduced_tracks`."""
+        bounds = [self._bound(node, path) for path in PATHS]
+        return reduced_tracks(timeline, times, held, node, parts, rest, bounds=bounds, size=self.size)
 
     def _rest(self, start: Rig) -> None:
         """Joints at rest where controls at rest were moved, and where constraints put their children."""
@@ -389,20 +333,20 @@ class _Baker:
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
         solver = self._solver(self.movers - carrying)
         made = self.movers | solver.offsets
-        telling = self._times_from(timeline, {(node, path) for node in made for path in _PATHS})
+        telling = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
         samples = self._samples(ControlCurve(solver, clip, self.size), telling)
         times = samples.times
-        held = self._jumps(telling, times)
+        held = times if steps_only(telling) else jumps(telling)
         tracks: list[Track] = []
 
         def keep(node: int, parts: Parts) -> Parts:
             """Tracks for a control, and what they say at all times."""
             at_zero = PoseCache(self.rig).part(node)
-            own = self._tracks(timeline, times, held, node, parts, rest=at_zero)
+            own = self._tracks(timeline, times, held, node, parts, at_zero)
             tracks.extend(own)
-            read = dict(zip(_PATHS, at_zero, strict=True))
+            read = dict(zip(PATHS, at_zero, strict=True))
             for track in own:
                 read[track.path] = track.values if track.times is times else sample(track, times)
             return Parts(read["translation"], unit(read["rotation"]), read["scale"])
@@ -414,7 +358,8 @@ class _Baker:
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance
         )
         self.report.extend(notices)
-        self._record(timeline, solver, samples, tracks, controls, fidelity_record)
+        record = self._record(timeline, solver, samples, tracks, controls)
+        self.report.added.append(record | fidelity_record)
 
     def _record(
         self,
@@ -423,41 +368,24 @@ class _Baker:
         samples: RefinedSamples,
         tracks: Sequence[Track],
         nodes: Sequence[int],
-        more: Mapping[str, float] | None = None,
-    ) -> None:
-        self.report.added.append(
-            {
-                "type": "clip",
-                "clip": timeline.name,
-                "to": self.options.to,
-                "frames": len(samples.times),
-                "nodes": len(nodes),
-                "limbs": len(solver.limbs),
-                "keys": int(sum(len(track.times) for track in tracks)),
-                "keys_before": sum(self._keys_before(timeline, tracks).values()),
-                "keys_of": self._keys_of(timeline, tracks),
-                "between_samples": samples.off / self.size,
-                "between_after": samples.after,
-                "between_node": self.rig.title(samples.node) if samples.node >= 0 else None,
-                "limited": samples.limited,
-                **(more or {}),
-            }
-        )
-
-    def _keys_before(self, timeline: Timeline, tracks: Sequence[Track]) -> Counter[int]:
-        """How many keys the file has, by node, of what gets others."""
-        fresh = {(track.node, track.path) for track in tracks}
-        found = Counter[int]()
-        for track in (t for k in timeline.members for t in self.start.clips[k].played.tracks):
-            found[track.node] += len(track.times) if (track.node, track.path) in fresh else 0
-        return found
-
-    def _keys_of(self, timeline: Timeline, tracks: Sequence[Track]) -> dict[str, list[int]]:
-        """How many keys each node gets, and how many the file has of the same."""
-        before, now = self._keys_before(timeline, tracks), Counter[int]()
-        for track in tracks:
-            now[track.node] += len(track.times)
-        return {self.rig.title(node): [now[node], before[node]] for node in sorted(now)}
+    ) -> dict[str, Any]:
+        """What the report has of a clip, but how far controls are off."""
+        counts = key_counts(self.start, timeline, tracks)
+        return {
+            "type": "clip",
+            "clip": timeline.name,
+            "to": self.options.to,
+            "frames": len(samples.times),
+            "nodes": len(nodes),
+            "limbs": len(solver.limbs),
+            "keys": sum(now for now, _ in counts.values()),
+            "keys_before": sum(before for _, before in counts.values()),
+            "keys_of": {self.rig.title(node): list(counts[node]) for node in sorted(counts)},
+            "between_samples": samples.off / self.size,
+            "between_after": samples.after,
+            "between_node": self.rig.title(samples.node) if samples.node >= 0 else None,
+            "limited": samples.limited,
+        }
 
 
 def _same_motion(a: Rig, b: Rig) -> bool:
@@ -466,15 +394,3 @@ def _same_motion(a: Rig, b: Rig) -> bool:
     return clips and bool(
         np.abs(a.world - b.world).max(initial=0.0) <= 1e-9 * np.abs(a.world).max(initial=1.0)
     )
-
-
-def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, bound: float) -> Track:
-    """Keys, thinned out within a bound, for the values of one path of a node; see `_Baker._tracks`."""
-    if len(values) == 1:
-        return Track(node, path, "STEP", times[:1], values)
-    fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
-    if fresh.any() and np.isin(times[fresh][1:], held).all():
-        return Track(node, path, "STEP", times[fresh], values[fresh])
-    keys = reduce_keys(times, values, bound)
-    way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
-    return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])

@@ -1,0 +1,68 @@
+"""Tracks of baked values: no more keys than a tolerance needs, and none where nothing moves."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.evaluation.active_controls import NOTHING
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.key_reduction import reduce_keys
+from rigtri.evaluation.timelines import Timeline, as_float32
+from rigtri.maths.quaternions import make_continuous
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Interpolation, Path, Track
+from rigtri.model.rig import Rig
+
+PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
+
+
+def reduced_tracks(
+    timeline: Timeline,
+    times: Floats,
+    held: Floats,
+    node: int,
+    parts: Parts,
+    rest: Parts,
+    *,
+    bounds: Sequence[float],
+    size: float,
+) -> list[Track]:
+    """Tracks of a node for values at ``times``, (f,); none for a channel at ``rest`` that had no track.
+
+    held: the times up to which values may be held. bounds: how far keys of each of `PATHS` may be off,
+    in the parent's units, radians and shares. size: of the rig, in file units.
+    """
+    found = []
+    for path, values, still, bound in zip(PATHS, parts, rest, bounds, strict=True):
+        values = as_float32(make_continuous(values) if path == "rotation" else values)
+        if path != "rotation" and timeline.track(node, path) is None:
+            noise = NOTHING * (1.0 if path == "scale" else size)
+            if np.abs(values - still).max() <= min(noise, max(bound, 1e-30)):
+                continue
+        found.append(_track(node, path, times, held, values, bound))
+    return found
+
+
+def _track(node: int, path: Path, times: Floats, held: Floats, values: Floats, bound: float) -> Track:
+    if len(values) == 1:
+        return Track(node, path, "STEP", times[:1], values)
+    fresh = np.append(True, (values[1:] != values[:-1]).any(axis=1))
+    if fresh.any() and np.isin(times[fresh][1:], held).all():
+        return Track(node, path, "STEP", times[fresh], values[fresh])
+    keys = reduce_keys(times, values, bound)
+    way: Interpolation = "LINEAR" if len(keys) > 1 else "STEP"
+    return Track(node, path, way, times if len(keys) == len(times) else times[keys], values[keys])
+
+
+def key_counts(start: Rig, timeline: Timeline, tracks: Sequence[Track]) -> dict[int, tuple[int, int]]:
+    """How many keys each node gets, and how many the file had of the same channels in ``start``."""
+    channels = {(track.node, track.path) for track in tracks}
+    before, now = Counter[int](), Counter[int]()
+    for track in (t for k in timeline.members for t in start.clips[k].played.tracks):
+        before[track.node] += len(track.times) if (track.node, track.path) in channels else 0
+    for track in tracks:
+        now[track.node] += len(track.times)
+    return {node: (now[node], before[node]) for node in now}
