@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
-from rigtri.evaluation import sampling as pose
-from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.pose_readers import (
     KERNELS,
     KINDS,
@@ -20,38 +17,30 @@ from rigtri.evaluation.pose_readers import (
     Kind,
     Mode,
     PoseReader,
-    relative,
     same_poses,
-    weights,
 )
 from rigtri.evaluation.timelines import (
     Timeline,
-    just_before,
     merged_weights,
     put_tracks,
-    steps_only,
-    timeline_and_time,
-    times_and_jumps,
 )
 from rigtri.limits import refuse_unworkable
-from rigtri.maths.matrices import orthonormal_axes
-from rigtri.maths.quaternions import between, conjugate, from_axes, rotate
+from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.animation import Interpolation, Track
-from rigtri.model.mesh import Mesh
+from rigtri.model.animation import Track
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
+from rigtri.operations.add_posereader.morph_drives import morph_drives
+from rigtri.operations.add_posereader.reader_frame import ReaderFrame
+from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
 from rigtri.operations.add_rivet.rebind import rebind_rivets
 from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, find, group, noted
 from rigtri.report import Report
-
-# Weights that differ by less stay the same all the time, and get one key.
-STILL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -129,18 +118,6 @@ class AddPosereaderOptions:
         return [goal.name or f"target{k + 1}" for k, goal in enumerate(self.targets)]
 
 
-@dataclass(frozen=True, eq=False)
-class _Drive:
-    """Which weights go to which morph targets of one node: columns (morph) by columns (target)."""
-
-    meshes: Sequence[Mesh]
-    columns: dict[int, int] = field(default_factory=dict)
-
-    @property
-    def mesh(self) -> Mesh:
-        return self.meshes[0]
-
-
 @operation(AddPosereaderOptions)
 def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -> Rig:
     """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
@@ -209,6 +186,7 @@ class _Builder:
         self.rig, self.options, self.report = rig, options, report
         self.driver = rig.find(options.driver)
         self.frame = self._frame()
+        self.seen = ReaderFrame(rig, self.driver, self.frame, report)
         self.axis = normalise(np.array(options.axis, dtype=np.float64))
         self.note = dict(note) if note is not None else self._note()
         self.reader = PoseReader.of_note(self.note)
@@ -217,8 +195,8 @@ class _Builder:
                 f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "
                 f"as to its {options.mode}; leave one of them out"
             )
-        self.drives = self._drives()
-        self.moving = _Moving(rig, self.driver, self.frame, tuple(self._nodes().values()))
+        self.drives = morph_drives(rig, options.morphs, options.names(), self.name, report)
+        self.motion = ReaderMotion(rig, self.driver, self.frame, self._nodes())
 
     @property
     def name(self) -> str:
@@ -247,9 +225,16 @@ class _Builder:
             if self.clips is not None and self.clips.isdisjoint(timeline.members):
                 continue
             self._keep(title, timeline)
-            times, found = self._baked(timeline)
+            times, found = reader_keys(
+                self.motion,
+                self.reader,
+                timeline,
+                self.name,
+                within=self.options.within,
+                fps=self.options.fps,
+            )
             counts[timeline.name] = len(times)
-            tracks = [*self._morph_tracks(timeline, times, found), *_value_tracks(values, times, found)]
+            tracks = [*self._morph_tracks(timeline, times, found), *value_tracks(values, times, found)]
             self.rig = put_tracks(self.rig, timeline, tracks)
         if not self.note[replaced_keys.KEY]:
             del self.note[replaced_keys.KEY]
@@ -257,7 +242,7 @@ class _Builder:
         if not counts:
             self.report.warn(
                 "reader-without-clips",
-                f"There is no clip to bake '{self.name}' into; it is described, and drives nothing",
+                f"There is no clip to bake '{self.name}' into; it is stored, and drives nothing",
             )
         for drive in self.drives if counts else ():
             self.report.driven.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
@@ -276,20 +261,18 @@ class _Builder:
             self.report.driven.setdefault(rig.keys[mesh], set()).update(columns)
         return noted(rig, node, {key: value for key, value in note.items() if key != replaced_keys.KEY})
 
-    # --- what the note says
-
     def _note(self) -> dict[str, Any]:
         rig, options = self.rig, self.options
         mine: dict[str, Any] = {}
         if options.reader == "cone":
             mine = {"inner": float(options.inner), "outer": float(options.outer)}
         if options.reader == "rbf":
-            mine = {"kernel": options.kernel, "mode": options.mode, "rest": self._numbers(self._resting)}
+            mine = {"kernel": options.kernel, "mode": options.mode, "rest": self._numbers(self.seen.resting)}
         names = options.names()
         controls = {name: self._control(name) for _, name, _ in options.attributes}
         outputs = [
             *(
-                {"target": t, "mesh": self._mesh_address(mesh), "morph": morph}
+                {"target": t, "mesh": rig.address(meshes_named(rig, mesh)[0].node), "morph": morph}
                 for t, mesh, morph in options.morphs
             ),
             *(
@@ -319,26 +302,9 @@ class _Builder:
             raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
         return node
 
-    def _mesh_address(self, name: str) -> str:
-        return self.rig.address(meshes_named(self.rig, name)[0].node)
-
     @staticmethod
     def _numbers(values: Floats) -> list[float]:
         return [float(value) for value in values]
-
-    @cached_property
-    def _resting(self) -> Floats:
-        """The driver's rotation in the frame at rest, (4,)."""
-        return self._rotation(self.rig.world[np.newaxis])
-
-    def _rotation(self, world: Floats) -> Floats:
-        frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
-        found = relative(world[:, self.driver], frame)[0]
-        if not np.isfinite(found).all():
-            raise GeometryError(
-                f"'{self.rig.title(self.driver)}' has no axes: a scale on or above it is zero"
-            )
-        return np.asarray(found)
 
     def _target(self, goal: Goal, name: str) -> dict[str, Any]:
         """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
@@ -348,88 +314,26 @@ class _Builder:
                 raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
             return {"name": name, "node": self.rig.address(node)}
         if goal.pose or goal.rotation is not None:
-            rotation = self._posed(goal.pose) if goal.rotation is None else np.array(goal.rotation)
+            rotation = (
+                self.seen.rotation_in_pose(goal.pose) if goal.rotation is None else np.array(goal.rotation)
+            )
             direction = rotate(rotation, self.axis)
         else:
-            direction = self._in_frame(goal.direction)
-            away = between(rotate(self._resting, self.axis), direction)
-            rotation = product(away, self._resting)
+            direction = self.seen.direction_in_frame(goal.direction)
+            away = between(rotate(self.seen.resting, self.axis), direction)
+            rotation = product(away, self.seen.resting)
         if self.options.reader == "rbf":
             return {"name": name, "rotation": self._numbers(rotation)}
         return {"name": name, "direction": self._numbers(direction)}
-
-    def _in_frame(self, direction: Sequence[float] | None) -> Floats:
-        required = np.array(direction, dtype=np.float64)
-        if required.shape != (3,) or not np.isfinite(required).all() or not required.any():
-            raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
-        if self.frame < 0:
-            return normalise(required)
-        axes = from_axes(orthonormal_axes(self.rig.world[self.frame]))
-        return np.asarray(rotate(conjugate(axes), normalise(required)))
-
-    def _posed(self, text: str) -> Floats:
-        """The driver's rotation in the frame in a pose, (4,)."""
-        timeline, time = timeline_and_time(self.rig, text)
-        if timeline is None:
-            return self._resting
-        keys = pose.key_times(timeline.clip)
-        if len(keys) and not keys[0] <= time <= keys[-1]:
-            end = keys[0] if time < keys[0] else keys[-1]
-            self.report.warn(
-                "pose-clamped",
-                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
-                f"that at {end:g}",
-            )
-        return self._rotation(pose.worlds(self.rig, pose.locals_at(self.rig, timeline.clip, [time])))
 
     def _nodes(self) -> dict[str, int]:
         """The nodes that targets name, by address."""
         return {t.node: self.rig.find(t.node, "node") for t in self.reader.targets if t.node}
 
-    # --- what it drives
-
-    def _drives(self) -> list[_Drive]:
-        """The morph targets to be driven, by the node that shows them."""
-        found: dict[int, _Drive] = {}
-        names = self.options.names()
-        for target, name, morph in self.options.morphs:
-            meshes = [mesh for mesh in meshes_named(self.rig, name) if len(mesh.morphs)]
-            if not meshes:
-                raise GeometryError(f"Mesh '{name}' has no morph targets{self._with_morphs()}")
-            drive = found.setdefault(meshes[0].node, _Drive(meshes))
-            column = _morph(meshes[0], morph)
-            if column in drive.columns:
-                raise UsageError(f"morph target '{morph}' of '{name}' can follow one target, not two")
-            drive.columns[column] = names.index(target)
-            self._warn_shared(meshes[0], column, morph)
-        return list(found.values())
-
-    def _warn_shared(self, mesh: Mesh, column: int, morph: str) -> None:
-        """Warn where another reader drives a morph target too: the keys will be this one's."""
-        for note in self.rig.metadata.values():
-            if note.get("type") != "poseReader" or note.get("name") == self.name:
-                continue
-            for output in note.get("outputs", ()):
-                if self.rig.known(output.get("mesh")) == mesh.node and output.get("morph") in (
-                    str(column),
-                    *mesh.morph_names[column : column + 1],
-                ):
-                    self.report.warn(
-                        "morph-driven-twice",
-                        f"Morph target '{morph}' of '{mesh.name}' is driven by reader '{note['name']}' too; "
-                        f"its keys are now those of '{self.name}'",
-                        geometry=True,
-                    )
-
-    def _with_morphs(self) -> str:
-        """Which meshes have some, for a message."""
-        have = list(dict.fromkeys(self.rig.title(m.node) for m in self.rig.meshes if len(m.morphs)))
-        return f"; {', '.join(have[:6])} have some" if have else ", and no other mesh of this file has any"
-
     def _value_nodes(self, reader: int) -> dict[int, int]:
         """The nodes whose x translation is a weight, by target: of targets that drive no morph."""
         driving = {column for drive in self.drives for column in drive.columns.values()}
-        rest = self._weights_at_rest()
+        rest = self.motion.weights_at_rest(self.reader)
         found = {}
         outputs = {t: (control, attribute) for t, control, attribute in self.options.attributes}
         for column, name in enumerate(self.options.names()):
@@ -449,45 +353,6 @@ class _Builder:
                 self.rig = replace(self.rig, translation=translation)
             found[column] = node
         return found
-
-    def _weights_at_rest(self) -> Floats:
-        world = self.rig.world[np.newaxis]
-        frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
-        nodes = {name: world[:, node] for name, node in self._nodes().items()}
-        return np.asarray(weights(self.reader, world[:, self.driver], frame, nodes)[0])
-
-    # --- keys
-
-    def _baked(self, timeline: Timeline) -> tuple[Floats, Floats]:
-        """Times and weights, (k,) and (k, targets), of as many keys as they need."""
-        moving = self.moving.affecting(timeline)
-
-        def read(times: Floats) -> Floats:
-            driver, frame, nodes = self.moving.at(moving, times)
-            return weights(self.reader, driver, frame, dict(zip(self._nodes(), nodes, strict=True)))
-
-        times = times_and_jumps(
-            moving if moving.clip.tracks else timeline, self.options.fps, self.rig.rules.per_second
-        )
-        if not steps_only(moving):
-            try:
-                times = adaptive_key_times(read, _error, times, within=self.options.within)
-            except OverflowError as error:
-                raise GeometryError(
-                    f"'{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
-                ) from None
-        found = read(times)
-        if np.abs(found - found[0]).max() <= STILL:
-            return times[:1], found[:1]
-        if steps_only(moving) and not isinstance(self.rig.clips[timeline.members[0]].key, tuple):
-            # Weights are linear in a file that can say so for each track: hold each to the next.
-            ends = just_before(times[1:])
-            kept = ends > times[:-1]
-            return (
-                np.sort(np.concatenate([times, ends[kept]])),
-                np.concatenate([found, found[:-1][kept]])[np.argsort(np.concatenate([times, ends[kept]]))],
-            )
-        return times, found
 
     def _keep(self, title: str, timeline: Timeline) -> None:
         """Note what drives the morph targets until now."""
@@ -515,7 +380,7 @@ class _Builder:
                 ) from None
 
     def _record(self, node: int, counts: Mapping[str, int]) -> None:
-        rest = self._weights_at_rest()
+        rest = self.motion.weights_at_rest(self.reader)
         self.report.added.append(
             {
                 "node": self.rig.names[node],
@@ -528,65 +393,3 @@ class _Builder:
                 "keys": dict(counts),
             }
         )
-
-
-def _value_tracks(values: Mapping[int, int], times: Floats, found: Floats) -> Iterable[Track]:
-    way: Interpolation = "LINEAR" if len(times) > 1 else "STEP"
-    for column, node in values.items():
-        places = np.zeros((len(times), 3))
-        places[:, 0] = found[:, column]
-        if np.abs(places - places[0]).max() <= STILL:
-            yield Track(node, "translation", "STEP", times[:1], places[:1])
-        else:
-            yield Track(node, "translation", way, times, places)
-
-
-def _error(values: Floats, left: Floats, right: Floats, share: Floats, times: Floats) -> Floats:
-    line = left + (right - left) * share[:, np.newaxis]
-    return np.asarray(np.abs(values - line).max(axis=1))
-
-
-def _morph(mesh: Mesh, name: str) -> int:
-    """The column of a morph target, by its name or its number."""
-    if name in mesh.morph_names:
-        return mesh.morph_names.index(name)
-    if name.isdecimal() and int(name) < len(mesh.morphs):
-        return int(name)
-    if not mesh.morph_names:
-        raise NameNotFoundError("morph target", name, map(str, range(len(mesh.morphs))))
-    raise NameNotFoundError("morph target", name, mesh.morph_names)
-
-
-@dataclass(frozen=True, eq=False)
-class _Moving:
-    """The world matrices of the driver, the frame and the nodes of targets over time."""
-
-    rig: Rig
-    driver: int
-    frame: int
-    nodes: tuple[int, ...]
-
-    @cached_property
-    def _part(self) -> tuple[Rig, dict[int, int]]:
-        required: set[int] = set()
-        for node in (self.driver, self.frame, *self.nodes):
-            while node >= 0 and node not in required:
-                required.add(node)
-                node = int(self.rig.parents[node])
-        return replace(self.rig, clips=()).part(sorted(required))
-
-    def affecting(self, timeline: Timeline) -> Timeline:
-        """The timeline with only those tracks that can change what is read."""
-        place = self._part[1]
-        tracks = [t for t in timeline.clip.tracks if t.path != "weights" and t.node in place]
-        return replace(timeline, clip=replace(timeline.clip, tracks=tuple(tracks)))
-
-    def at(self, timeline: Timeline, times: Floats) -> tuple[Floats, Floats, list[Floats]]:
-        """Driver, frame and targets' nodes at ``times``, (f, 4, 4) each."""
-        rig, place = self._part
-        tracks = tuple(replace(t, node=place[t.node]) for t in timeline.clip.tracks)
-        motion = pose.Motion(rig, replace(timeline.clip, tracks=tracks))
-        world = pose.worlds(rig, motion.locals_at(times))
-        still = np.broadcast_to(np.eye(4), (len(times), 4, 4))
-        frame = world[:, place[self.frame]] if self.frame >= 0 else still
-        return world[:, place[self.driver]], frame, [world[:, place[node]] for node in self.nodes]
