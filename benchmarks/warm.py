@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
-from rigtri.files.worker_process import Confined
+from rigtri.files.worker_process import WorkerProcess
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.spec_task import SpecTask
 from rigtri.pipeline.batch.work import Assignment, work
@@ -81,7 +81,7 @@ class Workers:
         (folder / "rig.yaml").write_text(SPEC)
         self._source, self._folder = shutil.copy(source, folder), folder
         self._task = SpecTask(load(folder / "rig.yaml"), verify=verify)
-        self._children = [Confined(preload=["rigtri.pipeline.batch.spec_task"]) for _ in cores]
+        self._children = [WorkerProcess(preload=["rigtri.pipeline.batch.spec_task"]) for _ in cores]
         if hasattr(os, "sched_setaffinity"):
             for child in self._children:
                 child("cores", os.sched_setaffinity, 0, cores)
@@ -111,7 +111,7 @@ class Workers:
         for thread in threads:
             thread.join()
 
-    def _serve(self, child: Confined, first: int, count: int) -> None:
+    def _serve(self, child: WorkerProcess, first: int, count: int) -> None:
         folder = str(self._folder)
         for number in range(first, first + count):
             target = self._folder / f"{number:06}{Path(self._source).suffix}"

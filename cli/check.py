@@ -15,7 +15,7 @@ from rigtri.errors import UsageError
 from .options import json_option, quiet_option
 
 if TYPE_CHECKING:
-    from rigtri.files.worker_process import Confined
+    from rigtri.files.worker_process import WorkerProcess
     from rigtri.verification.checks.findings import Finding
 
 # What may be binary USD, which can crash OpenUSD.
@@ -57,7 +57,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
         rigtri check hero.glb
         rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
     """
-    from rigtri.files.worker_process import Confined
+    from rigtri.files.worker_process import WorkerProcess
     from rigtri.verification.checks.rule_catalogue import matching
 
     if values["list_rules"]:
@@ -68,7 +68,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     if values["strict"] and values["severity"] == "error":
         raise UsageError("--strict fails on warnings, and --severity error leaves them out; give one of them")
     ignored = matching(values["ignore"])
-    with Confined() as child:  # it starts with the first file that needs it
+    with WorkerProcess() as child:  # it starts with the first file that needs it
         every = {name: _check(name, values, child) for name in files}
     results = {name: _kept(findings, ignored, values["severity"]) for name, findings in every.items()}
     left_out = {name: _without(every[name], results[name]) for name in files}
@@ -81,7 +81,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     sys.exit(code)
 
 
-def _check(name: str, values: dict[str, Any], child: Confined) -> list[Finding]:
+def _check(name: str, values: dict[str, Any], child: WorkerProcess) -> list[Finding]:
     """The findings of one file; - is standard input."""
     from rigtri.files.input_stream import opened
     from rigtri.verification.checks import check
@@ -97,7 +97,7 @@ def _may_crash(path: Path) -> bool:
     return path.suffix.lower() in BINARY_USD and path.is_file()
 
 
-def _apart(child: Confined, path: Path, options: dict[str, Any]) -> list[Finding]:
+def _apart(child: WorkerProcess, path: Path, options: dict[str, Any]) -> list[Finding]:
     """The findings of a file that may end the process that reads it: OpenUSD crashes on some."""
     from rigtri.files.worker_process import CrashError
     from rigtri.verification.checks import check, unreadable

@@ -129,12 +129,12 @@ def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
     """Begin to copy the large files that OUT will need beside it, before anything slow is imported."""
     from pathlib import Path
 
-    from rigtri.files.copy_ahead import begun
+    from rigtri.files.background_copy import copy_in_background
 
     named = "-" not in (str(values["source"]), str(values["target"]))
     if named and not values["dry_run"] and values["resources"] != "relink":
         source, target = Path(values["source"]), Path(values["target"])
-        ctx.obj = ctx.with_resource(begun(source, target, overwrite=values["overwrite"]))
+        ctx.obj = ctx.with_resource(copy_in_background(source, target, overwrite=values["overwrite"]))
 
 
 def side_files(values: dict[str, Any]) -> tuple[Path, ...]:

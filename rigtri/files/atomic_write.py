@@ -16,15 +16,15 @@ from typing import IO
 PAUSE = 0.02
 
 
-def beside(path: Path, process: int | None = None) -> Path:
+def temp_path(path: Path, process: int | None = None) -> Path:
     """The part that becomes ``path``: hidden, in its folder, with its suffix, and whose it is."""
     return path.with_name(f".{path.stem}.part-{process or os.getpid()}{path.suffix}")
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """A part to write; after the block it is on the disk under the name ``path``, or gone."""
-    part = beside(path)
+    part = temp_path(path)
     try:
         yield part
         commit(part, path)
@@ -41,13 +41,13 @@ def commit(part: Path, path: Path, *, synced: bool = False, named: bool = True) 
     caller, by `sync_folder`.
     """
     if not synced:
-        sync(part)
+        fsync(part)
     # Afterwards, for it may be that nobody may write it then; and some disks know no permissions.
     with suppress(OSError):
         _inherit(path, part)
     os.replace(part, path)
     if named:
-        sync_folder(path.parent)
+        fsync_folder(path.parent)
 
 
 def same_file(one: Path, other: Path) -> bool:
@@ -62,14 +62,14 @@ def same_file(one: Path, other: Path) -> bool:
         return False
 
 
-def sync(path: Path) -> None:
+def fsync(path: Path) -> None:
     """Wait until the disk has a file."""
     with path.open("rb+") as file:
         os.fsync(file.fileno())
 
 
 @contextmanager
-def settling(file: IO[bytes], *, large: bool) -> Iterator[None]:
+def fsync_while_writing(file: IO[bytes], *, large: bool) -> Iterator[None]:
     """While a large file is written, let the disk take it.
 
     Who syncs only at the end waits for the disk as long again as writing took.
@@ -78,7 +78,7 @@ def settling(file: IO[bytes], *, large: bool) -> Iterator[None]:
         yield
         return
     done = threading.Event()
-    thread = threading.Thread(target=_settle, args=(file.fileno(), done))
+    thread = threading.Thread(target=_fsync_until, args=(file.fileno(), done))
     thread.start()
     try:
         yield
@@ -87,7 +87,7 @@ def settling(file: IO[bytes], *, large: bool) -> Iterator[None]:
         thread.join()
 
 
-def _settle(file: int, done: threading.Event) -> None:
+def _fsync_until(file: int, done: threading.Event) -> None:
     with suppress(OSError):  # it comes again with the sync that counts, and is told then
         while not done.wait(PAUSE):
             os.fdatasync(file)
@@ -102,7 +102,7 @@ def _inherit(old: Path, new: Path) -> None:
     shutil.copymode(old, new)
 
 
-def sync_folder(folder: Path) -> None:
+def fsync_folder(folder: Path) -> None:
     """Force new names to the disk; some systems cannot, and have done it by themselves."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
@@ -112,7 +112,7 @@ def sync_folder(folder: Path) -> None:
             os.close(handle)
 
 
-def aimed(path: Path) -> Path:
+def resolve_link(path: Path) -> Path:
     """What a link leads to, through all links; anything else as it is. OSError for links in a circle."""
     if not path.is_symlink():
         return path

@@ -13,14 +13,22 @@ from pathlib import Path
 from typing import IO
 
 from rigtri.errors import FileError, UsageError
-from rigtri.files.atomic_write import aimed, beside, commit, discard_stale, replacing, same_file, stale_parts
+from rigtri.files.atomic_write import (
+    atomic_write,
+    commit,
+    discard_stale,
+    resolve_link,
+    same_file,
+    stale_parts,
+    temp_path,
+)
+from rigtri.files.background_copy import BackgroundCopies, copy_file
 from rigtri.files.companion import Companion
-from rigtri.files.copy_ahead import Ahead, copied
 
 _OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
 
 
-class Written:
+class StagedOutput:
     """A part beside its target and the companions placed so far; either all stay or none.
 
     The rename of the part is the moment that counts: as long as there is a part, the old
@@ -32,7 +40,7 @@ class Written:
         final: Path,
         overwrite: bool,
         needed: Sequence[tuple[Path, str]] = (),
-        ahead: Ahead | None = None,
+        ahead: BackgroundCopies | None = None,
         *,
         shared: bool = False,
     ) -> None:
@@ -43,13 +51,13 @@ class Written:
         for the caller to `recover`: who looks through a folder for each of its files is never done.
         """
         self.final, self.overwrite, self._needed, self._shared = final, overwrite, needed, shared
-        self._ahead = ahead or Ahead()
+        self._ahead = ahead or BackgroundCopies()
         if not shared:
             with as_file_error(final):
                 recover(final)
-        self.part = beside(final)
+        self.part = temp_path(final)
         self._on_disk = False
-        self._settling: threading.Thread | None = None
+        self._syncing: threading.Thread | None = None
         self.placed: list[tuple[Path, Path | None]] = []
         self.beside: list[Path] = []  # all companions, also those that were there
         self._orphans = _our_buffers(final)
@@ -71,45 +79,45 @@ class Written:
                 f"{place} exists and is another file than the one that {self.final.name} needs there; "
                 "it is replaced only with --overwrite"
             )
-        spare(place, [*self._needed, (self.final, "the output itself")])
+        check_not_an_input(place, [*self._needed, (self.final, "the output itself")])
         place.parent.mkdir(parents=True, exist_ok=True)
         content = companion.content
-        there = isinstance(content, Path) and self._ahead.take(content, beside(place))
+        there = isinstance(content, Path) and self._ahead.take(content, temp_path(place))
         if not there and not self._shared:
             discard_stale(place)
         if not (self._shared and isinstance(content, Path)):
-            backup = _kept(place, os.getpid()) if place.exists() else None
+            backup = _backup_path(place, os.getpid()) if place.exists() else None
             if backup is not None:
                 _link(place, backup)
             self.placed.append((place, backup))
-        with replacing(place) as fresh:
+        with atomic_write(place) as fresh:
             if isinstance(content, bytes):
                 fresh.write_bytes(content)
             elif not there:
-                copied(content, fresh)
+                copy_file(content, fresh)
 
-    def settle(self) -> None:
+    def fsync_in_background(self) -> None:
         """Let the disk take the part meanwhile, so that the rename need not wait for that."""
         # The thread must not open it: it would wait for this one before it came to the sync.
-        thread = threading.Thread(target=self._sync, args=(self.part.open("rb+"),))
+        thread = threading.Thread(target=self._fsync, args=(self.part.open("rb+"),))
         thread.start()
-        self._settling = thread
+        self._syncing = thread
 
-    def _sync(self, part: IO[bytes]) -> None:
+    def _fsync(self, part: IO[bytes]) -> None:
         with part, suppress(OSError):  # it comes again before the rename, and is told then
             os.fsync(part.fileno())
             self._on_disk = True
 
-    def _settled(self) -> bool:
-        """Wait for `settle`; whether the disk has all of the part."""
-        if self._settling is not None:
-            self._settling.join()
+    def _fsynced(self) -> bool:
+        """Wait for `fsync_in_background`; whether the disk has all of the part."""
+        if self._syncing is not None:
+            self._syncing.join()
         return self._on_disk
 
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
         with as_file_error(self.final):
-            commit(self.part, self.final, synced=self._settled(), named=not self._shared)
+            commit(self.part, self.final, synced=self._fsynced(), named=not self._shared)
         # The new file is there; what cannot be tidied up any more is no reason to fail.
         with suppress(OSError):
             for _, backup in self.placed:
@@ -120,7 +128,7 @@ class Written:
 
     def undo(self) -> None:
         """Leave the folder as it was; nothing to do where the part has become the file."""
-        self._settled()
+        self._fsynced()
         if self.placed and not self.part.exists():
             return
         for place, backup in reversed(self.placed):
@@ -132,7 +140,7 @@ class Written:
             self.part.unlink(missing_ok=True)
 
 
-def _kept(place: Path, process: int) -> Path:
+def _backup_path(place: Path, process: int) -> Path:
     """Where a run keeps the file that it replaces."""
     return place.with_name(f".{place.name}.kept-{process}")
 
@@ -179,7 +187,7 @@ def _same(content: bytes | Path, place: Path) -> bool:
     return place.is_file() and filecmp.cmp(content, place, shallow=False)
 
 
-def spare(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
+def check_not_an_input(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
     """UsageError where writing to ``place`` would destroy a file that the output needs."""
     for file, what in needed:
         if same_file(place, file):
@@ -202,7 +210,7 @@ def destination(path: Path) -> Path:
     UsageError for a device or a pipe, FileError for links in a circle.
     """
     with as_file_error(path):
-        place = aimed(path)
+        place = resolve_link(path)
         # Asked of the name itself: what a link in /proc says it leads to need be no name.
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise UsageError(
@@ -223,5 +231,5 @@ def write_bytes(path: Path, content: bytes) -> None:
     path = destination(path)
     with as_file_error(path):
         discard_stale(path)
-        with replacing(path) as part:
+        with atomic_write(path) as part:
             part.write_bytes(content)

@@ -62,7 +62,7 @@ class CrashError(FileError):
         self.kind = kind
 
 
-class Confined:
+class WorkerProcess:
     """A child process that does tasks in turn. Not for several threads at once; have one for each.
 
     seconds: how long a task may take. memory: how many bytes a child may take beyond
@@ -92,12 +92,12 @@ class Confined:
         name: str,
         task: Callable[..., T],
         *arguments: Any,
-        heard: Callable[[Any], None] = lambda _: None,
+        on_event: Callable[[Any], None] = lambda _: None,
     ) -> T:
         """``task(*arguments)`` in the child. ``name``: of the file, for errors.
 
-        Task, arguments and result travel by pickle, and so does what the task tells (`tell`), which
-        ``heard`` gets. CrashError where the child did not live to answer; a RigtriError of the task
+        Task, arguments and result travel by pickle, and so does the events of the task (`send_event`), which
+        ``on_event`` gets. CrashError where the child did not live to answer; a RigtriError of the task
         is raised here as it was there, any other exception as a RuntimeError with its traceback.
         """
         pipe = self._started()
@@ -105,7 +105,7 @@ class Confined:
             if self._killed:
                 raise EOFError
             pipe.send((task, arguments))
-            kind, value = self._answer(name, pipe, heard)
+            kind, value = self._answer(name, pipe, on_event)
         except (EOFError, ConnectionError):
             why, kind = self._death()
             raise CrashError(f"{name}: {why}", kind) from None
@@ -120,14 +120,14 @@ class Confined:
         result: T = value
         return result
 
-    def _answer(self, name: str, pipe: Connection, heard: Callable[[Any], None]) -> tuple[str, Any]:
-        """What the child says at the end of its task; meanwhile ``heard`` gets what the task tells."""
+    def _answer(self, name: str, pipe: Connection, on_event: Callable[[Any], None]) -> tuple[str, Any]:
+        """What the child says at the end of its task; meanwhile ``on_event`` gets its events."""
         end = None if self._seconds is None else time.monotonic() + self._seconds
         while pipe.poll(None if end is None else max(end - time.monotonic(), 0.0)):
             kind, value = pipe.recv()
-            if kind != "told":
+            if kind != "event":
                 return kind, value
-            heard(value)
+            on_event(value)
             pipe.send(None)
         self.close()
         raise CrashError(f"{name}: took longer than {self._seconds:g} s and was stopped", "timeout")
@@ -173,7 +173,7 @@ class Confined:
             mine, theirs = self._context.Pipe()
             process = self._context.Process(target=_serve, args=(theirs, self._memory, place), daemon=True)
             try:
-                with _deaf():
+                with _sigint_blocked():
                     process.start()
             except (EOFError, OSError) as error:  # the next time the server is started anew
                 mine.close()
@@ -214,11 +214,11 @@ class Confined:
         return why, "crash"
 
 
-def tell(value: Any) -> None:
-    """From within a task: the parent has heard this when it returns; nothing outside a child."""
-    if Confined.parent is not None:
-        Confined.parent.send(("told", value))
-        Confined.parent.recv()
+def send_event(value: Any) -> None:
+    """From within a task: the parent has handled the event when this returns; nothing outside a child."""
+    if WorkerProcess.parent is not None:
+        WorkerProcess.parent.send(("event", value))
+        WorkerProcess.parent.recv()
 
 
 def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError:
@@ -229,7 +229,7 @@ def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError
 
 
 @contextlib.contextmanager
-def _deaf() -> Iterator[None]:
+def _sigint_blocked() -> Iterator[None]:
     """What is started meanwhile does not hear of interrupts, from its first moment on; they are for us.
 
     Not on Windows.
@@ -266,9 +266,9 @@ def _serve(pipe: Connection, memory: int | None, place: str) -> None:
     multiprocessing.current_process().daemon = False
     threading.Thread(target=_end_with_parent, daemon=True).start()
     if memory is not None:
-        Confined.allowed = memory
+        WorkerProcess.allowed = memory
         _limit(memory)
-    Confined.parent = pipe
+    WorkerProcess.parent = pipe
     # Documents go as soon as nobody needs them; to look for rings after each few hundred of their parts
     # costs more than it finds, and what was imported has none that go.
     gc.freeze()

@@ -17,9 +17,9 @@ import numpy as np
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
-from rigtri.files.copy_ahead import Ahead
+from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened
-from rigtri.files.staged_output import Written, as_file_error, destination, spare
+from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
 from rigtri.model.rig import Rig
 from rigtri.report import Notice, Report
@@ -68,8 +68,8 @@ def edit(
     dry_run: bool = False,
     strict: bool = False,
     side_files: Sequence[Path] = (),
-    ahead: Ahead | None = None,
-    ready: Callable[[Outcome, Written], None] | None = None,
+    ahead: BackgroundCopies | None = None,
+    ready: Callable[[Outcome, StagedOutput], None] | None = None,
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
@@ -78,8 +78,8 @@ def edit(
     diagonal) DeviationError is raised and nothing is written. ``document``: the source, where it was
     read already, with the same ``options``. ``strict`` makes
     any warning a GeometryError. ``side_files`` are what the caller will write besides, ``ahead``
-    the copies that it has begun (`files.copy_ahead`). ``ready`` is called when the output has passed and is
-    about to take its name, by runs of many files at once: these may share copies, which then stay
+    the copies that it has begun (`files.background_copy`). ``ready`` is called when the output has passed
+    and is about to take its name, by runs of many files at once: these may share copies, which then stay
     where the edit fails.
     Raises FileError for anything that cannot be read or written, UsageError for an existing
     target without ``overwrite``, and for a target or side file that the source refers to.
@@ -98,7 +98,7 @@ def edit(
         needed = _needed(document, path, final, options)
         files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
         for place in (*side_files, *(() if to_stdout else (final,))):
-            spare(place, needed)
+            check_not_an_input(place, needed)
         _hear(document, report, strict)
         clock.lap("read")
         rig = step(document.rig, report)
@@ -108,7 +108,7 @@ def edit(
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
-            written = Written(place, overwrite, needed, ahead, shared=ready is not None)
+            written = StagedOutput(place, overwrite, needed, ahead, shared=ready is not None)
             try:
                 keep = not (to_stdout or dry_run)
                 result = _deliver(document, path, rig, written, verify, tolerance, clock, report, keep)
@@ -178,7 +178,7 @@ def _deliver(
     document: Document,
     path: Path,
     rig: Rig,
-    written: Written,
+    written: StagedOutput,
     verify: bool,
     tolerance: float,
     clock: _Clock,
@@ -191,7 +191,7 @@ def _deliver(
         for companion in document.write(rig, written.part, written.final):
             written.add(companion)
         if keep and verify:
-            written.settle()
+            written.fsync_in_background()
     clock.lap("write")
     if not verify:
         return None
@@ -210,7 +210,7 @@ def _compared(
     document: Document,
     path: Path,
     rig: Rig,
-    written: Written,
+    written: StagedOutput,
     names: dict[str, str],
     tolerance: float,
     report: Report,
@@ -225,7 +225,7 @@ def _compared(
         return check_result(expected, document.reopen(written.part), tolerance)
 
 
-def _to_stdout(written: Written) -> None:
+def _to_stdout(written: StagedOutput) -> None:
     if written.placed:
         names = ", ".join(place.name for place, _ in written.placed[:4])
         raise UsageError(

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz import cases, corpus, usd
-from rigtri.files.worker_process import Confined, CrashError
+from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import GLTF_SUFFIXES
 
 SECONDS, MEMORY = 20.0, 1 << 30
@@ -143,7 +143,7 @@ class _Work:
 
     def go(self) -> None:
         """Take numbers and run their cases in a child until there are none or the time is up."""
-        with Confined(seconds=SECONDS, memory=MEMORY) as child:
+        with WorkerProcess(seconds=SECONDS, memory=MEMORY) as child:
             while time.monotonic() < self.end:
                 with self.lock:
                     number = next(self.numbers, None)
@@ -151,7 +151,7 @@ class _Work:
                     return
                 self._case(child, number)
 
-    def _case(self, child: Confined, number: int) -> None:
+    def _case(self, child: WorkerProcess, number: int) -> None:
         kind, names = self._corpus(number)
         arguments = (self.options.seed, number, self.corpus, names, self.options.keep)
         try:
@@ -167,7 +167,7 @@ class _Work:
             self.tally.add(found, kind)
             self._say(found)
 
-    def _plan(self, child: Confined, number: int, names: list[str]) -> cases.Found:
+    def _plan(self, child: WorkerProcess, number: int, names: list[str]) -> cases.Found:
         """What a case is that could not be run to its end; only its file where it cannot even be made."""
         try:
             return child("", cases.plan, self.options.seed, number, self.corpus, names)
@@ -194,7 +194,7 @@ class _Work:
             print(f"{every} cases, {self.tally.share:.1%} verified", flush=True)
 
 
-def _whose(child: Confined, arguments: tuple[Any, ...]) -> str:
+def _whose(child: WorkerProcess, arguments: tuple[Any, ...]) -> str:
     """Whether usd-core alone dies of the file of a case; that is not ours to mend, anything else is."""
     with tempfile.TemporaryDirectory(prefix="fuzz-crash-") as folder:
         with contextlib.suppress(CrashError):

@@ -24,7 +24,7 @@ from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.cli.words import plain
 from rigtri.errors import FileError, GeometryError, RigtriError
-from rigtri.files.worker_process import Confined, CrashError, tell
+from rigtri.files.worker_process import CrashError, WorkerProcess, send_event
 from rigtri.formats import ReadOptions
 from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
@@ -146,16 +146,16 @@ def test_links_in_a_circle_and_pipes_are_no_buffers(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def frugal() -> Iterator[Confined]:
+def frugal() -> Iterator[WorkerProcess]:
     """A child that may take no more than 256 MB."""
-    with Confined(memory=1 << 28, seconds=60) as child:
+    with WorkerProcess(memory=1 << 28, seconds=60) as child:
         yield child
 
 
 @pytest.mark.parametrize("number", [2**31 - 1, 2**31, 2**32, 2**53, 2**63, 2**64, 1e300])
 @pytest.mark.parametrize("key", ["count", "byteOffset"])
 def test_an_accessor_that_claims_too_much_allocates_nothing(
-    key: str, number: float, frugal: Confined, tmp_path: Path
+    key: str, number: float, frugal: WorkerProcess, tmp_path: Path
 ) -> None:
     builder = small()
     builder.gltf["accessors"][3][key] = number
@@ -281,7 +281,7 @@ def test_a_usd_file_cut_off_at_any_byte_is_refused(
     whole = {".usda": LAYER.rstrip().encode(), ".usdc": crate(tmp_path)}.get(kind)
     if whole is None:
         whole = zipped(("a.usdc", crate(tmp_path)), path=tmp_path / "whole.usdz").read_bytes()
-    with Confined(seconds=120, memory=1 << 30) as child:
+    with WorkerProcess(seconds=120, memory=1 << 30) as child:
         for start in range(0, len(whole), 500):
             lengths = range(start, min(start + 500, len(whole)), every(7))
             assert child("cut", unread, tmp_path, kind, whole, lengths) == []
@@ -484,9 +484,9 @@ def die(how: str) -> None:
 )
 def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how: str, words: str) -> None:
     seconds = 0.5 if how == "hang" else 60
-    with Confined(seconds=seconds, memory=1 << 28) as child, pytest.raises(CrashError, match=words):
+    with WorkerProcess(seconds=seconds, memory=1 << 28) as child, pytest.raises(CrashError, match=words):
         child("hero.usdc", die, how)
-    with Confined(seconds=60) as child:
+    with WorkerProcess(seconds=60) as child:
         with pytest.raises(CrashError):
             child("hero.usdc", die, "crash")
         assert child("other.usdc", twice, 21) == 42
@@ -498,14 +498,14 @@ def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how
 def counting(count: int) -> int:
     """A task that tells how far it is, and finds each time that it was heard."""
     for number in range(count):
-        tell(number)
+        send_event(number)
     return count
 
 
 def test_what_a_task_tells_is_heard_before_it_goes_on() -> None:
     heard: list[int] = []
-    with Confined(seconds=60) as child:
-        assert child("x", counting, 3, heard=heard.append) == 3
+    with WorkerProcess(seconds=60) as child:
+        assert child("x", counting, 3, on_event=heard.append) == 3
     assert heard == [0, 1, 2]
     assert counting(3) == 3  # outside of a child nobody listens
 
@@ -513,20 +513,20 @@ def test_what_a_task_tells_is_heard_before_it_goes_on() -> None:
 @POSIX
 def test_why_a_child_ended_is_told_to_machines_too() -> None:
     for how, kind in (("crash", "crash"), ("hang", "timeout"), ("eat", "memory")):
-        with Confined(seconds=2 if how == "hang" else 60, memory=1 << 28) as child:
+        with WorkerProcess(seconds=2 if how == "hang" else 60, memory=1 << 28) as child:
             with pytest.raises(CrashError) as told:
                 child("x", die, how)
             assert told.value.kind == kind
 
 
 def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:
-    with Confined(seconds=60) as child, pytest.raises(RuntimeError, match="TypeError"):
+    with WorkerProcess(seconds=60) as child, pytest.raises(RuntimeError, match="TypeError"):
         child("x", twice, None)
 
 
 def outer(task: str, *arguments: object) -> object:
     """What a child does with a child of its own; names, as functions of a test file travel."""
-    with Confined() as child:
+    with WorkerProcess() as child:
         return child("inner.usdc", {"twice": twice, "die": die, "wait": wait}[task], *arguments)
 
 
@@ -540,7 +540,7 @@ def wait(mark: str) -> None:
 
 @POSIX
 def test_a_child_may_have_a_child_of_its_own_which_has_its_limits() -> None:
-    with Confined(seconds=60, memory=1 << 28) as child:
+    with WorkerProcess(seconds=60, memory=1 << 28) as child:
         assert child("outer", outer, "twice", 21) == 42
         with pytest.raises(CrashError, match=r"inner\.usdc: the library that reads it crashed \(SIGSEGV\)"):
             child("outer", outer, "die", "crash")
@@ -553,7 +553,7 @@ def test_a_child_may_have_a_child_of_its_own_which_has_its_limits() -> None:
 @pytest.mark.slow
 def test_a_child_that_hangs_ends_with_the_child_that_started_it(tmp_path: Path) -> None:
     mark = tmp_path / "number"
-    with Confined(seconds=15) as child, pytest.raises(CrashError, match="took longer"):
+    with WorkerProcess(seconds=15) as child, pytest.raises(CrashError, match="took longer"):
         child("outer", outer, "wait", str(mark))
     number = int(mark.read_text())
     try:

@@ -17,7 +17,7 @@ import pytest
 from places import SAMPLES, sample_files
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
-from rigtri.files.staged_output import Written
+from rigtri.files.staged_output import StagedOutput
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -294,9 +294,9 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
 
 def test_what_is_about_to_appear_is_told_before_it_does(samples: Path, tmp_path: Path) -> None:
     source, target = samples / "biped.gltf", tmp_path / "out.gltf"
-    told: list[tuple[Outcome, Written]] = []
+    told: list[tuple[Outcome, StagedOutput]] = []
 
-    def ready(outcome: Outcome, written: Written) -> None:
+    def ready(outcome: Outcome, written: StagedOutput) -> None:
         assert not target.exists()
         assert written.part.exists()
         assert outcome.verification is not None

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rigtri.errors import FileError
-from rigtri.files.atomic_write import same_file, settling
+from rigtri.files.atomic_write import fsync_while_writing, same_file
 from rigtri.formats.document import Companion
 from rigtri.formats.gltf import mmap
 from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
@@ -91,7 +91,10 @@ def _write(part: Path, pieces: Sequence[Piece]) -> None:
         if size < BUFFERING:
             part.write_bytes(b"".join(pieces))
             return
-        with part.open("wb", buffering=BUFFERING) as file, settling(file, large=size >= mmap.MAP_FROM):
+        with (
+            part.open("wb", buffering=BUFFERING) as file,
+            fsync_while_writing(file, large=size >= mmap.MAP_FROM),
+        ):
             for piece in pieces:
                 pour(file, piece)
     except OSError as error:

@@ -20,7 +20,7 @@ from rigtri.files.worker_process import CrashError
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.dask_worker import Event, Settings, do
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.local_engine import Heard
+from rigtri.pipeline.batch.local_engine import OnReady
 from rigtri.pipeline.batch.work import Assignment, Record
 
 # Seconds to wait for the scheduler, and for a first worker.
@@ -56,7 +56,7 @@ class Cluster:
         self._inbox: queue.SimpleQueue[int | Exception] = queue.SimpleQueue()
         self._client: Any = None
         self._assignments: list[Assignment] = []
-        self._heard: Heard = lambda *_: None
+        self._on_ready: OnReady = lambda *_: None
         self._begun: Counter[int] = Counter()  # how many workers have begun a file
 
     def __enter__(self) -> Self:
@@ -136,9 +136,11 @@ class Cluster:
         found: dict[str, object] = self._client.run(what, of, on_error="return")
         return found
 
-    def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+    def run(
+        self, assignments: Iterable[Assignment], on_ready: OnReady
+    ) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
-        self._assignments, self._heard = list(assignments), heard
+        self._assignments, self._on_ready = list(assignments), on_ready
         with self._alive():
             yield from self._run()
 
@@ -200,7 +202,7 @@ class Cluster:
             self._begun[message.number] += 1
             return
         try:
-            await asyncio.to_thread(self._heard, self._assignments[message.number], message.record)
+            await asyncio.to_thread(self._on_ready, self._assignments[message.number], message.record)
         except Exception as error:  # noqa: BLE001 - raised where records are waited for
             self._inbox.put(error)
             return

@@ -14,7 +14,7 @@ from typing import Any, Protocol, Self
 from rigtri.errors import RigtriError
 from rigtri.files import temp_dirs
 from rigtri.files.staged_output import recover
-from rigtri.files.worker_process import Confined, CrashError
+from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import references
 from rigtri.pipeline.batch.remote_files import Fetched, is_elsewhere
 from rigtri.pipeline.batch.work import Assignment, Record, work
@@ -26,10 +26,10 @@ _PRELOADED = (
     "rigtri.pipeline.rigspec.expand",
     "rigtri.pipeline.rigspec.models.spec",
 )
-# Waiting for an answer in steps lets signals be heard everywhere.
+# Waiting for an answer in steps lets signals be on_ready everywhere.
 _STEP = 0.2
 
-Heard = Callable[[Assignment, Record], None]
+OnReady = Callable[[Assignment, Record], None]
 
 
 class Engine(Protocol):
@@ -39,10 +39,12 @@ class Engine(Protocol):
     several files at once, or to other machines, is its own matter.
     """
 
-    def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+    def run(
+        self, assignments: Iterable[Assignment], on_ready: OnReady
+    ) -> Iterator[tuple[Assignment, Record]]:
         """Work through the assignments.
 
-        ``heard`` is called, from any thread, with what a file will have become just before its
+        ``on_ready`` is called, from any thread, with what a file will have become just before its
         output appears, where the engine can tell; it is on record when that returns.
         """
 
@@ -63,7 +65,7 @@ def processors() -> int:
 class FileProcess:
     """A process of this machine that does one file after another, wherever they are.
 
-    seconds, memory: what one file may take, as `rigtri.files.worker_process.Confined` understands them.
+    seconds, memory: what one file may take, as `rigtri.files.worker_process.WorkerProcess` understands them.
     folder: where the manifest is. at: the folder that relative paths are seen from, where it is not this
     process's own. preload: further modules that the process needs.
     """
@@ -79,7 +81,7 @@ class FileProcess:
         preload: Sequence[str] = (),
     ) -> None:
         self._folder, self._dry_run, self._at = folder, dry_run, at
-        self._child = Confined(seconds=seconds, memory=memory, preload=(*_PRELOADED, *preload))
+        self._child = WorkerProcess(seconds=seconds, memory=memory, preload=(*_PRELOADED, *preload))
         # Of this object, for a process that is killed cannot remove what it has written for itself.
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
 
@@ -99,10 +101,10 @@ class FileProcess:
         """End the process in the middle of its file, from any thread."""
         self._child.kill()
 
-    def do(self, assignment: Assignment, heard: Heard) -> Record:
-        """Do one file; ``heard`` as `Engine.run` has it."""
+    def do(self, assignment: Assignment, on_ready: OnReady) -> Record:
+        """Do one file; ``on_ready`` as `Engine.run` has it."""
         if not is_elsewhere(assignment.entry):
-            return self._near(assignment, heard)
+            return self._near(assignment, on_ready)
         name = assignment.entry.source
         try:
             return Fetched(
@@ -112,7 +114,7 @@ class FileProcess:
                 references=lambda path: self._child(name, references, Path(path)),
                 near=self._near,
                 dry_run=self._dry_run,
-            ).done(heard)
+            ).done(on_ready)
         except CrashError as error:
             return Record("crashed", error.kind, str(error), error.exit_code)
 
@@ -121,12 +123,14 @@ class FileProcess:
             self._temporary = temp_dirs.folder()
         return self._temporary.name
 
-    def _near(self, assignment: Assignment, heard: Heard) -> Record:
+    def _near(self, assignment: Assignment, on_ready: OnReady) -> Record:
         """One file of this machine, whatever becomes of the process."""
         name = assignment.entry.source
         try:
             place = self._folder, self._temporary_folder(), self._dry_run, self._at
-            return self._child(name, work, assignment, *place, heard=lambda told: heard(assignment, told))
+            return self._child(
+                name, work, assignment, *place, on_event=lambda record: on_ready(assignment, record)
+            )
         except CrashError as error:
             record = Record("crashed", error.kind, str(error), error.exit_code)
         except RigtriError:
@@ -155,11 +159,13 @@ class Local:
             queue.SimpleQueue()
         )
 
-    def run(self, assignments: Iterable[Assignment], heard: Heard) -> Iterator[tuple[Assignment, Record]]:
+    def run(
+        self, assignments: Iterable[Assignment], on_ready: OnReady
+    ) -> Iterator[tuple[Assignment, Record]]:
         """As `Engine.run`."""
         source = iter(assignments)
         threads = [
-            threading.Thread(target=self._serve, args=(process, source, heard), daemon=True)
+            threading.Thread(target=self._serve, args=(process, source, on_ready), daemon=True)
             for process in self._processes
         ]
         for thread in threads:
@@ -192,7 +198,7 @@ class Local:
         for process in self._processes:
             process.kill()
 
-    def _serve(self, process: FileProcess, source: Iterator[Assignment], heard: Heard) -> None:
+    def _serve(self, process: FileProcess, source: Iterator[Assignment], on_ready: OnReady) -> None:
         """The life of a thread: the next assignment for its process, until there are none."""
         try:
             with process:
@@ -201,7 +207,7 @@ class Local:
                         assignment = next(source, None)
                     if assignment is None:
                         break
-                    record = process.do(assignment, heard)
+                    record = process.do(assignment, on_ready)
                     self._count(record)
                     if not self._killed.is_set():
                         self._results.put((assignment, record))

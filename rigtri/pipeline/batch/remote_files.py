@@ -15,7 +15,7 @@ from rigtri.pipeline.batch.hashes import Hashes
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.work import Assignment, Record
 
-Heard = Callable[[Assignment, Record], None]
+OnReady = Callable[[Assignment, Record], None]
 
 
 def is_elsewhere(entry: Entry) -> bool:
@@ -36,7 +36,7 @@ class Fetched:
         scratch: str,
         *,
         references: Callable[[str], list[str]],
-        near: Callable[[Assignment, Heard], Record],
+        near: Callable[[Assignment, OnReady], Record],
         dry_run: bool,
     ) -> None:
         self._assignment, self._folder, self._scratch = assignment, folder, scratch
@@ -45,8 +45,8 @@ class Fetched:
         self._etags: dict[str, str] = {}
         self._hashes = Hashes()
 
-    def done(self, heard: Heard) -> Record:
-        """Do it; ``heard`` as `rigtri.pipeline.batch.local_engine.Engine.run` has it."""
+    def done(self, on_ready: OnReady) -> Record:
+        """Do it; ``on_ready`` as `rigtri.pipeline.batch.local_engine.Engine.run` has it."""
         entry = self._assignment.entry
         with tempfile.TemporaryDirectory(dir=self._scratch, prefix="rigtri-") as place:
             self._in, self._out = Path(place, "in"), Path(place, "out")
@@ -55,12 +55,12 @@ class Fetched:
                 away = urls.is_url(entry.target)
                 record = self._near(
                     replace(self._assignment, entry=here),
-                    lambda _, told: None if away else heard(self._assignment, self._renamed(told)),
+                    lambda _, told: None if away else on_ready(self._assignment, self._renamed(told)),
                 )
                 told = self._renamed(record)
                 if not away or self._dry_run or record.failed or not record.made:
                     return told
-                heard(self._assignment, told)
+                on_ready(self._assignment, told)
                 self._send(entry.target)
                 return replace(told, made={name: urls.content(name) for name in told.made})
             except CrashError:

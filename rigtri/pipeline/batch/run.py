@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
-from rigtri.files.atomic_write import sync_folder
+from rigtri.files.atomic_write import fsync_folder
 from rigtri.files.staged_output import as_file_error, recover
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.hashes import ABSENT, Hashes, seen_from
@@ -27,7 +27,7 @@ from rigtri.pipeline.batch.work import Assignment, Record, Task, faults, missing
 
 Tasks = Callable[[tuple[tuple[str, str], ...]], Task]
 
-# A part of an output, as `rigtri.files.atomic_write.beside` names it.
+# A part of an output, as `rigtri.files.atomic_write.temp_path` names it.
 _PART = re.compile(r"\.(.+)\.part-[0-9]+(\.[^.]+)")
 # So many files are tried before the first is written.
 TRIED = 8
@@ -69,7 +69,7 @@ class Run:
         self._tasks, self._folder, self._manifest, self._others = cache(tasks), folder, manifest, others
         self._overwrite, self._hashes = overwrite, Hashes()
         self._keys: dict[tuple[tuple[str, str], ...], str] = {}
-        self._told: dict[str, Record] = {}
+        self._ready: dict[str, Record] = {}
         self._beside: dict[str, tuple[str, str]] = {}
         self.counts: Counter[str] = Counter()
         self.missing: Counter[str] = Counter()
@@ -116,15 +116,15 @@ class Run:
         for entry, record in plan.settled:
             self.counts[record.status] += 1
             yield entry, record
-        for assignment, record in engine.run(plan.assignments, self._heard):
+        for assignment, record in engine.run(plan.assignments, self._on_ready):
             entry = assignment.entry
-            told = self._told.pop(entry.target, None)
+            told = self._ready.pop(entry.target, None)
             if record.failed and told is not None and self._stands(told):
                 record = told  # its process or worker was killed when its work was done
             record = self._alone(entry, record)
             if self._manifest is not None:
                 if record.made:  # as long as its name is not on the disk it is not done
-                    sync_folder(Path(entry.target).parent)
+                    fsync_folder(Path(entry.target).parent)
                 self._manifest.done(entry, self._keys[entry.variables], record)
             self.counts[record.status] += 1
             self.missing.update(missing(record.kind, reason(record, entry)))
@@ -161,7 +161,7 @@ class Run:
             for entry in entries:
                 task, record = waiting.get(self._name(entry), ("", None))
                 if record is not None and self._stands(record):
-                    sync_folder(Path(entry.target).parent)
+                    fsync_folder(Path(entry.target).parent)
                     manifest.done(entry, task, record)
                     found[entry.target] = record
             here = {self._name(entry) for entry in entries}
@@ -208,9 +208,9 @@ class Run:
     def _name(self, entry: Entry) -> str:
         return name_of(self._folder, entry)
 
-    def _heard(self, assignment: Assignment, record: Record) -> None:
+    def _on_ready(self, assignment: Assignment, record: Record) -> None:
         """What is about to appear is put down before it does."""
-        self._told[assignment.entry.target] = record
+        self._ready[assignment.entry.target] = record
         if self._manifest is not None:
             self._manifest.ready(assignment.entry, self._keys[assignment.entry.variables], record)
 

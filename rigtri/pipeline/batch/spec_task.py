@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rigtri.errors import UsageError
 from rigtri.export.rig_json import SUFFIX, description
-from rigtri.files.staged_output import Written, write_text
+from rigtri.files.staged_output import StagedOutput, write_text
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, read
 from rigtri.pipeline.batch.work import Ready
 from rigtri.pipeline.edit import Outcome
@@ -82,7 +82,7 @@ class SpecTask:
         if side is not None and side.exists() and not overwrite:
             raise UsageError(f"{side} exists; it is replaced only with --overwrite")
 
-        def with_sidecar(outcome: Outcome, written: Written) -> None:
+        def with_sidecar(outcome: Outcome, written: StagedOutput) -> None:
             if side is not None:
                 _write_sidecar(side, written, self.spec.reading)
             ready(outcome, written)
@@ -105,7 +105,7 @@ def _unpacked(packed: bytes) -> SpecTask:
     return SpecTask(*pickle.loads(packed))
 
 
-def _write_sidecar(side: Path, written: Written, reading: ReadOptions) -> None:
+def _write_sidecar(side: Path, written: StagedOutput, reading: ReadOptions) -> None:
     """What rigtri has stored in an output, beside it: before it, so that no output is without."""
     rig = read(written.part, replace(reading, allow_external_paths=True)).rig
     write_text(side, json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from rigtri.errors import FileError, RigtriError, kind_told
-from rigtri.files.staged_output import Written
+from rigtri.files.staged_output import StagedOutput
 from rigtri.files.temp_dirs import adopt
 from rigtri.files.temp_dirs import folder as temporary
-from rigtri.files.worker_process import of_memory, tell
+from rigtri.files.worker_process import of_memory, send_event
 from rigtri.pipeline.batch.axis_summary import Axes, axes_of
 from rigtri.pipeline.batch.hashes import Hashes, newer, no_file, seen_from
 from rigtri.pipeline.batch.inputs import Entry
@@ -33,7 +33,7 @@ _NOT_THERE = re.compile(r"No \w+ (?:is named|matches) '.*'|\d+ \w+s are named '.
 _COUNT = re.compile(r"(?<= )\d+(?=[ ,.;]|$)")
 _HINT = re.compile(r"(?<=')\. .*")
 _MEANT = re.compile(r"Did you mean [^?]*\?")
-Ready = Callable[[Outcome, Written], None]
+Ready = Callable[[Outcome, StagedOutput], None]
 
 
 class Task(Protocol):
@@ -155,7 +155,7 @@ _hashes = Hashes()
 
 
 def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: str = "") -> Record:
-    """Do one file. What is about to appear is told before it does (`rigtri.files.worker_process.tell`).
+    """Do one file. What is about to appear is told before it does (`rigtri.files.worker_process.send_event`).
 
     folder: where the manifest is, from which it sees all files. scratch: a folder for temporary
     files, which somebody else removes. at: the folder that relative paths are seen from.
@@ -167,9 +167,9 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
     report, told = Report(records=False), []
 
-    def ready(outcome: Outcome, written: Written) -> None:
+    def ready(outcome: Outcome, written: StagedOutput) -> None:
         told.append(_record(outcome, folder, moment, written))
-        tell(told[0])
+        send_event(told[0])
 
     try:
         if why := no_file(entry.source):
@@ -204,7 +204,7 @@ def _place(entry: Entry, dry_run: bool) -> Iterator[Path]:
         yield target
 
 
-def _record(outcome: Outcome, folder: str, moment: int, written: Written | None) -> Record:
+def _record(outcome: Outcome, folder: str, moment: int, written: StagedOutput | None) -> Record:
     """What an edit did; with ``written`` also what it wrote, under the names that it will have."""
     read = {} if newer(outcome.files, moment) else _hashes.of_all(outcome.files, folder)
     made: dict[str, str] = {}

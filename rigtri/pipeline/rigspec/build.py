@@ -12,7 +12,7 @@ from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLi
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
-from rigtri.files.staged_output import Written, spare
+from rigtri.files.staged_output import StagedOutput, check_not_an_input
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import Outcome, check_target, edit
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
@@ -51,7 +51,7 @@ def build(
     dry_run: bool = False,
     side_files: Sequence[Path] = (),
     report: Report | None = None,
-    ready: Callable[[Outcome, Written], None] | None = None,
+    ready: Callable[[Outcome, StagedOutput], None] | None = None,
     from_stream: bool = False,
 ) -> Built:
     """Give the character in ``source`` the rig that a spec describes; ``target`` appears whole or not at all.
@@ -65,7 +65,7 @@ def build(
     spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
     for place in spared:
         if not (dry_run and same_file(place, Path(source))):
-            spare(place, spec.needed())
+            check_not_an_input(place, spec.needed())
     last: dict[str, Any] = {
         "overwrite": overwrite,
         "dry_run": dry_run,

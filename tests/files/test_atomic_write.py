@@ -400,7 +400,7 @@ def test_a_sync_that_fails_while_the_result_is_looked_at_comes_again_and_is_told
 
 
 def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -> None:
-    part = atomic_write.beside(tmp_path / "out.glb")
+    part = atomic_write.temp_path(tmp_path / "out.glb")
     part.write_bytes(b"half")
     assert atomic_write.stale_parts(tmp_path / "out.glb") == [(part, os.getpid())]
 

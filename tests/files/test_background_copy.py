@@ -17,14 +17,14 @@ from gltf_files import small
 from program import cli
 
 from rigtri.evaluation.sampling import sorted_unique
-from rigtri.files import copy_ahead
-from rigtri.files.atomic_write import beside
+from rigtri.files import background_copy
+from rigtri.files.atomic_write import temp_path
 
 
 @pytest.fixture(autouse=True)
 def all_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Treat files of any size as large."""
-    monkeypatch.setattr(copy_ahead, "FROM", 1)
+    monkeypatch.setattr(background_copy, "FROM", 1)
 
 
 @pytest.fixture
@@ -44,13 +44,13 @@ def test_an_edit_to_another_folder_takes_the_copy_that_was_begun(
     source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     taken: list[bool] = []
-    take = copy_ahead.Ahead.take
+    take = background_copy.BackgroundCopies.take
 
-    def noted(self: copy_ahead.Ahead, file: Path, part: Path) -> bool:
+    def noted(self: background_copy.BackgroundCopies, file: Path, part: Path) -> bool:
         taken.append(take(self, file, part))
         return taken[-1]
 
-    monkeypatch.setattr(copy_ahead.Ahead, "take", noted)
+    monkeypatch.setattr(background_copy.BackgroundCopies, "take", noted)
     target = tmp_path / "there" / "b.gltf"
     assert run(source, "-o", target).exit_code == 0
     assert taken == [True]
@@ -66,7 +66,7 @@ def test_without_a_head_start_the_output_is_the_same(
     first = {path.name: path.read_bytes() for path in target.parent.iterdir()}
     for path in target.parent.iterdir():
         path.unlink()
-    monkeypatch.setattr(copy_ahead, "FROM", 1 << 40)
+    monkeypatch.setattr(background_copy, "FROM", 1 << 40)
     assert run(source, "-o", target).exit_code == 0
     assert {path.name: path.read_bytes() for path in target.parent.iterdir()} == first
 
@@ -81,7 +81,7 @@ def test_an_edit_that_fails_leaves_no_copy(wrong: list[str], source: Path, tmp_p
 def test_nothing_is_copied_that_the_output_does_not_need(
     more: list[str], source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(copy_ahead.Ahead, "begin", lambda *_: pytest.fail("a copy was begun"))
+    monkeypatch.setattr(background_copy.BackgroundCopies, "begin", lambda *_: pytest.fail("a copy was begun"))
     assert run(source, "-o", tmp_path / "there" / "b.gltf", *more).exit_code == 0
 
 
@@ -100,15 +100,15 @@ def test_names_that_lead_out_of_the_folder_are_not_copied_ahead(tmp_path: Path) 
     (folder / "link.bin").symlink_to(tmp_path / "secret.bin")
     for uri in ("../secret.bin", "link.bin", str(tmp_path / "secret.bin"), "..%2Fsecret.bin", "b.gltf"):
         (folder / "a.gltf").write_text(f'{{"buffers": [{{"uri": "{uri}"}}]}}', "utf-8")
-        with copy_ahead.begun(folder / "a.gltf", there / "b.gltf"):
+        with background_copy.copy_in_background(folder / "a.gltf", there / "b.gltf"):
             assert names(there) == []
 
 
 def test_a_source_that_changed_meanwhile_is_copied_anew(source: Path, tmp_path: Path) -> None:
     file, target = tmp_path / "the data.bin", tmp_path / "there" / "b.gltf"
-    with copy_ahead.begun(source, target) as copies:
+    with background_copy.copy_in_background(source, target) as copies:
         file.write_bytes(b"longer than it was before" * 100)
-        part = beside(target.parent / file.name)
+        part = temp_path(target.parent / file.name)
         assert not copies.take(file, part)
         assert not part.exists()
 
@@ -126,8 +126,8 @@ def test_what_the_kernel_cannot_copy_is_copied_all_the_same(
         monkeypatch.delattr(os, "copy_file_range", raising=False)
     else:
         monkeypatch.setattr(os, "copy_file_range", refuse, raising=False)
-    monkeypatch.setattr(copy_ahead, "STEP", 1 << 12)
-    assert copy_ahead.copied(tmp_path / "a", tmp_path / "b")
+    monkeypatch.setattr(background_copy, "STEP", 1 << 12)
+    assert background_copy.copy_file(tmp_path / "a", tmp_path / "b")
     assert (tmp_path / "b").read_bytes() == (tmp_path / "a").read_bytes()
 
 
@@ -135,11 +135,11 @@ def test_a_copy_that_is_stopped_says_so(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(bytes(100))
     stop = threading.Event()
     stop.set()
-    assert not copy_ahead.copied(tmp_path / "a", tmp_path / "b", stop)
+    assert not background_copy.copy_file(tmp_path / "a", tmp_path / "b", stop)
 
 
 def test_a_head_start_does_not_wait_for_numpy() -> None:
-    script = "import sys, rigtri.files.copy_ahead, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
+    script = "import sys, rigtri.files.background_copy, rigtri.cli.options; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 

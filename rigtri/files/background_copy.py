@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from rigtri.files.atomic_write import beside, discard_stale, same_file, settling
+from rigtri.files.atomic_write import discard_stale, fsync_while_writing, same_file, temp_path
 
 # Smaller files are copied in no time. A .gltf with embedded data would be read twice for nothing.
 FROM = 1 << 24
@@ -26,7 +26,7 @@ LONGEST_JSON = 1 << 22
 STEP = 1 << 26
 
 
-class Ahead:
+class BackgroundCopies:
     """Copies that are under way, by their parts."""
 
     def __init__(self) -> None:
@@ -54,13 +54,13 @@ class Ahead:
 
 
 @contextmanager
-def begun(source: Path, target: Path, *, overwrite: bool = False) -> Iterator[Ahead]:
+def copy_in_background(source: Path, target: Path, *, overwrite: bool = False) -> Iterator[BackgroundCopies]:
     """Begin to copy what a .gltf that becomes ``target`` in another folder will need there.
 
     Only plain files in the source's folder for which there is no other file yet. Whatever is
     wrong with any file is left to the one who reads it.
     """
-    ahead = Ahead()
+    ahead = BackgroundCopies()
     try:
         with suppress(OSError, ValueError, RecursionError):
             if target.suffix.lower() == ".gltf" and (overwrite or not os.path.lexists(target)):
@@ -108,14 +108,14 @@ class _Copy:
 
     def __init__(self, file: Path, place: Path) -> None:
         discard_stale(place)
-        self.source, self.part = _identity(file), beside(place)
+        self.source, self.part = _identity(file), temp_path(place)
         self._stop, self._done = threading.Event(), False
         self._thread = threading.Thread(target=self._run, args=(file,))
         self._thread.start()
 
     def _run(self, file: Path) -> None:
         with suppress(OSError):  # the one who needs the copy makes it again, and is told
-            self._done = copied(file, self.part, self._stop)
+            self._done = copy_file(file, self.part, self._stop)
 
     def complete(self) -> bool:
         """Wait for the end; whether all is there, under its name still."""
@@ -137,10 +137,10 @@ def _by_kernel(source: int, target: int) -> int:
     return 0
 
 
-def copied(file: Path, to: Path, stop: threading.Event | None = None) -> bool:
+def copy_file(file: Path, to: Path, stop: threading.Event | None = None) -> bool:
     """Copy a file, by the kernel where it can, the disk taking it meanwhile; False where it was stopped."""
     size = file.stat().st_size
-    with file.open("rb") as source, to.open("wb") as target, settling(target, large=size >= FROM):
+    with file.open("rb") as source, to.open("wb") as target, fsync_while_writing(target, large=size >= FROM):
         while not (stop and stop.is_set()) and _by_kernel(source.fileno(), target.fileno()):
             pass
         while not (stop and stop.is_set()):

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from rigtri.errors import FileError
-from rigtri.files.worker_process import Confined, CrashError
+from rigtri.files.worker_process import CrashError, WorkerProcess
 
 SERVED = pytest.mark.skipif(
     "forkserver" not in multiprocessing.get_all_start_methods(),
@@ -41,7 +41,7 @@ def test_a_server_of_processes_that_is_killed_early_is_started_anew(monkeypatch:
         return int(read(sentinel))
 
     monkeypatch.setattr(forkserver, "read_signed", killed_first)
-    with Confined() as child:
+    with WorkerProcess() as child:
         assert child("a.glb", abs, -3) == 3
     assert kills != [server._forkserver_pid]
 
@@ -52,7 +52,10 @@ def test_where_no_process_can_be_started_that_is_said(monkeypatch: pytest.Monkey
         raise EOFError("unexpected EOF")
 
     monkeypatch.setattr(forkserver, "connect_to_new_process", refused)
-    with Confined() as child, pytest.raises(FileError, match=r"no process can be started .*unexpected EOF"):
+    with (
+        WorkerProcess() as child,
+        pytest.raises(FileError, match=r"no process can be started .*unexpected EOF"),
+    ):
         child("a.glb", abs, -3)
 
 
@@ -69,7 +72,10 @@ def speechless() -> None:
 def test_a_process_without_memory_for_a_word_ends_without_a_traceback(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    with Confined() as child, pytest.raises(CrashError, match=r"a\.glb: there is not enough memory") as told:
+    with (
+        WorkerProcess() as child,
+        pytest.raises(CrashError, match=r"a\.glb: there is not enough memory") as told,
+    ):
         child("a.glb", speechless)
     assert told.value.kind == "memory"
     assert "Traceback" not in capfd.readouterr().err
@@ -82,7 +88,7 @@ def test_the_many_words_for_no_memory_mean_one_thing() -> None:
         OSError(errno.ENOMEM, "Cannot allocate memory"),
         ImportError("x.so: failed to map segment from shared object"),
     ]
-    with Confined() as child:
+    with WorkerProcess() as child:
         for error in every:
             with pytest.raises(CrashError, match="not enough memory") as told:
                 child("a.glb", raised, error)
@@ -94,13 +100,13 @@ def test_the_many_words_for_no_memory_mean_one_thing() -> None:
 INTERRUPTED = """
 import os, signal, sys
 from multiprocessing import resource_tracker
-from rigtri.files.worker_process import Confined
+from rigtri.files.worker_process import WorkerProcess
 signal.signal(signal.SIGINT, lambda *_: print("heard", flush=True))
 if __name__ == "__main__":
-    with Confined(preload=["interrupting"]) as child:
+    with WorkerProcess(preload=["interrupting"]) as child:
         print(child("a file", abs, -1))
     os.kill(resource_tracker._resource_tracker._pid, signal.SIGKILL)
-    with Confined() as child:
+    with WorkerProcess() as child:
         print(child("a file", abs, -2))
 """
 
