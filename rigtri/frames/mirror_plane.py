@@ -56,7 +56,7 @@ def parting(
     return world if world.fits else own
 
 
-def tell(plane: Plane, asked: float | None, parted: Parting, report: Report) -> None:
+def warn_plane(plane: Plane, requested: float | None, parted: Parting, report: Report) -> None:
     """Say where the plane was found, or that there is none."""
     where = f"--plane {plane} --plane-at {parted.at:g}"
     if not parted.fits:
@@ -65,7 +65,7 @@ def tell(plane: Plane, asked: float | None, parted: Parting, report: Report) -> 
             f"size from their mirror images about {where}. See --check; name another plane, or a --pose "
             "in which both sides are alike"
         )
-        report.warn("no-mirror-plane", text, geometry=asked is None)
+        report.warn("no-mirror-plane", text, geometry=requested is None)
     elif parted.found or not parted.own:
         space = "its own space" if parted.own else "the world"
         report.warn("mirror-plane", f"Most pairs of joints lie about {where} in {space}: mirrored there")
@@ -93,13 +93,13 @@ def _tried(
     normal = whole if np.abs(normal - whole).max() <= _SAME_AXIS else normal
     origin = float(dot(space[3, :3], normal))
     origin = origin if abs(origin) > 1e-6 * size else 0.0
-    asked = at is not None
+    requested = at is not None
     if at is None:
         at = _between(points, normal, origin, size) / unit
         at = _rounded(at, size / unit)
     x, y, z = normal.tolist()
     across = Across((x, y, z), origin + at * unit)
-    return Parting(across, at, own, not asked and at != 0.0, _most(points, across, LOOSE * size))
+    return Parting(across, at, own, not requested and at != 0.0, _most(points, across, LOOSE * size))
 
 
 def _between(points: tuple[Floats, Floats], normal: Floats, origin: float, size: float) -> float:

@@ -243,8 +243,8 @@ def _main_skins(tree: Skeleton) -> dict[int, tuple[Skin, list[int], Floats]]:
         posed = bind_worlds(tree.rig, skin) if more else tree.rig.world
         for root in more:
             # Joints of ours have places in skins whose own joints have none.
-            told = [joint for joint in held[root] if joint not in tree.rig.own] or held[root]
-            if _is_pose(posed[told], tree.rig.world[told]):
+            placed = [joint for joint in held[root] if joint not in tree.rig.own] or held[root]
+            if _is_pose(posed[placed], tree.rig.world[placed]):
                 best[root] = skin, held[root], posed
     return {root: best[root] for root in tree.roots if root in best}
 

@@ -32,7 +32,7 @@ from rigtri.operations.joint_selection import Selection, chosen
 from rigtri.operations.operation import operation
 from rigtri.operations.rigtri_nodes import add, find, group, home, noted, stand
 from rigtri.operations.skin_joints import Kind as EndKind
-from rigtri.operations.skin_joints import add_joint, as_wanted, beside, move_joint
+from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.limbs import Limb, recognise, with_recognised
 from rigtri.recognition.proportions import forward, girths
 from rigtri.report import Report
@@ -162,8 +162,8 @@ class _Builder:
     def _give_names(self) -> None:
         """Names by the user's rule, and a note of those that new controls have."""
         if self.options.name is not None:
-            wanted = {c: self._name(joint, kind, self.options.name) for c, kind, joint in self.made}
-            self.rig = call(self.rig, wanted, self.options.name, self.report)
+            names = {c: self._name(joint, kind, self.options.name) for c, kind, joint in self.made}
+            self.rig = call(self.rig, names, self.options.name, self.report)
         self.rig = remembered(self.rig, [c for c, _, _ in self.made if self.rig.keys[c] is None])
 
     def _joints(self) -> list[int]:
@@ -216,15 +216,15 @@ class _Builder:
             self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
         if int(self.rig.parents[offset]) != parent:
-            self._tell_kept(control)
+            self._report_kept(control)
         self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
         self.made.append((control, kind, joint))
         return control
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
-        known, wanted = self._find("ik", about), self.options.ends
-        if wanted == "joint" if known is None else as_wanted(self.rig, known, wanted):
+        known, kind = self._find("ik", about), self.options.ends
+        if kind == "joint" if known is None else is_joint_kind(self.rig, known, kind):
             self._ik_joint(limb, known, about)
         else:
             self._control(limb.end, "ik", about)
@@ -234,11 +234,11 @@ class _Builder:
         """How an IK limb reaches, on its control's note; what says nothing is not stored."""
         control = self._find("ik", about)
         given = {"soft": self.options.soft, "stretch": self.options.stretch}
-        told = {word: value for word, value in given.items() if value is not None}
-        if control is None or not told:
+        fields = {word: value for word, value in given.items() if value is not None}
+        if control is None or not fields:
             return
-        note = {word: value for word, value in self.rig.metadata[control].items() if word not in told}
-        note |= {word: value for word, value in told.items() if value}
+        note = {word: value for word, value in self.rig.metadata[control].items() if word not in fields}
+        note |= {word: value for word, value in fields.items() if value}
         self.rig = noted(self.rig, control, note)
 
     def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
@@ -274,7 +274,7 @@ class _Builder:
 
     def _again(self, control: int, kind: str, joint: int, drawing: Drawing) -> None:
         """A control that is there already gets what was asked for."""
-        self.rig = draw_anew(self.rig, control, drawing, self._asked(kind, joint), self.report)
+        self.rig = draw_anew(self.rig, control, drawing, self._requested(kind, joint), self.report)
 
     def _drawing(
         self, kind: str, joint: int, size: float, normal: Floats, front: Floats | None = None
@@ -284,15 +284,15 @@ class _Builder:
         shape: Kind = options.shapes.get(kind, _SHAPES[kind])
         return Drawing(shape, size, options.colors.get(which, COLORS[which]), normal, front)
 
-    def _asked(self, kind: str, joint: int) -> frozenset[str]:
-        """What of a drawing the options say."""
+    def _requested(self, kind: str, joint: int) -> frozenset[str]:
+        """What of a drawing the options name."""
         options = self.options
-        said = {
+        requested = {
             "shape": kind in options.shapes,
             "size": options.size is not None,
             "color": self._side(joint) in options.colors,
         }
-        return frozenset(key for key, given in said.items() if given)
+        return frozenset(key for key, given in requested.items() if given)
 
     def _parent(self, joint: int, kind: str) -> int:
         """The control of the nearest joint above that has one; IK ends hang under the root control."""
@@ -324,9 +324,9 @@ class _Builder:
         bones = {node: bone for bone, node in self.rig.humanoid.items()}
         node = joint
         while node >= 0:
-            told = side(bones.get(node, "")) or side(self.rig.names[node])
-            if told:
-                return told
+            found = side(bones.get(node, "")) or side(self.rig.names[node])
+            if found:
+                return found
             node = self.tree.above.get(node, -1)
         return ""
 
@@ -336,16 +336,16 @@ class _Builder:
             return
         before = set(self.rig.metadata)
         limbs = tuple(dict.fromkeys(self.limbs))
-        wanted = replace(self.options.poles, limb=limbs, limbs=None, as_=self.options.ends)
-        self.rig = add_polevector(self.rig, options=wanted, report=self.report)
+        pole_options = replace(self.options.poles, limb=limbs, limbs=None, as_=self.options.ends)
+        self.rig = add_polevector(self.rig, options=pole_options, report=self.report)
         for node in self._drawn_poles(limbs):
             middle = self.rig.find(str(self.rig.metadata[node]["chain"][1]))
             drawing = self._drawing("pole", middle, 0.5 * self._size(middle)[0], np.array([1.0, 0.0, 0.0]))
             if node not in before:
                 self.rig = draw(self.rig, node, drawing)
             elif "shape" in self.rig.metadata[node]:
-                asked = self._asked("pole", middle)
-                self.rig = draw_anew(self.rig, node, drawing, asked, self.report)
+                requested = self._requested("pole", middle)
+                self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
 
     def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
         """The pole vectors of limbs that are no joints."""
@@ -353,7 +353,7 @@ class _Builder:
         found = [find(self.rig, type="poleVector", chain=chain) for chain in chains]
         return [node for node in found if node is not None and not self.rig.is_joint[node]]
 
-    def _tell_kept(self, control: int) -> None:
+    def _report_kept(self, control: int) -> None:
         self.report.warn(
             "control-kept-in-place",
             f"'{self.rig.names[control]}' was made before the controls above it and stays under "

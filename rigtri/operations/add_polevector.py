@@ -21,7 +21,7 @@ from rigtri.operations.control_drawing import KEYS
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import add, find, free_name, home, noted, plain_name, renamed, stand
-from rigtri.operations.skin_joints import add_joint, as_wanted, beside, move_joint
+from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.bend_plane import Bend, bend, crossings
 from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
 from rigtri.report import Report
@@ -79,13 +79,13 @@ def _limbs(rig: Rig, options: AddPolevectorOptions, report: Report) -> list[Limb
         if not found and not limbs:
             raise NoLimbError
         limbs.extend(found)
-        _tell_left_out(rig, limbs, report)
+        _warn_left_out(rig, limbs, report)
     if not limbs:
         raise UsageError("say which limbs: --limb ROOT MIDDLE END, --chain START END, or --limbs auto")
     return limbs
 
 
-def _tell_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
+def _warn_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
     """Warn where joints of the same names as a limb's are in no limb: siblings that share names."""
     inside = {node for limb in limbs for node in limb.triple}
     names = {rig.names[limb.middle] for limb in limbs} - {""}
@@ -183,7 +183,7 @@ def _place(
         )
     degrees = float(np.degrees(bend_angle(*points)))
     note = _note(rig, limb, options, found, degrees)
-    _tell(rig, limb, found, degrees, report)
+    _warn_bend(rig, limb, found, degrees, report)
     rig, node = _placed(rig, limb, note, options, position, _axes(points, found, options))
     entry: dict[str, Any] = {
         "limb": [rig.title(k) for k in limb.triple],
@@ -211,7 +211,7 @@ def _note(rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degr
     return note | {"bend": round(degrees, 4), "source": found.source, "pose": options.pose}
 
 
-def _tell(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
+def _warn_bend(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
     title = _title(rig, limb)
     if found.source != "pose":
         report.warn(
@@ -240,7 +240,7 @@ def _placed(
     node = find(rig, type="poleVector", chain=note["chain"])
     name = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
     if node is not None:
-        joint = as_wanted(rig, node, options.as_)
+        joint = is_joint_kind(rig, node, options.as_)
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)

@@ -42,10 +42,10 @@ def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:
     return replace(noted(rig, node, note), pending=pending)
 
 
-def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], report: Report) -> Rig:
-    """Draw at a known node what is ``asked`` for, of KEYS; the rest stays, and what a user has edited."""
+def draw_anew(rig: Rig, node: int, drawing: Drawing, requested: frozenset[str], report: Report) -> Rig:
+    """Draw at a known node what is ``requested``, of KEYS; the rest stays, and what a user has edited."""
     note = rig.metadata[node]
-    if not asked:
+    if not requested:
         return rig
     if node not in rig.pending.shapes and not _is_ours(rig, node, note):
         report.warn(
@@ -53,16 +53,16 @@ def draw_anew(rig: Rig, node: int, drawing: Drawing, asked: frozenset[str], repo
             f"the lines of '{rig.title(node)}' are not those that rigtri has drawn; they stay as they are",
         )
         return rig
-    wanted = replace(
+    target = replace(
         drawing,
-        shape=drawing.shape if "shape" in asked else note["shape"],
-        size=drawing.size if "size" in asked else note["size"],
-        color=drawing.color if "color" in asked else tuple(note["color"]),
+        shape=drawing.shape if "shape" in requested else note["shape"],
+        size=drawing.size if "size" in requested else note["size"],
+        color=drawing.color if "color" in requested else tuple(note["color"]),
     )
-    same = abs(wanted.size - note["size"]) <= _SAME_SIZE * note["size"]
-    if same and wanted.shape == note["shape"] and list(wanted.color) == list(note["color"]):
+    same = abs(target.size - note["size"]) <= _SAME_SIZE * note["size"]
+    if same and target.shape == note["shape"] and list(target.color) == list(note["color"]):
         return rig
-    return draw(rig, node, wanted)
+    return draw(rig, node, target)
 
 
 def _is_ours(rig: Rig, node: int, note: Mapping[str, Any]) -> bool:

@@ -27,12 +27,12 @@ def refuse_taken(rig: Rig, name: str, own: int | None = None) -> None:
         raise UsageError(f"--name {name}: another node is called so")
 
 
-def call(rig: Rig, wanted: Mapping[int, str], rule: str, report: Report) -> Rig:
+def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig:
     """Give controls the names that a rule makes, with their offsets; those that a user has renamed stay.
 
     UsageError where the rule gives several one name, or one that another node has.
     """
-    names = {node: plain_name(name) for node, name in wanted.items()}
+    names = {node: plain_name(name) for node, name in targets.items()}
     names = {node: name for node, name in names.items() if _may_change(rig, node, name, report)}
     for name, count in Counter(names.values()).items():
         if count > 1:

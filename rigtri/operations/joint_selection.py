@@ -80,8 +80,8 @@ def chosen(tree: Skeleton, selection: Selection) -> list[int]:
     excluded = {node for glob in selection.exclude for node in tree.rig.match(glob, tree.joints)}
     within = _of_skin(tree.rig, selection.skin, tree.joints)
     named = _named(tree, selection) if selection.named else set(tree.joints)
-    wanted = (named & within) - excluded
-    return [joint for joint in tree.joints if joint in wanted]
+    selected = (named & within) - excluded
+    return [joint for joint in tree.joints if joint in selected]
 
 
 def _check_named(rig: Rig, selection: Selection) -> None:

@@ -122,9 +122,9 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     if options.pole:
         limb = Limb(joints[0], joints[shape.middle], joints[-1])
         # Where the points themselves show no side, their joints, rounded, must not show one either.
-        bends = {rig.address(limb.middle): _triple(shape.side)} if shape.told == "given" else {}
-        wanted = replace(options.poles, limb=(limb,), chain=(), limbs=None, bend=bends)
-        rig = add_polevector(rig, options=wanted, report=report)
+        bends = {rig.address(limb.middle): _triple(shape.side)} if shape.source == "given" else {}
+        pole_options = replace(options.poles, limb=(limb,), chain=(), limbs=None, bend=bends)
+        rig = add_polevector(rig, options=pole_options, report=report)
     return rig
 
 
@@ -143,7 +143,7 @@ class _Shape:
     middle: int
     hinge: Floats
     side: Floats
-    told: str
+    source: str
 
 
 def _shape(rig: Rig, options: MakeLimbOptions, report: Report) -> _Shape:
@@ -152,16 +152,16 @@ def _shape(rig: Rig, options: MakeLimbOptions, report: Report) -> _Shape:
     size = sum(distance(points[:-1], points[1:]).tolist())
     _refuse_one_place(points, titles, size)
     middle = _middle(points)
-    normal, side, told = _plane(points[[0, middle, -1]], options, report)
+    normal, side, source = _plane(points[[0, middle, -1]], options, report)
     moved = np.zeros(len(points))
     if options.planar:
         off = dot(points - points[0], normal)
         off[[0, -1]] = 0.0
-        off[middle] = 0.0 if told == "pose" else off[middle]  # it says where the plane is
+        off[middle] = 0.0 if source == "pose" else off[middle]  # it says where the plane is
         points = points - off[:, np.newaxis] * normal
         moved = np.abs(off)
         _refuse_one_place(points, titles, size)
-    return _Shape(points, _axes(rig, points, normal, options, report), moved, middle, normal, side, told)
+    return _Shape(points, _axes(rig, points, normal, options, report), moved, middle, normal, side, source)
 
 
 def _points(rig: Rig, options: MakeLimbOptions) -> Floats:
@@ -362,7 +362,7 @@ def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: MakeLi
     # Seen from the root joint, so that it holds wherever the limb goes.
     seen = np.array([dot(shape.hinge, axis) for axis in shape.axes[0]])
     note["hinge"] = np.where(np.abs(seen) < _NOISE, 0.0, seen).tolist()
-    note |= {"lengths": [float(x) for x in length(along)], "planar": options.planar, "source": shape.told}
+    note |= {"lengths": [float(x) for x in length(along)], "planar": options.planar, "source": shape.source}
     if options.locators:
         note["locators"] = [rig.address(rig.find(name)) for name in options.locators]
     if options.end_aim is not None:

@@ -46,10 +46,10 @@ def noted(rig: Rig, node: int, note: Mapping[str, Any]) -> Rig:
     return rig if rig.metadata.get(node) == note else replace(rig, metadata={**rig.metadata, node: note})
 
 
-def find(rig: Rig, **said: Any) -> int | None:
-    """The first node whose note says all of ``said``; None where there is none."""
+def find(rig: Rig, **fields: Any) -> int | None:
+    """The first node whose record has all of ``fields``; None where there is none."""
     for node, note in rig.metadata.items():
-        if all(note.get(key) == value for key, value in said.items()):
+        if all(note.get(key) == value for key, value in fields.items()):
             return node
     return None
 
@@ -61,12 +61,12 @@ def renamed(rig: Rig, node: int, name: str) -> Rig:
     return replace(rig, names=tuple(names))
 
 
-def free_name(rig: Rig, wanted: str, own: int | None) -> str:
+def free_name(rig: Rig, base: str, own: int | None) -> str:
     """A name of letters, digits and underscores that no other node has.
 
     USD prims allow nothing else, and three.js alters other names.
     """
-    name = plain_name(wanted)
+    name = plain_name(base)
     taken = {known for node, known in enumerate(rig.names) if node != own}
     free, count = name, 2
     while free in taken:
@@ -74,9 +74,9 @@ def free_name(rig: Rig, wanted: str, own: int | None) -> str:
     return free
 
 
-def plain_name(wanted: str) -> str:
+def plain_name(text: str) -> str:
     """A name with every run of other signs than letters, digits and underscores made one underscore."""
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", wanted).strip("_") or "locator"
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", text).strip("_") or "locator"
     return f"_{name}" if name[0].isdigit() else name
 
 

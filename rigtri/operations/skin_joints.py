@@ -76,7 +76,7 @@ def beside(rig: Rig, joint: int) -> tuple[int, int]:
     return int(rig.parents[joint]), joint
 
 
-def as_wanted(rig: Rig, node: int, kind: Kind | None) -> bool:
+def is_joint_kind(rig: Rig, node: int, kind: Kind | None) -> bool:
     """Whether a node of ours is a joint; UsageError where another kind is wanted than it is."""
     found: Kind = "joint" if rig.is_joint[node] else "locator"
     if kind not in (None, found):

@@ -11,7 +11,7 @@ from rigtri.recognition.body_shape import Body, Limbs, within
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
-from rigtri.recognition.naming_schemes import said, said_roles
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
@@ -122,16 +122,16 @@ def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
 
 
 def _words(draft: Draft, body: Body, limbs: Limbs, as_leg: bool) -> tuple[str, ...]:
-    said = ["one of two alike, left and right"]
+    evidence = ["one of two alike, left and right"]
     if len(limbs.at) == 3:
-        said.append("two long bones that bend in the middle")
+        evidence.append("two long bones that bend in the middle")
     if as_leg:
-        said.append("carries the body" if body.form == "biped" else "one of four that carry the body")
+        evidence.append("carries the body" if body.form == "biped" else "one of four that carry the body")
     else:
-        said.append("hangs higher in the tree than the legs")
+        evidence.append("hangs higher in the tree than the legs")
     if limbs.fingers >= 2:
-        said.append(f"ends in {limbs.fingers} {'toes' if as_leg else 'fingers'}")
-    return tuple(said)
+        evidence.append(f"ends in {limbs.fingers} {'toes' if as_leg else 'fingers'}")
+    return tuple(evidence)
 
 
 def _body_confidence(draft: Draft, body: Body) -> float:
@@ -168,14 +168,14 @@ def _stand_by_names(draft: Draft, named: list[Found]) -> None:
 def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[Found]:
     """Limbs of the shape with the sides they stand on, where that can be told."""
     sure, why = _faces(draft, body, named)
-    told = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
+    share = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
     return [
         Found(
             each.kind,
             _side(draft, each),
             each.joints,
             each.before,
-            each.confidence * told,
+            each.confidence * share,
             each.evidence if named else (*each.evidence, *(f"faces so that: {w}" for w in why[:1])),
             each.pair,
         )
@@ -204,7 +204,7 @@ def _faces(draft: Draft, body: Body, named: bool) -> tuple[float, tuple[str, ...
 
 def _side(draft: Draft, each: Found) -> Side:
     """The side of a limb of the shape: as its names say, where they say one; else where it stands."""
-    names = {said(draft.tree.rig.names[joint]).side for joint in each.joints}
+    names = {parse_name(draft.tree.rig.names[joint]).side for joint in each.joints}
     if len(names) == 1 and names != {""}:
         return names.pop()
     assert each.pair is not None
@@ -214,8 +214,8 @@ def _side(draft: Draft, each: Found) -> Side:
     apart = [(at[a] - at[b]).dot(draft.left) for a, b in zip(mine, other, strict=True)]
     # Feet may cross; hips and shoulders do not. Where limbs begin in the middle the next joints tell.
     widest = max(map(abs, apart), default=0.0)
-    told = next((far for far in apart if abs(far) > 0.1 * widest), 0.0)
-    return "left" if told > 0 else "right" if told < 0 else ""
+    offset = next((far for far in apart if abs(far) > 0.1 * widest), 0.0)
+    return "left" if offset > 0 else "right" if offset < 0 else ""
 
 
 def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
@@ -233,7 +233,7 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
         words.append(AGREED)
     elif same is not None and same.kind != each.kind and same.confidence >= CONFIDENT:
-        if _says_a_man(draft):
+        if _names_human(draft):
             words.append(f"though its shape could be that of {a(same.kind)}")
             return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words))
         if draft.shape.body is not None and draft.shape.body.form == "quadruped":
@@ -245,7 +245,7 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
     return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words), pair)
 
 
-def _says_a_man(draft: Draft) -> bool:
+def _names_human(draft: Draft) -> bool:
     """Whether the names of a scheme are complete: two arms, two legs, and fingers, which no paw has."""
     reading = draft.reading
     if reading is None or len([side for _, side in reading.limbs if side]) < 4:
@@ -257,7 +257,7 @@ def _says_a_man(draft: Draft) -> bool:
 def _may_be(draft: Draft, each: Found) -> bool:
     """Whether no name says that a limb of the shape is something else."""
     other = {"twist", "control", "attachment", "end", "tail", "wing", "ear"}
-    return not any(other.intersection(said_roles(draft.tree.rig.names[joint])) for joint in each.joints)
+    return not any(other.intersection(roles_in_name(draft.tree.rig.names[joint])) for joint in each.joints)
 
 
 def _left_over(draft: Draft, each: Found, named: list[Found]) -> Found:
@@ -271,11 +271,11 @@ def _left_over(draft: Draft, each: Found, named: list[Found]) -> Found:
         side: Side = "right" if twin.side == "left" else "left"
         words = (f"the twin of the {twin.side} {twin.kind}", *each.evidence)
         return Found(each.kind, side, each.joints, each.before, 0.9, words, each.pair)
-    names = [said(draft.tree.rig.names[joint]).plain for joint in each.joints]
+    names = [parse_name(draft.tree.rig.names[joint]).plain for joint in each.joints]
     other: LimbKind = "leg" if each.kind == "arm" else "arm"
     kind = other if all(name.endswith(other) for name in names) else each.kind
     if any(name.endswith(kind) for name in names):
-        told = f"{NAMES}: common words"
-        return Found(kind, each.side, each.joints, each.before, 0.9, (told, *each.evidence), each.pair)
+        first = f"{NAMES}: common words"
+        return Found(kind, each.side, each.joints, each.before, 0.9, (first, *each.evidence), each.pair)
     sure = each.confidence * (0.75 if named else 1.0)
     return Found(each.kind, each.side, each.joints, each.before, sure, each.evidence, each.pair)

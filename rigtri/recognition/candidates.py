@@ -51,11 +51,11 @@ class Draft:
         return frozenset(joint for chain in self.chains for joint in chain.joints)
 
     @property
-    def said_bones(self) -> dict[str, int]:
+    def known_bones(self) -> dict[str, int]:
         """Nodes by bone as a humanoid map or names have them."""
         return self.certain or (self.reading.bones if self.reading else {})
 
-    def say(
+    def add_chain(
         self,
         kind: Kind,
         words: str,

@@ -9,9 +9,9 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import AGREED, Found
 from rigtri.recognition.body_shape import Limbs
 from rigtri.recognition.candidates import Draft
-from rigtri.recognition.hands_feet import finger_said
+from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
-from rigtri.recognition.naming_schemes import limb_said, said, said_roles
+from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -62,9 +62,9 @@ def _title(draft: Draft, node: int) -> str:
 
 def _other_limb(draft: Draft, each: Found) -> str:
     """A name of another kind of limb in the middle of this one; front legs are called arms, too."""
-    kinds = [(k, limb_said(draft.tree.rig.names[k])) for k in each.joints]
-    said_kinds = {kind for _, kind in kinds if kind}
-    if len(said_kinds) < 2:
+    kinds = [(k, limb_kind_in_name(draft.tree.rig.names[k])) for k in each.joints]
+    named_kinds = {kind for _, kind in kinds if kind}
+    if len(named_kinds) < 2:
         return ""
     other = next(k for k, kind in kinds if kind and kind != each.kind)
     return f"the name of {_title(draft, other)} is of another limb"
@@ -73,7 +73,7 @@ def _other_limb(draft: Draft, each: Found) -> str:
 def _other_side(draft: Draft, each: Found) -> str:
     """A name that says another side than the limb has."""
     for node in each.joints:
-        which = said(draft.tree.rig.names[node]).side
+        which = parse_name(draft.tree.rig.names[node]).side
         if which and which != each.side:
             return f"the name of {_title(draft, node)} says {which}"
     return ""
@@ -100,7 +100,7 @@ def _against_the_tree(draft: Draft, each: Found) -> str:
 def _goes_on(draft: Draft, over: int, node: int) -> bool:
     """Whether another joint than ``node`` follows one, so that none is missing there."""
     names = draft.tree.rig.names
-    return any(k != node and not said_roles(names[k]) for k in draft.tree.below[over])
+    return any(k != node and not roles_in_name(names[k]) for k in draft.tree.below[over])
 
 
 def _unnamed_between(draft: Draft, each: Found) -> str:
@@ -112,7 +112,7 @@ def _unnamed_between(draft: Draft, each: Found) -> str:
     for low, high in ((middle, start), (end, middle)):
         if draft.tree.is_below(low, high):
             for node in draft.tree.way(high, low)[1:-1]:
-                if not said(names[node]).plain and not said_roles(names[node]):
+                if not parse_name(names[node]).plain and not roles_in_name(names[node]):
                     ends = f"{_title(draft, high)} and {_title(draft, low)}"
                     return f"a joint without a name stands between {ends}"
     return ""
@@ -176,7 +176,9 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 def _has_fingers(draft: Draft, arm: Found) -> bool:
     """Whether several joints below an arm's end are called as fingers are."""
     below = draft.tree.branch(arm.joints[-1])
-    return len({finger for node in below if (finger := finger_said(draft.tree.rig.names[node]))}) >= _ENOUGH
+    return (
+        len({finger for node in below if (finger := finger_in_name(draft.tree.rig.names[node]))}) >= _ENOUGH
+    )
 
 
 def _rival(draft: Draft, each: Found) -> str:
@@ -210,5 +212,5 @@ def _beside(draft: Draft, mine: Limbs) -> list[int]:
         for k in hanging
         if k not in mine.pair.nodes
         and chest not in tree.paths[k]
-        and not any(said_roles(tree.rig.names[n]) for n in tree.paths[k])
+        and not any(roles_in_name(tree.rig.names[n]) for n in tree.paths[k])
     ]

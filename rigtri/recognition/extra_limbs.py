@@ -8,9 +8,9 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.candidates import Draft
-from rigtri.recognition.hands_feet import finger_chains, finger_said, lay_fingers
+from rigtri.recognition.hands_feet import finger_chains, finger_in_name, lay_fingers
 from rigtri.recognition.layout import NAMES, Kind
-from rigtri.recognition.naming_schemes import said, said_roles
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.recognition.shape_analysis import MOST
 
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
@@ -37,7 +37,7 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
     for limbs in draft.shape.limbs:
         nodes = limbs.pair.nodes
         names = [draft.tree.rig.names[k] for k in nodes]
-        wing = any("wing" in said_roles(name) for name in names)
+        wing = any("wing" in roles_in_name(name) for name in names)
         if taken & nodes or limbs.pair.above not in trunk or not (wing or limbs.size > _SIZE * size):
             continue
         if not wing and (len(limbs.at) < 3 or limbs.quality < _QUALITY or _is_worn(names)):
@@ -47,22 +47,22 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
         taken |= nodes
         for which in (0, 1):
             joints = limbs.joints(which)
-            side = said(draft.tree.rig.names[joints[0]]).side or draft.side_of(limbs.pair.paths[which])
+            side = parse_name(draft.tree.rig.names[joints[0]]).side or draft.side_of(limbs.pair.paths[which])
             bend = joints if len(joints) == 3 else ()
             leg = _called_leg(draft, joints)
             kind: Kind = "wing" if wing else "leg" if leg else _kind(draft, body, limbs, size)
             words = (NAMES,) if wing or leg else ("one more pair that bends in the middle",)
             sure = 0.9 if wing or leg else 0.6
-            draft.say(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
+            draft.add_chain(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
 
 
 def _called_leg(draft: Draft, joints: Sequence[int]) -> bool:
-    return all(said(draft.tree.rig.names[joint]).plain.endswith("leg") for joint in joints)
+    return all(parse_name(draft.tree.rig.names[joint]).plain.endswith("leg") for joint in joints)
 
 
 def _is_worn(names: Sequence[str]) -> bool:
     apart = {"twist", "control", "attachment", "helper", "tail", "ear"}
-    return any(apart.intersection(said_roles(name)) for name in names)
+    return any(apart.intersection(roles_in_name(name)) for name in names)
 
 
 def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
@@ -87,14 +87,14 @@ def lay_hand(draft: Draft) -> bool:
         covered = 1 + sum(len(chain) for chain in chains)
         if covered < 0.75 * len(joints):
             continue
-        named = [k for k in chains if finger_said(tree.rig.names[k[0]])]
+        named = [k for k in chains if finger_in_name(tree.rig.names[k[0]])]
         if len(named) < 3 and not _like_fingers(draft, node, chains):
             continue
         sure = 0.92 if len(named) >= 3 else 0.6
-        side = said(tree.rig.names[node]).side
+        side = parse_name(tree.rig.names[node]).side
         why = (NAMES,) if named else (f"{len(chains)} short chains begin at it",)
         draft.hips, draft.facing, draft.left = -1, Vector(), Vector()
-        draft.say("hand", "hand", side, [node], sure, why)
+        draft.add_chain("hand", "hand", side, [node], sure, why)
         lay_fingers(draft, node, chains, side, sure)
         return True
     return False

@@ -38,9 +38,9 @@ def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) ->
         yield 2.0 * _toes(tree, body.legs, ahead), "the feet point there"
     if body.form == "biped":
         yield from _bends(tree, body, plane, poses)
-    said = tree.rig.rules.facing
-    if said is not None:
-        yield 0.4 * Vector(*said).dot(ahead), "the format says so"
+    facing = tree.rig.rules.facing
+    if facing is not None:
+        yield 0.4 * Vector(*facing).dot(ahead), "the format says so"
 
 
 def _bends(tree: Tree, body: Body, plane: Plane, poses: Poses) -> Iterator[tuple[float, str]]:

@@ -9,7 +9,7 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.layout import NAMES
-from rigtri.recognition.naming_schemes import BESIDE, said, said_roles
+from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 _CALLED = {finger: frozenset([finger.lower()]) for finger in FINGERS}
@@ -39,17 +39,17 @@ def _foot(draft: Draft, leg: Found) -> None:
         if not below:
             break
         joints.append(max(below, key=lambda k: (tree.at[k] - tree.at[ankle]).dot(draft.facing)))
-    toes = draft.said_bones.get(f"{leg.side}Toes", -1)
+    toes = draft.known_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
     if not draft.four and leg.side and len(joints) > 1:
         draft.call(f"{leg.side}Toes", toes if toes in joints else joints[1])
     words = ("follows the leg",)
-    draft.say("foot", "foot", leg.side, joints, leg.confidence, words)
+    draft.add_chain("foot", "foot", leg.side, joints, leg.confidence, words)
 
 
 def _is_other(draft: Draft, node: int) -> bool:
     """Whether a name says that a joint is neither finger nor toe."""
-    return bool(BESIDE.intersection(said_roles(draft.tree.rig.names[node])))
+    return bool(BESIDE.intersection(roles_in_name(draft.tree.rig.names[node])))
 
 
 def _hand(draft: Draft, arm: Found) -> None:
@@ -57,9 +57,9 @@ def _hand(draft: Draft, arm: Found) -> None:
     if len(chains) < 2:
         chains += _beside(draft, arm)
     way = [arm.joints[2]]
-    if len(chains) == 1 and not _says_finger(draft.tree.rig.names[chains[0][0]]):
+    if len(chains) == 1 and not _names_finger(draft.tree.rig.names[chains[0][0]]):
         way, chains = way + [k for k in chains[0] if not _is_other(draft, k)], []
-    draft.say("hand", "hand", arm.side, way, arm.confidence, ("follows the arm",))
+    draft.add_chain("hand", "hand", arm.side, way, arm.confidence, ("follows the arm",))
     lay_fingers(draft, arm.joints[2], chains, arm.side, arm.confidence)
 
 
@@ -98,19 +98,19 @@ def finger_chains(draft: Draft, hand: int, size: float) -> list[list[int]]:
 def _without_end(draft: Draft, chain: list[int]) -> list[int]:
     """A finger has three joints: the fourth only says where it ends."""
     names = draft.tree.rig.names
-    while len(chain) > 1 and "end" in said_roles(names[chain[-1]]):
+    while len(chain) > 1 and "end" in roles_in_name(names[chain[-1]]):
         chain = chain[:-1]
     return chain[:3] if len(chain) == 4 and not draft.poses.moves_points(chain[3]) else chain
 
 
 def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, sure: float) -> None:
     """Say which finger each chain is: as its names say, else by where it stands beside the others."""
-    bones = {node: bone for bone, node in draft.said_bones.items()}
+    bones = {node: bone for bone, node in draft.known_bones.items()}
     left = []
     for chain in chains:
         bone = next((bones[k] for k in chain if k in bones), "")
         which = next((finger for finger in FINGERS if finger in bone), "")
-        which = which or finger_said(draft.tree.rig.names[chain[0]])
+        which = which or finger_in_name(draft.tree.rig.names[chain[0]])
         if which:
             _finger(draft, chain, which, side, min(sure, 0.97), NAMES)
         else:
@@ -126,25 +126,25 @@ def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, su
         _finger(draft, chain, which, side, 0.8 * sure, "by its place in the hand")
 
 
-def finger_said(name: str) -> str:
+def finger_in_name(name: str) -> str:
     """The finger that a name says, "" for none.
 
-    >>> finger_said("index_1"), finger_said("DEF-f_pinky.01.L"), finger_said("hand")
+    >>> finger_in_name("index_1"), finger_in_name("DEF-f_pinky.01.L"), finger_in_name("hand")
     ('Index', 'Little', '')
     """
-    words = said(name).words
+    words = parse_name(name).words
     return next((finger for finger in FINGERS if words & _CALLED[finger]), "")
 
 
-def _says_finger(name: str) -> bool:
-    return bool(finger_said(name) or said(name).words & {"finger", "fingers"})
+def _names_finger(name: str) -> bool:
+    return bool(finger_in_name(name) or parse_name(name).words & {"finger", "fingers"})
 
 
 def _finger(
     draft: Draft, chain: list[int], which: str, side: Side, sure: float, why: str, alone: bool = False
 ) -> None:
     words = _WORDS.get(which, f"{which.lower()} finger") if which else "fingers" if alone else "finger"
-    draft.say("finger", words, side, chain, sure, (why,))
+    draft.add_chain("finger", words, side, chain, sure, (why,))
     if which and side:
         for part, node in zip(_PARTS[which == "Thumb"], chain, strict=False):
             draft.call(f"{side}{which}{part}", node)

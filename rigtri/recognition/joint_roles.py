@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from rigtri.model.joint_names import Side
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.layout import Chain, Part, Role
-from rigtri.recognition.naming_schemes import said, said_roles
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 
-_SAID: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
+_NAMED_ROLES: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
 # A joint beside a bone by less than this part of it stands along it.
 _ALONG = 0.05
 
@@ -32,7 +32,7 @@ def parts_of(draft: Draft) -> tuple[Part, ...]:
 def _side(draft: Draft, node: int, chains: dict[int, Chain]) -> Side:
     if node in chains:
         return chains[node].side
-    return said(draft.tree.rig.names[node]).side
+    return parse_name(draft.tree.rig.names[node]).side
 
 
 def _role(
@@ -40,7 +40,7 @@ def _role(
 ) -> tuple[Role, float, list[str]]:
     """A node's role, how sure, and why."""
     rig, chain = draft.tree.rig, chains.get(node)
-    names = [role for role in _SAID if role in said_roles(rig.names[node])]
+    names = [role for role in _NAMED_ROLES if role in roles_in_name(rig.names[node])]
     if chain is not None and node not in bones and _is_within(chain, node):
         return "twist", chain.confidence, [f"stands within the {chain.name}"]
     if chain is not None:

@@ -14,7 +14,7 @@ from rigtri.model.limb import Limb as Limb
 from rigtri.model.limb import LimbKind
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import MAP, NAMES, Chain
-from rigtri.recognition.naming_schemes import limb_said
+from rigtri.recognition.naming_schemes import limb_kind_in_name
 from rigtri.recognition.recognise import sure_limbs
 
 
@@ -31,7 +31,7 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     known = {limb.triple: limb for limb in recognise(rig)}
     if triple in known:
         return Limb(*triple, kind=known[triple].kind, side=known[triple].side)
-    kinds = {limb_said(rig.names[node]) for node in triple} - {""}
+    kinds = {limb_kind_in_name(rig.names[node]) for node in triple} - {""}
     sides = {side(rig.names[node]) for node in triple}
     kind: LimbKind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
     return Limb(*triple, kind=kind, side=sides.pop() if len(sides) == 1 else "")

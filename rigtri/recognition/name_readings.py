@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from rigtri.model.joint_names import Side, number, without_prefix
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
-from rigtri.recognition.naming_schemes import BESIDE, Said, Scheme, said, said_roles
+from rigtri.recognition.naming_schemes import BESIDE, ParsedName, Scheme, parse_name, roles_in_name
 
 _SIDES: tuple[Side, ...] = ("left", "right", "")
 # What a whole limb, a bone beside it, and a word that one scheme alone has count for.
@@ -39,11 +39,11 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
     """The reading of names that makes most sense; None where no scheme makes any."""
     named = [node for node in nodes if tree.rig.names[node]]
     names = without_prefix([tree.rig.names[node] for node in named])
-    words = {node: said(name) for node, name in zip(named, names, strict=True)}
+    words = {node: parse_name(name) for node, name in zip(named, names, strict=True)}
     if not words:
         return None
     # What stands before a colon is no word of the joint, but may be a scheme's mark.
-    whole = [said(tree.rig.names[node].replace(":", "_")) for node in named]
+    whole = [parse_name(tree.rig.names[node].replace(":", "_")) for node in named]
     seen = frozenset(word for each in whole for word in (*each.words, each.key, each.plain))
     best: Reading | None = None
     for scheme in known:
@@ -54,7 +54,7 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
     return best
 
 
-def _reading(tree: Tree, words: Mapping[int, Said], scheme: Scheme) -> Reading:
+def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Reading:
     by_bone: dict[tuple[str, Side], list[tuple[bool, int]]] = {}
     known = 0
     for node, each in words.items():
@@ -125,13 +125,13 @@ def _triple(
 
 def _only_below(tree: Tree, node: int) -> list[int]:
     found = [
-        child for child in tree.below[node] if not BESIDE.intersection(said_roles(tree.rig.names[child]))
+        child for child in tree.below[node] if not BESIDE.intersection(roles_in_name(tree.rig.names[child]))
     ]
     return found if len(found) == 1 else []
 
 
 def _numbered(
-    tree: Tree, words: Mapping[int, Said], scheme: Scheme, kind: str, which: Side
+    tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme, kind: str, which: Side
 ) -> tuple[int, int, int] | None:
     """A limb of joints that are only numbered (``leg_joint_L_1`` …): the first three of its chain."""
     if not which or not scheme.chains:

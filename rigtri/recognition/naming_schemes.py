@@ -61,20 +61,20 @@ class Scheme:
         """Whether it is nobody's, but words that many use."""
         return self.source in _LAST
 
-    def bone(self, said: Said) -> tuple[str, bool]:
+    def bone(self, parsed: ParsedName) -> tuple[str, bool]:
         """The bone of a name without its side, and whether its number counted; "" where it has none."""
         for table in (self.sides, self.middle):
-            for key in (said.raw, said.key):
+            for key in (parsed.raw, parsed.key):
                 if key in table:
                     return table[key], True
         for table in (self.sides, self.middle):
-            if said.plain in table:
-                return table[said.plain], said.plain == said.key
+            if parsed.plain in table:
+                return table[parsed.plain], parsed.plain == parsed.key
         return "", False
 
 
 @dataclass(frozen=True)
-class Said:
+class ParsedName:
     """A name's words: its side; raw, key: together, without sides, and numbers without leading zeros;
     plain: without numbers; words: each."""
 
@@ -86,10 +86,10 @@ class Said:
 
 
 @lru_cache(_NAMES)
-def said(name: str) -> Said:
+def parse_name(name: str) -> ParsedName:
     """What a name says.
 
-    >>> said("Bip01 L UpperArm").key, said("spine_01").key, said("DEF-shin.R.001").plain
+    >>> parse_name("Bip01 L UpperArm").key, parse_name("spine_01").key, parse_name("DEF-shin.R.001").plain
     ('upperarm', 'spine1', 'shin')
     """
     apart = _apart(spread(unicodedata.normalize("NFKC", name)))
@@ -101,7 +101,7 @@ def said(name: str) -> Said:
         kept.append(word)
     short = [str(int(word)) if word.isdigit() else word for word in kept]
     letters = [word for word in kept if not word.isdigit()]
-    return Said(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
+    return ParsedName(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
 
 
 def _apart(name: str) -> str:
@@ -172,7 +172,7 @@ def own_scheme(path: Path) -> Scheme:
 
 def _read(part: str, word: str) -> tuple[bool, str]:
     """Whether a name can say a word of a table (or of ``marks``), and how the word would be written."""
-    read = said(word)
+    read = parse_name(word)
     if part == "chains":
         return word == read.plain, read.plain
     if part == "marks":
@@ -198,13 +198,13 @@ def _turned(table: Mapping[str, str]) -> dict[str, str]:
 
 
 @lru_cache(_NAMES)
-def limb_said(name: str) -> LimbKind | Literal[""]:
+def limb_kind_in_name(name: str) -> LimbKind | Literal[""]:
     """The limb that a name says to be a part of, by words in common use.
 
-    >>> limb_said("LeftForeArm"), limb_said("RKnee"), limb_said("handIK.L")
+    >>> limb_kind_in_name("LeftForeArm"), limb_kind_in_name("RKnee"), limb_kind_in_name("handIK.L")
     ('arm', 'leg', '')
     """
-    found = (scheme.bone(said(name))[0] for scheme in _ours() if scheme.is_common)
+    found = (scheme.bone(parse_name(name))[0] for scheme in _ours() if scheme.is_common)
     bone = next((bone for bone in found if bone), "")
     return next((kind for kind, bones in BENDS.items() if bone in bones), "")
 
@@ -215,7 +215,7 @@ def deforming(names: Sequence[str]) -> list[bool]:
     All of them for any other rig; one without a name may be of both. Source: Blender manual, Rigify, "Bone
     naming".
     """
-    marked = ["def" in said(name).words for name in names]
+    marked = ["def" in parse_name(name).words for name in names]
     if marked.count(True) < _BONES:
         return [True] * len(names)
     return [marks or not name for marks, name in zip(marked, names, strict=True)]
@@ -229,9 +229,9 @@ def role_words() -> Mapping[str, frozenset[str]]:
 
 
 @lru_cache(_NAMES)
-def said_roles(name: str) -> tuple[str, ...]:
+def roles_in_name(name: str) -> tuple[str, ...]:
     """The roles that a name says, ``twist``, ``control``, ``tail`` …, in the order of roles.toml."""
-    found = said(name)
+    found = parse_name(name)
     ends = {word[k:] for word in found.words for k in range(1, len(word) - 3)}  # handslot, lhelper
     return tuple(
         role

@@ -66,9 +66,9 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], 
     found = doubted(draft, find_limbs(draft))
     if not any(each.confidence >= CONFIDENT for each in found) and lay_hand(draft):
         return draft
-    if not draft.said_bones and not any(each.confidence >= UNLIKELY for each in found):
+    if not draft.known_bones and not any(each.confidence >= UNLIKELY for each in found):
         return draft
-    _say_limbs(draft, found)
+    _add_limbs(draft, found)
     if limbs_alone and not further_legs(draft, found):
         return draft
     lay_trunk(draft, found)
@@ -77,7 +77,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], 
     return draft
 
 
-def _say_limbs(draft: Draft, found: Sequence[Found]) -> None:
+def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
     hind, front = pairs_of_limbs(draft, found)
     for each in found:
         joints, bend = list(each.joints), each.joints if len(each.joints) == 3 else ()
@@ -86,7 +86,9 @@ def _say_limbs(draft: Draft, found: Sequence[Found]) -> None:
             below = draft.tree.is_below(bend[2], bend[1])
             joints += draft.tree.way(bend[1], bend[2])[1:] if below else [bend[2]]
         place = ("front " if each in front else "hind " if each in hind else "") if draft.four else ""
-        draft.say(each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend)
+        draft.add_chain(
+            each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend
+        )
         if each.side and (each.kind == "arm" or not draft.four or draft.certain):
             for bone, node in zip(BENDS[each.kind], each.joints, strict=False):
                 draft.call(each.side + bone, node)
@@ -134,28 +136,28 @@ def _numbers(v: Vector) -> Direction:
 
 def _remarks(rig: Rig, drafts: Sequence[Draft]) -> list[str]:
     """What was found and what was not, in words."""
-    said: list[str] = []
+    remarks: list[str] = []
     if not drafts:
         return ["no joints: nothing here is a character"]
     known = [draft for draft in drafts if draft.chains]
     if not known:
-        said.append("not a character: " + why_none(drafts[0]))
+        remarks.append("not a character: " + why_none(drafts[0]))
     if len(known) > 1:
-        said.append(f"{len(known)} characters: their joints hang apart and no skin has joints of two")
+        remarks.append(f"{len(known)} characters: their joints hang apart and no skin has joints of two")
     for draft in known:
-        said += draft.remarks
-        said += _missing(draft)
-    return said
+        remarks += draft.remarks
+        remarks += _missing(draft)
+    return remarks
 
 
 def _missing(draft: Draft) -> list[str]:
     kinds = {(chain.kind, chain.side): chain for chain in draft.chains}
-    said = []
+    remarks = []
     for kind in ("arm", "leg"):
         for side, other in (("left", "right"), ("right", "left")):
             if (kind, side) in kinds and (kind, other) not in kinds:
-                said.append(f"no {other} {kind} was found, though there is a {side} one")
+                remarks.append(f"no {other} {kind} was found, though there is a {side} one")
     short = [chain for chain in draft.chains if chain.kind in ("arm", "leg") and not chain.bend]
-    return said + [
+    return remarks + [
         f"the {k.name} has {len(k.joints)} joints: no third ends it, so it has no bend" for k in short
     ]

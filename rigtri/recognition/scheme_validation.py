@@ -41,23 +41,23 @@ def _of_table(name: str, value: object, read: Callable[[str, str], tuple[bool, s
         yield f"'{name}' is {_kind(value)}: make it a table, [{name}] with a line for each bone"
         return
     taken: dict[str, str] = {}
-    for bone, said in value.items():
+    for bone, text in value.items():
         where = f"[{name}] {bone}"
         if bone not in _TABLES[name]:
             yield f"{where}: there is no such bone here.{_near(bone, _TABLES[name])}"
-        if not isinstance(said, str):
-            yield f"{where} is {_kind(said)}: {_TO_DO}"
+        if not isinstance(text, str):
+            yield f"{where} is {_kind(text)}: {_TO_DO}"
         else:
-            yield from _of_words(where, name, said, read)
-            for word in said.split():
+            yield from _of_words(where, name, text, read)
+            for word in text.split():
                 if taken.setdefault(word, bone) != bone:
                     yield f"{where}: '{word}' means {taken[word]} already, and a word means one bone"
 
 
 def _of_words(
-    where: str, table: str, said: str, read: Callable[[str, str], tuple[bool, str]]
+    where: str, table: str, text: str, read: Callable[[str, str], tuple[bool, str]]
 ) -> Iterator[str]:
-    for word in said.split():
+    for word in text.split():
         can_be, better = read(table, word)
         if not can_be:
             hint = f"write '{better}'" if better else "sides and words like joint are set aside; leave it out"

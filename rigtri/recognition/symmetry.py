@@ -102,16 +102,16 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
         return None
     whole, up = tree.span, Vector(*tree.rig.rules.up)
     # Fingers are alike, too: they have no say beside arms.
-    heard = [
+    votes = [
         (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _HEARD * pairs[0].reach
     ]
-    most = fsum(reach for _, _, reach in heard)
+    most = fsum(reach for _, _, reach in votes)
     places = tree.places[sorted(tree.nodes, key=lambda k: -(tree.bone[k] + tree.reach[k]))[:_MANY]]
     best, found = -1.0, None
-    for point, normal, _ in heard[:10]:
+    for point, normal, _ in votes[:10]:
         agree = fsum(
             reach
-            for other, across, reach in heard
+            for other, across, reach in votes
             if abs(across.dot(normal)) > 0.93 and abs((other - point).dot(normal)) < 0.06 * whole
         )
         share = _mirrored(places, point, normal, 0.02 * whole)

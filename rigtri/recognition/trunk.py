@@ -8,7 +8,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.layout import MAP, NAMES
-from rigtri.recognition.naming_schemes import said, said_roles
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 
 _SPINE = ("spine", "chest", "upperChest")
 # A tail has so many joints, and is so long a part of the legs.
@@ -62,7 +62,7 @@ def _hang(draft: Draft, limbs: Sequence[Found]) -> int:
 
 def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
     tree = draft.tree
-    named = draft.said_bones.get("hips", -1)
+    named = draft.known_bones.get("hips", -1)
     low, high = _hang(draft, legs), _hang(draft, arms)
     if len(legs) < 2 or low < 0:
         return named
@@ -74,7 +74,7 @@ def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
 
 
 def _spine(draft: Draft, found: Sequence[Found]) -> None:
-    tree, bones = draft.tree, draft.said_bones
+    tree, bones = draft.tree, draft.known_bones
     if draft.hips >= 0:
         draft.call("hips", draft.hips)
     if draft.chest < 0 or draft.hips < 0 or not tree.is_below(draft.chest, draft.hips):
@@ -91,19 +91,19 @@ def _spine(draft: Draft, found: Sequence[Found]) -> None:
             draft.call(bone, node)
     if joints:
         sure = min(each.confidence for each in found)
-        draft.say("spine", "spine", "", joints, sure, ("from the hips to where the arms begin",))
+        draft.add_chain("spine", "spine", "", joints, sure, ("from the hips to where the arms begin",))
 
 
 def _named_trunk(draft: Draft) -> None:
     """Spine, neck and head of a body without limbs, or without one of both pairs, by names alone."""
-    bones = draft.said_bones
+    bones = draft.known_bones
     for bone in ("hips", *_SPINE):
         if bone in bones:
             draft.call(bone, bones[bone])
     joints = [draft.bones[bone] for bone in _SPINE if bone in draft.bones]
     if joints and len([bone for bone in ("hips", *_SPINE, "neck", "head") if bone in bones]) >= _ENOUGH:
         sure = 0.99 if draft.certain else 0.85
-        draft.say("spine", "spine", "", joints, sure, (_whose(draft),))
+        draft.add_chain("spine", "spine", "", joints, sure, (_whose(draft),))
 
 
 def _whose(draft: Draft) -> str:
@@ -113,7 +113,7 @@ def _whose(draft: Draft) -> str:
 
 
 def _head(draft: Draft, limbs: Sequence[Found]) -> None:
-    bones = draft.said_bones
+    bones = draft.known_bones
     neck, head = bones.get("neck", -1), bones.get("head", -1)
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
     if head < 0 or (neck >= 0 and not draft.tree.is_below(head, neck)):
@@ -124,9 +124,9 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
         sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "stands beyond the arms"
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:
-        draft.say("neck", "neck", "", between[:-1], sure, (why,))
+        draft.add_chain("neck", "neck", "", between[:-1], sure, (why,))
         draft.call("neck", between[0])
-    draft.say("head", "head", "", [head], sure, (why,))
+    draft.add_chain("head", "head", "", [head], sure, (why,))
     draft.call("head", head)
     for bone in ("jaw", "leftEye", "rightEye"):
         if bone in bones:
@@ -150,7 +150,7 @@ def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:
         for child in tree.below[over]:
             if child in taken or any(tree.is_below(k, child) for k in taken):
                 continue
-            if _NOT_BODY.intersection(said_roles(tree.rig.names[child])):
+            if _NOT_BODY.intersection(roles_in_name(tree.rig.names[child])):
                 continue
             far = max((tree.at[k] - starts).dot(towards) for k in tree.branch(child))
             aside = abs((tree.at[child] - starts).dot(draft.left))
@@ -174,7 +174,7 @@ def _up_to_head(draft: Draft, first: int) -> list[int]:
 
 
 def _is_end(draft: Draft, node: int) -> bool:
-    if "end" in said_roles(draft.tree.rig.names[node]):
+    if "end" in roles_in_name(draft.tree.rig.names[node]):
         return True
     return len(draft.tree.way(draft.chest, node)) > 3 and not draft.poses.moves_points(node)
 
@@ -182,10 +182,10 @@ def _is_end(draft: Draft, node: int) -> bool:
 def _tail(draft: Draft, legs: Sequence[Found]) -> None:
     """A chain at the hips that goes back and is no leg."""
     tree = draft.tree
-    named = [k for k in tree.nodes if "tail" in said_roles(tree.rig.names[k])]
+    named = [k for k in tree.nodes if "tail" in roles_in_name(tree.rig.names[k])]
     if named:
         chain = [k for k in tree.paths[named[0]] if k in named]
-        draft.say("tail", "tail", "", chain, 0.92, (NAMES,))
+        draft.add_chain("tail", "tail", "", chain, 0.92, (NAMES,))
         return
     if draft.hips < 0 or not legs:
         return
@@ -202,8 +202,8 @@ def _tail(draft: Draft, legs: Sequence[Found]) -> None:
             along.unit.dot(-draft.facing) > 0.3
             and abs(along.dot(draft.left)) < 0.2 * along.length
             and tree.reach[child] > _TAIL * size
-            and said(tree.rig.names[child]).side == ""
+            and parse_name(tree.rig.names[child]).side == ""
         ):
             words = ("a chain from the hips backwards, in the middle",)
-            draft.say("tail", "tail", "", path, 0.6 + 0.2 * draft.four, words)
+            draft.add_chain("tail", "tail", "", path, 0.6 + 0.2 * draft.four, words)
             return

@@ -38,7 +38,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
-from rigtri.recognition.naming_schemes import own_scheme, said, schemes
+from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
 from rigtri.recognition.recognise import recognise, sure_limbs
 
 FOUR = {
@@ -462,7 +462,7 @@ def test_a_folder_of_schemes_that_is_not_there_is_told(
 
 def test_a_name_is_read_whatever_stands_between_its_words() -> None:
     for name in ("LeftUpperArm", "left_upper_arm", "upper arm.L", "L_UpperArm", "upperArm.l", "leftupperarm"):
-        assert (said(name).side, said(name).key) == ("left", "upperarm"), name
+        assert (parse_name(name).side, parse_name(name).key) == ("left", "upperarm"), name
 
 
 def test_a_rig_is_looked_at_once_and_what_is_known_goes_with_it() -> None:

@@ -119,7 +119,7 @@ def _check_names(rig: Rig, bones: list[_Bone], options: AddTwistOptions) -> None
     names: set[str] = set()
     for of in bones:
         for number in range(1, options.count + 1):
-            if find(rig, **_said(rig, of), number=number) is None:
+            if find(rig, **_record(rig, of), number=number) is None:
                 name = _name(rig, of, number, options)
                 refuse_taken(rig, name)
                 if plain_name(name) in names:
@@ -192,8 +192,8 @@ def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution
     widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
     if not widths:
         return rig
-    said = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
-    return noted(rig, node, {**rig.metadata[node], INFLUENCES: said})
+    counts = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
+    return noted(rig, node, {**rig.metadata[node], INFLUENCES: counts})
 
 
 def _roomy(mesh: Mesh) -> bool:
@@ -201,7 +201,7 @@ def _roomy(mesh: Mesh) -> bool:
 
 
 def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
-    known = _said(rig, of)
+    known = _record(rig, of)
     numbers = [
         int(n["number"]) for n in rig.metadata.values() if all(n.get(k) == v for k, v in known.items())
     ]
@@ -212,7 +212,7 @@ def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
         )
 
 
-def _said(rig: Rig, of: _Bone) -> dict[str, Any]:
+def _record(rig: Rig, of: _Bone) -> dict[str, Any]:
     """What the notes of a bone's twist joints say of it."""
     return {"type": "twist", "joint": rig.address(of.joint), "to": rig.address(of.to)}
 
@@ -223,13 +223,13 @@ def _joint(
     """One twist joint of a bone, found again or new, at its place and with its keys."""
     at = number / (options.count + 1)
     weight = options.weights[number - 1] if options.weights else at - 1.0 if of.upper else at
-    note = {"v": 1, **_said(rig, of), "driver": rig.address(of.driver), "number": number}
+    note = {"v": 1, **_record(rig, of), "driver": rig.address(of.driver), "number": number}
     note |= {"count": options.count, "at": at, "weight": float(weight)}
     if options.axis is not None:
         note["axis"] = [float(x) for x in options.axis]
     place = transform_points(line * at, rig.world[of.joint])
     axes = nearest_rotation(rig.world[of.joint])
-    node = find(rig, **_said(rig, of), number=number)
+    node = find(rig, **_record(rig, of), number=number)
     new = node is None
     if node is None:
         name = _name(rig, of, number, options)
@@ -284,7 +284,7 @@ def _spreads(
     rig: Rig, of: _Bone, line: Floats, options: AddTwistOptions, report: Report
 ) -> list[WeightRedistribution]:
     """How each skin that holds the bone's joint shares its weight."""
-    known = _said(rig, of)
+    known = _record(rig, of)
     places = {of.joint: 1.0 if of.upper else 0.0}
     for node, note in rig.metadata.items():
         if all(note.get(key) == value for key, value in known.items()):

@@ -37,9 +37,9 @@ def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             lone(rig, node, report, "constraint", "the other side lacks a node that it is about")
             continue
         keep = bool(np.abs(rule.offsets - identity(len(rule.offsets))).max() > ALIKE)
-        heard = Report()
+        built_report = Report()
         try:
-            built = follow(rig, mirrored, keep=keep, vrm="vrm" in note, report=heard)
+            built = follow(rig, mirrored, keep=keep, vrm="vrm" in note, report=built_report)
         except (UsageError, GeometryError) as error:
             lone(rig, node, report, "constraint", str(error))
             continue
@@ -47,8 +47,8 @@ def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             alike(known, built.metadata[k], size_of(rig)) for k, known in rig.metadata.items()
         )
         rig = rig if same else built
-        report.added.extend(heard.added)
-        report.extend(heard.warnings)
+        report.added.extend(built_report.added)
+        report.extend(built_report.warnings)
     return rig
 
 

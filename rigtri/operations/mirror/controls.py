@@ -34,7 +34,7 @@ from rigtri.report import Report
 
 def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Make the controls of the other side, or set their offsets anew, and mirror what was edited."""
-    wanted: dict[int, tuple[Mapping[str, Any], dict[str, Any]]] = {}
+    targets: dict[int, tuple[Mapping[str, Any], dict[str, Any]]] = {}
     for node, note in of_side(rig, options, "control"):
         if note.get("kind") not in ("fk", "ik"):
             continue
@@ -42,11 +42,11 @@ def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         if there is None:
             lone(rig, node, report, "control")
         else:
-            wanted[node] = note, there
+            targets[node] = note, there
     # Parents first, as the twins hang below each other.
-    for node in sorted(wanted, key=lambda node: (rig.find(wanted[node][1]["joint"]), node)):
+    for node in sorted(targets, key=lambda node: (rig.find(targets[node][1]["joint"]), node)):
         try:
-            rig = _one_control(rig, node, *wanted[node], options, report)
+            rig = _one_control(rig, node, *targets[node], options, report)
         except GeometryError as error:
             lone(rig, node, report, "control", str(error))
     return rig
@@ -69,8 +69,8 @@ def _one_control(
     else:
         limb = given(rig, *there["chain"])
         poles = AddPolevectorOptions(bend=_bends(rig, note, there, options))
-        wanted: Kind = "joint" if joint else "locator"
-        ends = wanted if before is None else None
+        end_kind: Kind = "joint" if joint else "locator"
+        ends = end_kind if before is None else None
         soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
         made = AddControlsOptions(
             ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch

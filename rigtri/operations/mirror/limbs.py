@@ -147,16 +147,16 @@ def _twin_address(rig: Rig, name: str) -> str | None:
 
 def _style(note: Mapping[str, Any], options: MirrorOptions) -> dict[str, Any]:
     """Which axes of the mirrored joints point where; None where none does, as with ``orientation``."""
-    said = {"aim", "up", "upFrom"} & note.keys()
-    if len(said) < 3 or options.mode == "orientation" or note["upFrom"] == "world":
-        return dict.fromkeys(said)
+    keys = {"aim", "up", "upFrom"} & note.keys()
+    if len(keys) < 3 or options.mode == "orientation" or note["upFrom"] == "world":
+        return dict.fromkeys(keys)
     signs = _signs(options.mode)
     aim, up, source = str(note["aim"]), str(note["up"]), str(note["upFrom"])
     if source not in ("plane", "pole"):
         kind, _, text = source.partition(":")
         letter, sign = axis_of(text) if kind == "world" else (0, 1.0)
-        told = sign * np.eye(3)[letter] if kind == "world" else np.array(vector(text))
-        x, y, z = (options.across.directions(told) + 0.0).tolist()
+        direction = sign * np.eye(3)[letter] if kind == "world" else np.array(vector(text))
+        x, y, z = (options.across.directions(direction) + 0.0).tolist()
         source = f"vector:{x!r},{y!r},{z!r}"
     # The limb's hinge is what turns are about: its mirror image points the other way.
     return {
@@ -200,14 +200,14 @@ def mirror_twists(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         if twins[0] is None or twins[1] is None:
             lone(rig, nodes[0], report, "twist joint")
             continue
-        heard = Report()
+        built_report = Report()
         try:
-            rig = _twists(rig, nodes, (twins[0], twins[1]), options, heard)
+            rig = _twists(rig, nodes, (twins[0], twins[1]), options, built_report)
         except (UsageError, GeometryError) as error:
             lone(rig, nodes[0], report, "twist joint", str(error))
             continue
-        report.added.extend(heard.added)
-        report.extend(heard.warnings)
+        report.added.extend(built_report.added)
+        report.extend(built_report.warnings)
     return rig
 
 
@@ -231,7 +231,7 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOp
         for node in there:
             report.added.append({"node": rig.names[node], "type": "twist", "new": False})
         return rig
-    wanted = AddTwistOptions(
+    twist_options = AddTwistOptions(
         bones=(bone,),
         count=count,
         weights=weights,
@@ -242,16 +242,16 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOp
         split_weights=split,
         keys=not rig.clips or any(t.node in nodes for clip in rig.clips for t in clip.tracks),
     )
-    rig = add_twist(rig, options=wanted, report=report)
+    rig = add_twist(rig, options=twist_options, report=report)
     return _names(rig, by_number, bone, known, report)
 
 
 def _same_twist(rig: Rig, node: int, there: int | None, axis: tuple[float, float, float] | None) -> bool:
     """Whether a twist joint is told already what its twin tells; ``axis``: the mirrored one."""
-    wanted = twin_note(rig, rig.metadata[node])
-    if there is None or wanted is None:
+    expected = twin_note(rig, rig.metadata[node])
+    if there is None or expected is None:
         return False
-    return alike(wanted | ({} if axis is None else {"axis": list(axis)}), rig.metadata[there], 1.0)
+    return alike(expected | ({} if axis is None else {"axis": list(axis)}), rig.metadata[there], 1.0)
 
 
 def _names(

@@ -14,7 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.frames.mirror_modes import MIRRORS, side_of, twin_of
-from rigtri.frames.mirror_plane import parting, tell
+from rigtri.frames.mirror_plane import parting, warn_plane
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.quaternions import normalise_for_storage
@@ -51,12 +51,12 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     ):
         raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
     parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
-    tell(options.plane, options.plane_at, parted, report)
+    warn_plane(options.plane, options.plane_at, parted, report)
     options = replace(options, across=parted.across)
     before, known = rig, len(report.warnings)
     rig = _mirrored(rig, options, report)
     if any(notice.code == UNTOLD for notice in report.warnings[known:]):
-        _tell_modes(before, options, report)
+        _warn_modes(before, options, report)
     return rig
 
 
@@ -77,14 +77,14 @@ def _mirrored(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     return rig
 
 
-def _tell_modes(rig: Rig, options: MirrorOptions, report: Report) -> None:
+def _warn_modes(rig: Rig, options: MirrorOptions, report: Report) -> None:
     """Say which other modes lose no VRM node constraint, where some do not."""
     found = []
     for mode in MIRRORS:
-        heard = Report()
+        built_report = Report()
         if mode != options.mode:
-            _mirrored(rig, replace(options, mode=mode), heard)
-            if all(notice.code != UNTOLD for notice in heard.warnings):
+            _mirrored(rig, replace(options, mode=mode), built_report)
+            if all(notice.code != UNTOLD for notice in built_report.warnings):
                 found.append(f"--mode {mode}")
     if found:
         text = f"{' or '.join(found)} keeps the VRM node constraints that --mode {options.mode} loses"

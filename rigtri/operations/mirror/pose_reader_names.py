@@ -28,8 +28,8 @@ def reader_names(rig: Rig, from_side: Side) -> dict[int, str]:
 
 def reader_twin(rig: Rig, node: int) -> int | None:
     """The pose reader of the other side; None where there is none."""
-    wanted = reader_names(rig, _side(rig, node)).get(node)
-    found = (k for k in _readers(rig) if _name(rig, k) == wanted)
+    target = reader_names(rig, _side(rig, node)).get(node)
+    found = (k for k in _readers(rig) if _name(rig, k) == target)
     return next((k for k in found if _paired(rig, node, k)), None)
 
 
@@ -41,12 +41,12 @@ def _forth(rig: Rig, from_side: Side) -> dict[int, str]:
     # Names that say a side first: theirs are swapped, and the others make room.
     for node in sorted(mine, key=lambda k: (twin(_name(rig, k)) == _name(rig, k), _name(rig, k))):
         own = _name(rig, node)
-        wanted = twin(own) if twin(own) != own else f"{own}{_SUFFIX.get(from_side, '')}"
+        target = twin(own) if twin(own) != own else f"{own}{_SUFFIX.get(from_side, '')}"
         twins = {_name(rig, k) for k in _readers(rig) if _paired(rig, node, k)}
         taken = {*names.values()} | (called - twins)
-        name, count = wanted, 2
+        name, count = target, 2
         while name in taken:
-            name, count = f"{wanted}_{count}", count + 1
+            name, count = f"{target}_{count}", count + 1
         names[node] = name
     return names
 

@@ -34,27 +34,27 @@ def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Read the twins' poses as this side's are read, and drive what is the twin of what these drive."""
     names = reader_names(rig, options.from_side)
     for node, note in of_side(rig, options, "poseReader"):
-        wanted = _wanted(rig, node, note, names[node], options, report)
-        if wanted is None:
+        twin_options = _twin_options(rig, node, note, names[node], options, report)
+        if twin_options is None:
             continue
-        heard = Report()
+        built_report = Report()
         try:
-            built = add_posereader(rig, options=wanted, report=heard)
+            built = add_posereader(rig, options=twin_options, report=built_report)
         except (UsageError, GeometryError, FileError) as error:
             lone(rig, node, report, "pose reader", str(error))
             continue
-        known = find(rig, type="poseReader", name=wanted.name)
+        known = find(rig, type="poseReader", name=twin_options.name)
         same = known is not None and alike(rig.metadata[known], built.metadata[known], size_of(rig))
-        report.added.extend(heard.added)
-        report.extend(heard.warnings)
+        report.added.extend(built_report.added)
+        report.extend(built_report.warnings)
         if not same:
             rig = built
-            for key, columns in heard.driven.items():
+            for key, columns in built_report.driven.items():
                 report.driven.setdefault(key, set()).update(columns)
     return rig
 
 
-def _wanted(
+def _twin_options(
     rig: Rig, node: int, note: Mapping[str, Any], name: str, options: MirrorOptions, report: Report
 ) -> AddPosereaderOptions | None:
     """What add-posereader is to be told for the twin; None, and said so, where it cannot be."""

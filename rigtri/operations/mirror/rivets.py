@@ -13,7 +13,7 @@ from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.frames.mirror_modes import side_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.joint_names import side as said
+from rigtri.model.joint_names import side as side_in_name
 from rigtri.model.rig import Rig
 from rigtri.operations.add_rivet.rivet import add_rivet, options_of
 from rigtri.operations.mirror.mirrored_metadata import MirrorOptions, lone, other, twin_name
@@ -42,7 +42,7 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: MirrorOptions,
         return rig
     place, size = seat
     mirrored = options.across.points(place)
-    side = said(str(note["name"])) or side_of(rig, mesh)
+    side = side_in_name(str(note["name"])) or side_of(rig, mesh)
     if not side and length(mirrored - place) > CENTRE * size:
         lone(rig, node, report, "rivet", "neither its name nor its mesh says left or right")
     if side != options.from_side:
@@ -58,19 +58,19 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: MirrorOptions,
         report.added.append({"node": rig.names[known], "type": "rivet", "new": False})
         return rig
     x, y, z = mirrored.tolist()
-    wanted = replace(
+    twin_options = replace(
         options_of(note),
         mesh=rig.path(there) if rig.names[there] else rig.labels[there],
         at=((x, y, z),),
         names=(name,),
     )
-    heard = Report()
+    built_report = Report()
     try:
-        built = add_rivet(rig, options=wanted, report=heard)
+        built = add_rivet(rig, options=twin_options, report=built_report)
     except (UsageError, GeometryError) as error:
         lone(rig, node, report, "rivet", str(error))
         return rig
-    found = np.array(heard.added[-1]["position"])
+    found = np.array(built_report.added[-1]["position"])
     if known is not None and _stands(rig, known, there, note, found, size):
         # The nearest point of a mesh that is not quite symmetric, but for the rounding of its skinning.
         report.added.append({"node": rig.names[known], "type": "rivet", "new": False})
@@ -80,8 +80,8 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: MirrorOptions,
         why = f"the mesh is {off / size:.2g} of its size away from the mirrored place"
         lone(rig, node, report, "rivet", why)
         return rig
-    report.added.extend(heard.added)
-    report.extend(heard.warnings)
+    report.added.extend(built_report.added)
+    report.extend(built_report.warnings)
     return built
 
 

@@ -138,8 +138,8 @@ def _compared(
     angles = np.zeros(len(here))
     if axes:
         mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
-        wanted = from_axes(mirrored_axes(mine, options.mode, options.across))
-        angles = np.degrees(rotation_angle(multiply(conjugate(wanted), now)))
+        expected = from_axes(mirrored_axes(mine, options.mode, options.across))
+        angles = np.degrees(rotation_angle(multiply(conjugate(expected), now)))
     return [
         Pair(rig.title(a), rig.title(b), float(d), float(angle))
         for a, b, d, angle in zip(here, there, apart, angles, strict=True)
