@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Sequence
 
 # Longer names end in …: no row, nor any picture, is wider for the sake of one name.
 LONGEST_NAME = 60
@@ -32,6 +33,15 @@ def shown_name(name: str) -> str:
     """
     whole = plain(name, one_line=True)
     return whole if len(whole) <= LONGEST_NAME else f"{whole[: LONGEST_NAME - 1]}…"
+
+
+def listed(names: Sequence[object], most: int = 3) -> str:
+    """The first of some names, with an ellipsis for the others.
+
+    >>> listed("abc"), listed(["leg", "arm"], most=1)
+    ('a, b, c', 'leg …')
+    """
+    return ", ".join(map(str, names[:most])) + (" …" if len(names) > most else "")
 
 
 def a(thing: str) -> str:

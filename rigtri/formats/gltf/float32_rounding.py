@@ -12,16 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from rigtri.formats.half_turn_keys import HALF_TURN, dots, keep_way_round
 from rigtri.maths.quaternions import norm, normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 
 Singles = NDArray[np.float32]
-
-# Quaternions whose dot product is nearer to 0 than this are half a turn apart up to rounding.
-HALF_TURN = 2.5e-7
-# No key is moved further than this to keep its way round.
-FAR = 1e-5
 
 
 def to_singles(numbers: Floats) -> Singles:
@@ -88,7 +84,7 @@ def _keep_ways_round(before: Sequence[Track], rows: Singles) -> None:
     rows: the rotations of all tracks, one after the other; changed in place.
     """
     exact = rows.astype(np.float64)
-    near = np.flatnonzero(np.abs(_dots(exact[:-1], exact[1:])) < HALF_TURN)
+    near = np.flatnonzero(np.abs(dots(exact[:-1], exact[1:])) < HALF_TURN)
     if not len(near):
         return
     ends = np.cumsum([len(track.values) for track in before])
@@ -103,15 +99,6 @@ def _nudge(rows: Singles, before: Floats) -> None:
     # Of unit turns, as players see them: of turns that are half a turn apart to the bit, their length tells.
     size = norm(before)[:, np.newaxis]
     turns = before / np.where(size > 0, size, 1.0)
-    negative = _dots(turns[:-1], turns[1:]) < 0
+    negative = dots(turns[:-1], turns[1:]) < 0
     for k, below in enumerate(negative.tolist()):
-        sign, step = -1.0 if below else 1.0, HALF_TURN
-        first, then = rows[k].astype(np.float64), rows[k + 1].astype(np.float64)
-        while sign * float(_dots(first, rows[k + 1].astype(np.float64))) < HALF_TURN and step < FAR:
-            rows[k + 1] = np.clip(then + sign * step * first, -1.0, 1.0)
-            step += HALF_TURN
-
-
-def _dots(a: Floats, b: Floats) -> Floats:
-    product = a * b
-    return np.asarray(product[..., 0] + product[..., 1] + product[..., 2] + product[..., 3])
+        keep_way_round(rows, k, negative=below, limit=1.0)

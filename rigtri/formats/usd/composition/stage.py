@@ -22,6 +22,7 @@ from rigtri.formats.usd.composition import composition_limits, external_paths
 from rigtri.formats.usd.composition.stderr_silence import silent
 from rigtri.formats.usd.composition.value_types import demand
 from rigtri.report import Notice
+from rigtri.text import listed
 
 DEFAULT = Usd.TimeCode.Default()
 # Letters of a message of pxr that are shown.
@@ -134,7 +135,7 @@ def _leaves(name: str) -> str:
 def _missing(names: list[str]) -> list[Notice]:
     if not names:
         return []
-    shown = ", ".join(names[:3]) + (" …" if len(names) > 3 else "")
+    shown = listed(names)
     what = "1 file" if len(names) == 1 else f"{len(names)} files"
     verb = "was" if len(names) == 1 else "were"
     return [Notice("unresolved", f"{what} that this one refers to {verb} not found: {shown}")]
@@ -147,8 +148,14 @@ def _seen_from(folder: Path, name: str) -> str:
         return name
 
 
+def refuse(why: str, change: str = "") -> None:
+    """FileError where there is a reason against a change, which may be named in front of it."""
+    if why:
+        raise FileError(f"{change}: {why}." if change else f"{why}.")
+
+
 def why_instanced(prim: Any) -> str:
-    """Why joints cannot be renamed on a prim inside an instance; "" where it is none."""
+    """Why a prim inside an instance cannot be edited; "" where it is in none."""
     if not (prim.IsInstanceProxy() or prim.IsInPrototype()):
         return ""
     (spec, *_) = prim.GetPrimStack() or (None,)

@@ -6,8 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.errors import FileError
+from rigtri.evaluation.timelines import without_steps
 from rigtri.formats.usd.opinions.edits import Setting, set_value
 from rigtri.formats.usd.reading.animation_reader import Property
+from rigtri.model.animation import Track
 
 
 def set_array(path: Any, name: str, item: Property, *, only: bool = False) -> Setting:
@@ -23,3 +26,15 @@ def set_array(path: Any, name: str, item: Property, *, only: bool = False) -> Se
 
 def _value(item: Property, rows: np.ndarray) -> Any:
     return item.kind.FromNumpy(np.ascontiguousarray(rows))
+
+
+def check_no_spline(track: Track, title: str) -> None:
+    """FileError for a track that samples cannot hold; title: what it moves."""
+    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
+        raise FileError(f"{title} moves by splines, which USD has none of. Give it linear keys.")
+
+
+def as_samples(track: Track, title: str) -> Track:
+    """A track as samples hold it, without steps; FileError for splines."""
+    check_no_spline(track, title)
+    return without_steps(track)

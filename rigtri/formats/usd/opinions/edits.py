@@ -169,3 +169,11 @@ def bind_animation(skeleton: str, animation: str) -> list[Edit]:
         relation.targetPathList.explicitItems = [animation]
 
     return [Edit(Sdf.Path(skeleton), edit), apply_schema(skeleton, "SkelBindingAPI")]
+
+
+def free_path(parent: Any, name: str, taken: Callable[[Any], Any]) -> Any:
+    """A path below ``parent`` that is not taken: with ``name``, else ``name_2`` and so on."""
+    path, count = parent.AppendChild(name), 2
+    while taken(path):
+        path, count = parent.AppendChild(f"{name}_{count}"), count + 1
+    return path

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigtri.formats.half_turn_keys import HALF_TURN, dots, keep_way_round
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 
 # Rotations this near to unit length were unit before they were rounded to float32.
 UNIT = 1e-6
-# Quaternions whose dot product is nearer to 0 are half a turn apart, up to rounding.
-HALF_TURN = 2.5e-7
-# No key is moved further than this to keep its way round.
-FAR = 1e-5
 
 
 def put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> None:
@@ -36,16 +33,7 @@ def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> N
 
     USD takes the shorter arc, which the sign of a dot product decides; rows change in place.
     """
-    near = np.abs(_dots(rows[:-1].astype(np.float64), rows[1:].astype(np.float64))) < HALF_TURN
-    negative = _dots(before[:-1], before[1:]) < 0
+    near = np.abs(dots(rows[:-1].astype(np.float64), rows[1:].astype(np.float64))) < HALF_TURN
+    negative = dots(before[:-1], before[1:]) < 0
     for k in np.flatnonzero(near & changed[1:]).tolist():
-        sign, step = -1.0 if negative[k] else 1.0, HALF_TURN
-        first, then = rows[k].astype(np.float64), rows[k + 1].astype(np.float64)
-        while sign * _dots(first, rows[k + 1].astype(np.float64)) < HALF_TURN and step < FAR:
-            rows[k + 1] = then + sign * step * first
-            step += HALF_TURN
-
-
-def _dots(a: Floats, b: Floats) -> Floats:
-    product = a * b
-    return np.asarray(product[..., 0] + product[..., 1] + product[..., 2] + product[..., 3])
+        keep_way_round(rows, k, negative=bool(negative[k]))

@@ -19,8 +19,9 @@ from typing import Any
 from pxr import Sdf, Tf, Usd
 
 from rigtri.formats.usd.composition import layers
-from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.opinions.edits import Edit, free_path
 from rigtri.report import Notice
+from rigtri.text import listed
 
 # The custom data of our classes: what a later edit may write into.
 MARK = "rigtri"
@@ -196,11 +197,9 @@ def _own_classes(stage: Any, layer: Any) -> dict[Any, set[Any]]:
 
 
 def _free_name(stage: Any, layer: Any, prim: Any) -> Any:
-    name, count = Tf.MakeValidIdentifier(f"{MARK}_{prim.GetName()}"), 2
-    path = Sdf.Path.absoluteRootPath.AppendChild(name)
-    while stage.GetPrimAtPath(path) or layer.GetPrimAtPath(path):
-        path, count = path.ReplaceName(f"{name}_{count}"), count + 1
-    return path
+    name = Tf.MakeValidIdentifier(f"{MARK}_{prim.GetName()}")
+    root = Sdf.Path.absoluteRootPath
+    return free_path(root, name, lambda path: stage.GetPrimAtPath(path) or layer.GetPrimAtPath(path))
 
 
 def _notice_split_prototypes(stage: Any, groups: Sequence[_Group], warnings: list[Notice]) -> None:
@@ -213,7 +212,7 @@ def _notice_split_prototypes(stage: Any, groups: Sequence[_Group], warnings: lis
         mine = [group for group in groups if group.prototype == prototype]
         kinds = len(mine) + (len(members) > sum(len(group.prims) for group in mine))
         if kinds > 1:
-            shown = ", ".join(f"<{path}>" for path in members[:3]) + (" …" if len(members) > 3 else "")
+            shown = listed([f"<{path}>" for path in members])
             text = (
                 f"Instances that were alike are edited in {kinds} ways, and share no prototype now: {shown}"
             )

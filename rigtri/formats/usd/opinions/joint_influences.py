@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pxr import Sdf, Usd, UsdSkel, Vt
+from pxr import Sdf, Usd, UsdSkel
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import DEFAULT, why_instanced, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced, why_locked
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import choices
-from rigtri.formats.usd.opinions.edits import Edit, set_value
+from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.reading.joint_tokens import split_token
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
+from rigtri.text import listed
 
 ORDER, INDICES = "skel:joints", "primvars:skel:jointIndices"
 
@@ -39,12 +40,12 @@ def influence_edits(source: Source, splits: Holders) -> list[Edit]:
         new = [split_token(token, splits[path]) for token in old]
         if prim is not None and new == list(old):
             continue
-        _check(prim or query.GetPrim())
-        at = str((prim or query.GetPrim()).GetPath())
+        edited = prim or query.GetPrim()
+        refuse(why_instanced(edited) or why_locked(edited, (ORDER, INDICES)))
+        at = str(edited.GetPath())
         if orders.setdefault(at, new) != new:
             raise FileError(f"<{at}>.{ORDER} is for two skeletons that are split differently.")
-    kind = Sdf.ValueTypeNames.TokenArray
-    return [set_value(at, ORDER, kind, Vt.TokenArray(order), uniform=True) for at, order in orders.items()]
+    return [set_tokens(at, ORDER, order) for at, order in orders.items()]
 
 
 def _author(prim: Any) -> Any:
@@ -55,12 +56,6 @@ def _author(prim: Any) -> Any:
             return prim
         prim = prim.GetParent()
     return None
-
-
-def _check(prim: Any) -> None:
-    why = why_instanced(prim) or why_locked(prim, (ORDER, INDICES))
-    if why:
-        raise FileError(f"{why}.")
 
 
 def why_bound_otherwise(stage: Any, skeleton: str) -> str:
@@ -132,7 +127,7 @@ def stale_names(source: Source, splits: Holders) -> list[Notice]:
     ]
     if not found:
         return []
-    shown = ", ".join(f"<{path}>" for path in found[:3]) + (" …" if len(found) > 3 else "")
+    shown = listed([f"<{path}>" for path in found])
     text = f"{len(found)} attributes name split joints by their old paths and are left as they were: {shown}."
     return [Notice("renamed-elsewhere", text)]
 

@@ -8,7 +8,7 @@ from typing import Any
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.edits import Edit, set_matrices, set_tokens
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
@@ -40,9 +40,7 @@ def joint_names(stage: Any, skeleton: Skeleton) -> list[str] | None:
 
 def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     """FileError where the joints of a skeleton cannot be edited; change: ``added`` or ``removed``."""
-    why = why_instanced(stage.GetPrimAtPath(skeleton.path))
-    if why:
-        raise FileError(f"A joint cannot be {change}: {why}.")
+    refuse(why_instanced(stage.GetPrimAtPath(skeleton.path)), f"A joint cannot be {change}")
     own = {Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS}
     depends = SkeletonVariants(stage, skeleton.path, skeleton.animation).depends
     for path in sorted(own.intersection(depends)):

@@ -12,17 +12,12 @@ import numpy as np
 from pxr import Gf, Sdf
 
 from rigtri.formats.usd.opinions.edits import Setting, set_tokens, set_value
+from rigtri.formats.usd.reading.xform_hierarchy import OPS
 from rigtri.maths.matrices import decompose
 from rigtri.maths.quaternions import norm, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Path, Track
+from rigtri.model.animation import Track
 
-# The op of each property that a track moves.
-OPS: dict[Path, str] = {
-    "translation": "xformOp:translate",
-    "rotation": "xformOp:orient",
-    "scale": "xformOp:scale",
-}
 # Two rotations that differ by less are one that went through a few products.
 SAME_ROTATION = 1e-12
 # What a division in float64 leaves of a length of 1.

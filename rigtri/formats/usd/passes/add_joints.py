@@ -24,6 +24,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     set_joints,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.joint_tokens import child_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
@@ -69,8 +70,7 @@ def _append(source: Source, skeleton: Skeleton, rig: Rig, nodes: Sequence[int]) 
     # A token of a joint whose parent is split holds that step, too; so parents go by their rows.
     tokens = dict(zip(skin.joints[:count].tolist(), skeleton.tokens, strict=True))
     for node in nodes:
-        above = tokens.get(int(rig.parents[node]), "")
-        tokens[node] = f"{above}/{rig.names[node]}" if above else rig.names[node]
+        tokens[node] = child_token(tokens.get(int(rig.parents[node]), ""), rig.names[node])
     listed = [*skeleton.tokens, *(tokens[node] for node in nodes)]
     bind = np.concatenate([skeleton.bind, inverse(skin.inverse_bind[count:])])
     # An animation that does not drive every joint needs a rest pose for the others.

@@ -8,8 +8,7 @@ from itertools import islice
 
 import numpy as np
 
-from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
@@ -37,9 +36,7 @@ def drop_columns(edit: UsdEdit) -> None:
         keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
         if keep.all():
             continue
-        why = why_instanced(source.stage.GetPrimAtPath(path))
-        if why:
-            raise FileError(f"Keys cannot be removed: {why}.")
+        refuse(why_instanced(source.stage.GetPrimAtPath(path)), "Keys cannot be removed")
         edit.removals += _kept_columns(animation, keep)
     clips = [
         new

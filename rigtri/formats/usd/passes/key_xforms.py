@@ -14,12 +14,13 @@ import numpy as np
 from pxr import Gf, Sdf, UsdGeom
 
 from rigtri.errors import FileError
-from rigtri.evaluation.timelines import without_steps
-from rigtri.formats.usd.composition.stage import tokens_of, why_locked
+from rigtri.formats.usd.composition.stage import refuse, tokens_of, why_locked
+from rigtri.formats.usd.opinions.animation_edits import as_samples
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
-from rigtri.formats.usd.opinions.xform_edits import OPS, set_transform, transform_ops, unit_rotations
+from rigtri.formats.usd.opinions.xform_edits import set_transform, transform_ops, unit_rotations
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.source import Source
+from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
@@ -36,14 +37,9 @@ def key_xforms(edit: UsdEdit) -> None:
     """Write the new keys of prims that are not rigtri's. FileError where the ops of one take none."""
     tracks = edit.changes.prim_tracks
     for node in dict.fromkeys(track.node for track in tracks):
-        mine = {track.path: _linear(edit.rig, track) for track in tracks if track.node == node}
+        title = f"<{edit.rig.labels[node]}>"
+        mine = {track.path: as_samples(track, title) for track in tracks if track.node == node}
         edit.values += _prim_edits(edit.source, edit.rig, node, mine)
-
-
-def _linear(rig: Rig, track: Track) -> Track:
-    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-        raise FileError(f"<{rig.labels[track.node]}> moves by splines, which USD has none of here.")
-    return without_steps(track)
 
 
 def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) -> list[Edit]:
@@ -51,8 +47,7 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
     order = list(tokens_of(prim, "xformOpOrder"))
     resets = [_RESET] if order[:1] == [_RESET] else []
     ops = order[len(resets) :]
-    if why := why_locked(prim, ("xformOpOrder", *ops, *OPS.values())):
-        raise FileError(f"{why}.")
+    refuse(why_locked(prim, ("xformOpOrder", *ops, *OPS.values())))
     moved = bool((source.rig.local[node] != rig.local[node]).any())
     if ops == [name for name in OPS.values() if name in ops]:
         return _into_stack(prim, rig.local[node] if moved else None, tracks, resets, ops)
@@ -89,17 +84,10 @@ def _into_stack(
         rows = unit_rotations(rows) if p == "rotation" else rows
         times = [] if track is None else track.times.tolist()
         values = {time: _value(type_name, row) for time, row in zip(times, rows, strict=True)}
-        still = rest.get(p, None if name in ops else _NOTHING[p])
+        still = rest.get(p, None if name in ops else NOTHING[p])
         default = None if still is None else _value(type_name, still)
         found.append(set_value(path, name, type_name, default, samples=values, alone=track is not None))
     return found if names == ops else [*found, set_tokens(path, "xformOpOrder", [*resets, *names])]
-
-
-_NOTHING: dict[Path, Floats] = {
-    "translation": np.zeros(3),
-    "rotation": np.array([0.0, 0.0, 0.0, 1.0]),
-    "scale": np.ones(3),
-}
 
 
 def _value(type_name: Any, row: Floats) -> Any:

@@ -16,7 +16,7 @@ import numpy as np
 from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import DEFAULT, tokens_of, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
 from rigtri.formats.usd.opinions.rigtri_prims import sets_transform
 from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, quaternion, set_transform, transform_ops
@@ -82,9 +82,7 @@ def _delta(before: Rig, after: Rig, node: int, above: Floats) -> Floats:
 def _prim_edits(edit: UsdEdit, node: int, delta: Floats, above: Floats) -> list[Edit]:
     local = edit.rig.local[node]
     prim = edit.source.stage.GetPrimAtPath(edit.rig.labels[node])
-    locked = why_locked(prim, ("xformOpOrder", FRAME, PARENT_INVERSE))
-    if locked:
-        raise FileError(f"{locked}.")
+    refuse(why_locked(prim, ("xformOpOrder", FRAME, PARENT_INVERSE)))
     xformable = UsdGeom.Xformable(prim)
     if edit.options.bake_xform:
         if not xformable.TransformMightBeTimeVarying() and skew(local) < SKEW:

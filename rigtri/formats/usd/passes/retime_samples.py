@@ -19,10 +19,10 @@ from pxr import Sdf, Vt
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.evaluation.timelines import PLAYED, without_steps
-from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import SkeletonVariants
-from rigtri.formats.usd.opinions.animation_edits import set_array
-from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_tokens
+from rigtri.formats.usd.opinions.animation_edits import check_no_spline, set_array
+from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, free_path, set_tokens
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.reading.node_keys import parts
@@ -151,9 +151,7 @@ class _Plan:
         fresh.sort(key=lambda track: self.defaults.get((track.node, track.path)) is not track)
         found = {}
         for track in (t for t in (*stored, *fresh) if t.node in nodes and t.path != "weights"):
-            if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-                where = self.rig.title(track.node)
-                raise FileError(f"'{where}' moves by splines, which USD has none of. Give it linear keys.")
+            check_no_spline(track, f"'{self.rig.title(track.node)}'")
             found[track.node, track.path] = track
         return found
 
@@ -206,8 +204,7 @@ class _Plan:
         """FileError where the animation cannot be edited; names: the properties that get other times."""
         path = self.animation.path
         prim = self.source.stage.GetPrimAtPath(self.skeleton or path)
-        if why := why_instanced(prim):
-            raise FileError(f"Keys cannot be added: {why}.")
+        refuse(why_instanced(prim), "Keys cannot be added")
         if not prim.IsActive():
             raise FileError(f"Animation <{path}> is not active, so nobody would see new keys in it.")
         for name in names:
@@ -254,10 +251,8 @@ class _Plan:
 
 def _blank(source: Source, skeleton: str) -> Animation:
     """An animation to be made for a skeleton that has none."""
-    path, name, count = Sdf.Path(skeleton), "Animation", 2
-    while source.stage.GetPrimAtPath(path.AppendChild(name)):
-        name, count = f"Animation_{count}", count + 1
-    return Animation(str(path.AppendChild(name)), name, (), {})
+    path = free_path(Sdf.Path(skeleton), "Animation", source.stage.GetPrimAtPath)
+    return Animation(str(path), path.name, (), {})
 
 
 def _number(item: Property) -> Any:

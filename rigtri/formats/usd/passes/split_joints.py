@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
-from rigtri.formats.usd.composition.stage import why_instanced
+from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import why_split
 from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
@@ -32,6 +32,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.text import listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,7 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
 def _refusal(splits: Mapping[str, Split]) -> str:
     names = [token.rpartition("/")[2] for split in splits.values() for token in split.holders]
     renamed = sum(len(set(s.skeleton.tokens).difference(s.tokens)) for s in splits.values())
-    shown = ", ".join(names[:4]) + (" …" if len(names) > 4 else "")
+    shown = listed(names, most=4)
     return (
         f"--on-nonuniform-scale split: a USD joint is named by its path, so a joint above {shown} renames "
         f"{renamed} joints. Allow it with --allow-rename, where no other file names them; or choose snap "
@@ -109,14 +110,12 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
     """FileError where the skeleton or what drives and binds it cannot be edited."""
     skeleton, holders = splits[path].skeleton, splits[path].holders
     prims = [source.stage.GetPrimAtPath(p) for p in (path, skeleton.animation) if p]
-    for why in filter(None, map(why_instanced, prims)):
-        raise FileError(f"{why}.")
-    if skeleton.locked:
-        raise FileError(f"{skeleton.locked}.")
+    for prim in prims:
+        refuse(why_instanced(prim))
+    refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
-        why = why_split(source.stage, path, skeleton.animation) or why_bound_otherwise(source.stage, path)
-        if why:
-            raise FileError(f"{why}.")
+        refuse(why_split(source.stage, path, skeleton.animation))
+        refuse(why_bound_otherwise(source.stage, path))
     theirs = source.animations.get(skeleton.animation)
     for other in source.skeletons.values():
         if theirs is not None and other.animation == theirs.path:

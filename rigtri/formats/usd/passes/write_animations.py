@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
@@ -64,8 +65,7 @@ def _write_animation(
     found: list[Edit] = []
     for number, (skeletons, columns) in enumerate(_groups(source, animation, by_skeleton)):
         for skeleton in skeletons:
-            if columns and source.skeletons[skeleton].locked:
-                raise FileError(f"{source.skeletons[skeleton].locked}.")
+            refuse(source.skeletons[skeleton].locked if columns else "")
         if number == 0:
             found += _array_edits(animation, animation.path, columns)
             continue

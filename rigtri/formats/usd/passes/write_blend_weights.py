@@ -10,22 +10,23 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, Vt
+from pxr import Sdf, Vt
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import sample
-from rigtri.evaluation.timelines import SAME_VALUE, without_steps
-from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.evaluation.timelines import SAME_VALUE
+from rigtri.formats.usd.composition.stage import DEFAULT, refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import usable
+from rigtri.formats.usd.opinions.animation_edits import as_samples
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
-from rigtri.formats.usd.reading.animation_reader import Animation
+from rigtri.formats.usd.reading.animation_reader import Animation, interpolation_of
 from rigtri.formats.usd.reading.mesh_reader import default_weights
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Interpolation, Track
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 
 
@@ -44,7 +45,7 @@ def _key_edits(source: Source, changed: Sequence[tuple[Track | None, Track | Non
         path, animation, names = _bound(source, (now or _sure(was)).node)
         columns = driven.setdefault(animation, {})
         resting = default_weights(source.stage.GetPrimAtPath(animation))
-        now = None if now is None else _linear(path, now)
+        now = None if now is None else as_samples(now, f"A blend shape of <{path}>")
         if was is not None and (now is None or not np.isin(was.times, now.times).all()):
             fewer.setdefault(animation, []).extend([] if now is None else [now.times])
         if now is None:
@@ -91,13 +92,6 @@ def _default_edits(source: Source, rig: Rig) -> list[Edit]:
     return edits
 
 
-def _linear(path: str, track: Track) -> Track:
-    """A track as samples hold it. FileError for splines."""
-    if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
-        raise FileError(f"The blend shapes of <{path}> move by splines, which USD has none of.")
-    return without_steps(track)
-
-
 def _sure(track: Track | None) -> Track:
     if track is None:
         raise ValueError("a change is from something or to something")
@@ -125,8 +119,7 @@ def _bound(source: Source, node: int) -> tuple[str, str, list[str]]:
         stand = source.skeletons[skeleton]
         if not stand.animation or stand.animation not in source.animations:
             break
-        if stand.locked:
-            raise FileError(f"{stand.locked}.")
+        refuse(stand.locked)
         return label, stand.animation, [str(name) for name in query.GetBlendShapeOrder() or ()]
     raise FileError(f"<{label}>: no SkelAnimation plays there that could hold weights of its blend shapes.")
 
@@ -172,7 +165,7 @@ def _written(
     single = np.array(default, dtype=np.float64) if fits else None
     every = [*names, *(name for name in columns if name not in names)]
     times = np.unique(np.concatenate([old[0], *(column.times for column in columns.values())]))
-    way = _interpolation(source)
+    way = interpolation_of(source.stage)
     rows = np.zeros((len(times), len(every)))
     if len(old[0]):
         rows[:, : len(names)] = sample(Track(-1, "weights", way, *old), times)
@@ -230,11 +223,6 @@ def _stored(weights: Any, count: int) -> tuple[Floats, Floats]:
         )
     times = np.array([time for time, _ in found], dtype=np.float64)
     return times, np.array([list(value) for _, value in found], dtype=np.float64).reshape(len(found), count)
-
-
-def _interpolation(source: Source) -> Interpolation:
-    held = source.stage.GetInterpolationType() == Usd.InterpolationTypeHeld
-    return "STEP" if held else "LINEAR"
 
 
 def _floats(row: Floats) -> Any:

@@ -9,19 +9,28 @@ import numpy as np
 from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stage import why_locked
+from rigtri.formats.usd.composition.stage import refuse, why_locked
 from rigtri.formats.usd.opinions.control_shape_edits import define_curves
-from rigtri.formats.usd.opinions.edits import Edit, apply_schema, define, remove_properties, set_value
+from rigtri.formats.usd.opinions.edits import (
+    Edit,
+    apply_schema,
+    define,
+    free_path,
+    remove_properties,
+    set_value,
+)
 from rigtri.formats.usd.opinions.metadata_edits import set_attributes, set_joint_metadata
 from rigtri.formats.usd.opinions.rigtri_prims import is_rigtri_prim, sets_transform
 from rigtri.formats.usd.opinions.skeleton_edits import set_joints
-from rigtri.formats.usd.opinions.xform_edits import OPS, SAME_ROTATION, set_transform
+from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, set_transform
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.control_shape_reader import NAME
+from rigtri.formats.usd.reading.joint_tokens import child_token
 from rigtri.formats.usd.reading.metadata_attributes import TWIN, api_name, attributes_of
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.reader import GROUP
 from rigtri.formats.usd.reading.source import Source
+from rigtri.formats.usd.reading.xform_hierarchy import OPS
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
@@ -113,9 +122,7 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
         if node in rig.pending.shapes:
             found += define_curves(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
-            locked = why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",))
-            if locked:
-                raise FileError(f"{locked}.")
+            refuse(why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",)))
             stands = set_transform(path, rig.local[node], _tracks(rig, node))
             used = {edit.name for edit in stands}
             idle = [name for name in OPS.values() if name not in used]
@@ -182,10 +189,9 @@ class _Additions:
 
     def _free(self, parent: Any, name: str) -> Any:
         """A path below ``parent`` that no prim has."""
+        stage = self.source.stage
         name = Tf.MakeValidIdentifier(name)
-        path, count = parent.AppendChild(name), 2
-        while path in self.taken or self.source.stage.GetPrimAtPath(path):
-            path, count = parent.AppendChild(f"{name}_{count}"), count + 1
+        path = free_path(parent, name, lambda path: path in self.taken or stage.GetPrimAtPath(path))
         self.taken.add(path)
         return path
 
@@ -245,10 +251,12 @@ class _Additions:
     def _scope(self, top: Any, group: int) -> tuple[Any, Any]:
         """The Scope of rigtri below ``top`` (at the root where ``top`` is an instance)."""
         parent = Sdf.Path.absoluteRootPath if top is None else top
-        path, count = parent.AppendChild(GROUP), 2
         stage = self.source.stage
-        while (prim := stage.GetPrimAtPath(path)) and not prim.HasAttribute("rigtri:type"):
-            path, count = parent.AppendChild(f"{GROUP}_{count}"), count + 1
+
+        def of_others(path: Any) -> bool:
+            return bool(prim := stage.GetPrimAtPath(path)) and not prim.HasAttribute("rigtri:type")
+
+        path = free_path(parent, GROUP, of_others)
         if path not in self.made and not stage.GetPrimAtPath(path):
             metadata = self.rig.metadata.get(group, {}) if self._is_group(group) else {}
             self.made[path] = _all(
@@ -271,8 +279,7 @@ def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit
     """
     tokens: dict[int, str] = {}
     for node in skin.joints.tolist():
-        above = tokens.get(int(rig.parents[node]))
-        tokens[node] = f"{above}/{rig.names[node]}" if above else rig.names[node]
+        tokens[node] = child_token(tokens.get(int(rig.parents[node]), ""), rig.names[node])
     by_token = {token: rig.metadata[node] for node, token in tokens.items() if node in rig.metadata}
     return [
         define(path, "Skeleton"),

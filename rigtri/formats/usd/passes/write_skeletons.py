@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.opinions.edits import set_matrices
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import inverse
 
 
@@ -22,17 +21,12 @@ def write_skeletons(edit: UsdEdit) -> None:
         skeleton = source.skeletons[path]
         rebound = (old.inverse_bind != new.inverse_bind).any(axis=(1, 2))
         if rebound.any():
-            _check_editable(skeleton)
+            refuse(skeleton.locked)
             bind = skeleton.bind.copy()
             bind[rebound] = inverse(new.inverse_bind[rebound])
             edit.values.append(set_matrices(path, "bindTransforms", bind))
         posed = moved[old.joints]
         if posed.any() and skeleton.has_rest:
-            _check_editable(skeleton)
+            refuse(skeleton.locked)
             rest = np.where(posed[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             edit.values.append(set_matrices(path, "restTransforms", rest))
-
-
-def _check_editable(skeleton: Skeleton) -> None:
-    if skeleton.locked:
-        raise FileError(f"{skeleton.locked}.")

@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from rigtri.formats.usd.composition.stage import why_locked
-from rigtri.formats.usd.reading.animation_reader import Animation, Property
+from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.report import Notice
-
-_NOTHING = {"translations": (0.0, 0, 0), "rotations": (0.0, 0, 0, 1), "scales": (1.0, 1, 1)}
+from rigtri.text import listed
 
 
 def stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
@@ -27,12 +26,12 @@ def stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
     order = sorted(range(len(animation.tokens)), key=lambda k: animation.tokens[k].count("/"))
     tokens = tuple(animation.tokens[k] for k in order)
     parents = joint_parents(animation.path, tokens)
-    parts = {name: _first(animation.properties.get(name), name, order) for name in _NOTHING}
+    parts = {name: _first(animation.properties.get(name), name, order) for name in NOTHING}
     rest = compose(parts["translations"], unit(parts["rotations"]), parts["scales"])
     bind = rest.copy()
     for joint, parent in enumerate(parents.tolist()):
         bind[joint] = multiply(rest[joint], bind[parent] if parent >= 0 else world)
-    locked = why_locked(prim, ("joints", *_NOTHING))
+    locked = why_locked(prim, ("joints", *NOTHING))
     for name in ("translations", "rotations"):
         if name not in animation.properties:
             locked = locked or f"animation <{animation.path}> has no {name}, and no skeleton gives them"
@@ -41,7 +40,7 @@ def stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
 
 def notice(paths: list[str]) -> Notice:
     """What to know about a file that has animations alone."""
-    shown = ", ".join(f"<{path}>" for path in paths[:3]) + (" …" if len(paths) > 3 else "")
+    shown = listed([f"<{path}>" for path in paths])
     return Notice(
         "no-skeleton",
         f"There is no skeleton; joints stand as {shown} poses them first. To give them the axes "
@@ -51,6 +50,6 @@ def notice(paths: list[str]) -> Notice:
 
 def _first(item: Property | None, name: str, order: list[int]) -> Floats:
     if item is None:
-        return np.broadcast_to(_NOTHING[name], (len(order), len(_NOTHING[name])))
+        return np.broadcast_to(NOTHING[name], (len(order), len(NOTHING[name])))
     row = item.samples[0] if len(item.times) else item.default
     return np.asarray(row, dtype=np.float64)[order]

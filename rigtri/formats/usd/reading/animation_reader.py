@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pxr import Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, numbers, tokens_of
@@ -29,10 +30,10 @@ HELD = "held"
 NON_UNIT = 1e-4
 
 # What a column holds that neither moves, rotates nor scales its joint.
-NOTHING: Mapping[str, tuple[int, ...]] = {
-    "translations": (0, 0, 0),
-    "rotations": (0, 0, 0, 1),
-    "scales": (1, 1, 1),
+NOTHING: Mapping[str, tuple[float, ...]] = {
+    "translations": (0.0, 0.0, 0.0),
+    "rotations": (0.0, 0.0, 0.0, 1.0),
+    "scales": (1.0, 1.0, 1.0),
 }
 PROPERTIES: Mapping[str, Path] = {
     "translations": "translation",
@@ -66,6 +67,11 @@ class Animation:
     tokens: tuple[str, ...]
     properties: Mapping[str, Property]
     idle: bool = False
+
+
+def interpolation_of(stage: Any) -> Interpolation:
+    """How a stage goes from one sample to the next."""
+    return "STEP" if stage.GetInterpolationType() == Usd.InterpolationTypeHeld else "LINEAR"
 
 
 def read_animation(prim: Any, warnings: list[Notice]) -> Animation | None:

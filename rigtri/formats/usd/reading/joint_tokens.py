@@ -9,6 +9,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 
 
+def child_token(parent: str, name: str) -> str:
+    """The token of a joint below another; ``parent`` is "" for none."""
+    return f"{parent}/{name}" if parent else name
+
+
 def split_token(token: str, holders: Mapping[str, str]) -> str:
     """A token with a step above every joint that is split.
 

@@ -22,18 +22,19 @@ from rigtri.formats.usd.reading import (
     metadata_attributes,
     xform_sampling,
 )
-from rigtri.formats.usd.reading.animation_reader import Animation, clips, read_animation
+from rigtri.formats.usd.reading.animation_reader import Animation, clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform, rooted
 from rigtri.maths.matrices import compose, decompose, identity, inverse
 from rigtri.maths.quaternions import from_axes, to_axes
-from rigtri.model.animation import Clip, Interpolation, Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.metadata import ADDED, illegible
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
+from rigtri.text import listed
 
 # The Scope that holds rigtri's prims; it has no transform, so it is not Xformable to USD.
 GROUP = "rigtri"
@@ -71,6 +72,7 @@ class _Reader:
         self.skeletons: dict[str, Skeleton] = {}
         self.animations: dict[str, Animation] = {}
         self.bindings = mesh_reader.Bindings(stage)
+        self.interpolation = interpolation_of(stage)
 
     def read(self) -> Source:
         prims = self._prims()
@@ -83,7 +85,7 @@ class _Reader:
         rig = self._rig()
         rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
         if self.options.root is not None:
-            rig = rooted(rig, self.stage, self.options.root, self._interpolation, self.warnings)
+            rig = rooted(rig, self.stage, self.options.root, self.interpolation, self.warnings)
         rules = replace(
             rig.rules,
             group_parent=self._group_parent(rig),
@@ -106,7 +108,7 @@ class _Reader:
         prims = {node: prim for node, prim in self.animated.items() if node not in joints}
         mine = self._own_tracks(rig, prims)
         others = {node: prim for node, prim in prims.items() if node not in mine}
-        tracks = xform_sampling.tracks(others, self._interpolation, self.warnings)
+        tracks = xform_sampling.tracks(others, self.interpolation, self.warnings)
         tracks += [track for node in mine for track in mine[node]]
         if not tracks:
             return rig
@@ -117,7 +119,7 @@ class _Reader:
     def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, tuple[Track, ...]]:
         """The keys of rigtri's prims as they are in their ops; what is mirrored goes by its matrices."""
         stands = {
-            node: read_transform(prims[node], node, self._interpolation)
+            node: read_transform(prims[node], node, self.interpolation)
             for node in self.own
             if node in prims and not rig.has_matrix[node] and (rig.scale[node] > 0).all()
         }
@@ -299,7 +301,7 @@ class _Reader:
         paths = [str(prim.GetPath()) for prim in others if prim.GetTypeName() == "SkelAnimation"]
         loose = [path for path in paths if path not in bound]
         if loose and self.skeletons:
-            shown = ", ".join(f"<{path}>" for path in loose[:3]) + (" …" if len(loose) > 3 else "")
+            shown = listed([f"<{path}>" for path in loose])
             self.warnings.append(
                 Notice(
                     "unbound-animation",
@@ -310,11 +312,6 @@ class _Reader:
                 )
             )
 
-    @property
-    def _interpolation(self) -> Interpolation:
-        held = self.stage.GetInterpolationType() == Usd.InterpolationTypeHeld
-        return "STEP" if held else "LINEAR"
-
     def _clips(self) -> list[Clip]:
         names = [animation.name for animation in self.animations.values()]
         found = []
@@ -324,9 +321,9 @@ class _Reader:
             prim, weights = self.stage.GetPrimAtPath(path), []
             if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
                 queries = self.bindings.of(users)
-                weights = mesh_reader.blend_tracks(prim, queries, self.node_of, self._interpolation)
+                weights = mesh_reader.blend_tracks(prim, queries, self.node_of, self.interpolation)
             driven = [self.joint_nodes[user] for user in users]
-            found += clips(animation, name, driven, weights, self._interpolation)
+            found += clips(animation, name, driven, weights, self.interpolation)
         return found
 
     def _skins(self) -> list[Skin]:

@@ -7,6 +7,7 @@ has; such prims are measured as they stand, and reoriented all the same.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,13 +29,15 @@ from rigtri.report import Notice
 # The ops that reorient a prim stand innermost and outermost.
 FRAME = "xformOp:orient:rigtriFrame"
 PARENT_INVERSE = "xformOp:orient:rigtriParentInv"
-# Op → (track, what it is without a value).
-_PLAIN: dict[str, tuple[Path, Floats]] = {
-    "xformOp:translate": ("translation", np.zeros(3)),
-    "xformOp:orient": ("rotation", IDENTITY),
-    "xformOp:scale": ("scale", np.ones(3)),
+# The op of each property that a track moves, in the order of a stack.
+OPS: Mapping[Path, str] = {
+    "translation": "xformOp:translate",
+    "rotation": "xformOp:orient",
+    "scale": "xformOp:scale",
 }
-_ORDER = (PARENT_INVERSE, *_PLAIN, FRAME)
+# What a property is without an op.
+NOTHING: Mapping[Path, Floats] = {"translation": np.zeros(3), "rotation": IDENTITY, "scale": np.ones(3)}
+_ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
 # Scale components that differ by less are one number that was rounded to float32.
 _UNIFORM = 1e-6
 
@@ -172,9 +175,9 @@ def read_transform(prim: Any, node: int, interpolation: Interpolation) -> Transf
         return None
     outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
     rest, tracks = {}, []
-    for name, (path, nothing) in _PLAIN.items():
+    for path, name in OPS.items():
         op = ops.get(name)
-        stands = _first(op, nothing)
+        stands = _first(op, NOTHING[path])
         if not np.isfinite(stands).all():
             return None
         rest[path] = _folded(path, stands, outer, inner)

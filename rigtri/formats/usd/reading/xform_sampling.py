@@ -18,6 +18,7 @@ from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Interpolation, Path, Track
 from rigtri.report import Notice
+from rigtri.text import listed
 
 # The name and key of the clip; the writer leaves it alone.
 NAME, KEY = "xforms", ("xforms", "")
@@ -69,4 +70,4 @@ def _parts(local: Floats, paths: list[str], warnings: list[Notice]) -> tuple[Flo
 
 def _named(paths: list[str], which: np.ndarray) -> str:
     names = sorted({paths[k] for k in np.flatnonzero(which).tolist()})
-    return ", ".join(f"<{name}>" for name in names[:3]) + (" …" if len(names) > 3 else "")
+    return listed([f"<{name}>" for name in names])
