@@ -102,7 +102,7 @@ def test_an_interrupt_while_measuring_leaves_the_old_files(
         raise Interrupt
 
     old = contents(gltf.parent)
-    monkeypatch.setattr("rigtri.pipeline.edit.self_check", stop)
+    monkeypatch.setattr("rigtri.pipeline.edit.check_result", stop)
     with pytest.raises(Interrupt):
         edit(samples / "biped.gltf", gltf, orient, overwrite=True)
     assert contents(gltf.parent) == old
