@@ -213,20 +213,12 @@ class _Curve:
         found = set[int]()
         for step in self.solver.steps:
             if isinstance(step, Fk):
-                carried = any(moving.intersection(self._line(node)) for node in step.needs)
+                carried = bool(moving & self.rig.with_ancestors(step.needs))
                 if carried or splines.intersection((step.joint, *step.reads)):
                     found.add(step.joint)
             elif not isinstance(step, TwistStep):
                 found.update(step.sets)
         return sorted(found)
-
-    def _line(self, node: int) -> list[int]:
-        """A node and all above it."""
-        found = []
-        while node >= 0:
-            found.append(node)
-            node = int(self.rig.parents[node])
-        return found
 
     @cached_property
     def reach(self) -> dict[int, float]:
@@ -243,7 +235,7 @@ class _Curve:
     @cached_property
     def steps(self) -> list[Step]:
         """The steps that the places of the nodes need."""
-        return self.solver.steps_for({above for node in self.nodes for above in self._line(node)})
+        return self.solver.steps_for(self.rig.with_ancestors(self.nodes))
 
     def apart(self, a: PoseCache, b: PoseCache, count: int) -> Deviation:
         """How far what hangs on the nodes is apart, at most."""
@@ -269,7 +261,7 @@ class JointCurve(_Curve):
     def _used(self) -> frozenset[int]:
         """The nodes whose keys take part in where the nodes come to."""
         own = [n for step in self.steps for n in (*step.sets, *step.reads, *step.needs)]
-        return frozenset(above for node in (*own, *self.nodes) for above in self._line(node))
+        return frozenset(self.rig.with_ancestors([*own, *self.nodes]))
 
     def off(self, times: Floats, shown: Mapping[int, Parts]) -> Deviation:
         there = self.solver.run(sample_parts(self.rig, self.clip, times, only=self._used), self.steps)

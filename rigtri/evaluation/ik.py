@@ -95,12 +95,8 @@ class Ik:
 
     @cached_property
     def reads(self) -> tuple[int, ...]:
-        above = set[int]()
-        for fk in self.below(self.carries):  # offsets are put on the joints, seen from all that they hang on
-            node = fk.own.above
-            while node >= 0 and node not in above:
-                above.add(node)
-                node = int(self.rig.parents[node])
+        # Offsets are put on the joints, seen from all nodes above them.
+        above = self.rig.with_ancestors(fk.own.above for fk in self.below(self.carries))
         return (*self.controls, *sorted(above.difference(self.carries, self.controls)))
 
     @property

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.sampling import sample
-from rigtri.maths.quaternions import conjugate, multiply, norm
+from rigtri.maths.quaternions import conjugate, dot, multiply, norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Interpolation, Track
 
@@ -70,8 +70,6 @@ def _moved(rows: Floats, values: Floats, *, turns: bool) -> Floats:
     size = norm(rows[:, 1])[:, np.newaxis]
     size = np.where(size == 0, 1.0, size)
     was = rows[:, 1] / size
-    both = values * was
-    ahead = both[:, :1] + both[:, 1:2] + both[:, 2:3] + both[:, 3:]
-    now = np.where(ahead < 0, -values, values)
+    now = np.where(dot(values, was)[:, np.newaxis] < 0, -values, values)
     turn = multiply(now, conjugate(was))
     return np.stack([multiply(turn, rows[:, 0] / size), now, multiply(turn, rows[:, 2] / size)], axis=1)

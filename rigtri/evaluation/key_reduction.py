@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.quaternions import conjugate, rotation_angle, slerp
+from rigtri.maths.quaternions import conjugate, dot, rotation_angle, slerp
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -98,7 +98,7 @@ def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
     most = WIDEST_TURN * (1.0 + _ROUNDING)
     # The cosine of half a turn is told without its angle.
     start, end = turns[keys[:-1]], turns[keys[1:]]
-    wide = np.flatnonzero((np.abs(_dot(start, end)) < _LEAST_COSINE) & (np.diff(keys) > 1))
+    wide = np.flatnonzero((np.abs(dot(start, end)) < _LEAST_COSINE) & (np.diff(keys) > 1))
     angles = _apart(start[wide], end[wide])
     more: list[int] = []
     for k, angle in zip(wide[angles > most].tolist(), angles[angles > most].tolist(), strict=True):
@@ -128,28 +128,22 @@ def _off_their_neighbours(times: Floats, values: Floats, bound: float) -> Boolea
     q = np.ascontiguousarray(values.T)
     start, end, there = q[:, :-2], q[:, 2:], q[:, 1:-1]
     share = (times[1:-1] - times[:-2]) / (times[2:] - times[:-2])
-    cosine = _dot(start.T, end.T)
+    cosine = dot(start.T, end.T)
     line = start + (np.where(cosine < 0, -end, end) - start) * share
-    line = line / np.sqrt(_dot(line.T, line.T))
-    apart = np.where(_dot(line.T, there.T) < 0, there + line, there - line)
-    chord = np.sqrt(_dot(apart.T, apart.T))
+    line = line / np.sqrt(dot(line.T, line.T))
+    apart = np.where(dot(line.T, there.T) < 0, there + line, there - line)
+    chord = np.sqrt(dot(apart.T, apart.T))
     # φ² ≤ 2.5 (1 − cos φ) up to a right angle. The chord between unit quaternions is half of the turn x
     # between them, less x³/192 and less.
     arc = np.sqrt(2.5 * np.maximum(1.0 - np.abs(cosine), 0.0))
     bend = np.abs(share * (1.0 - share) * (1.0 - 2.0 * share)) * arc * arc * arc / 4.0
     half = 0.5 * bound
-    unsure = bend + np.abs(_dot(q.T, q.T) - 1.0).max() + half * half * half / 20.0 + 1e-12
+    unsure = bend + np.abs(dot(q.T, q.T) - 1.0).max() + half * half * half / 20.0 + 1e-12
     found: Booleans = chord > half
     open_ = (np.abs(chord - half) <= unsure) | (np.abs(cosine) < _RIGHT) | (chord > 0.5)
     rows = np.flatnonzero(open_)
     found[rows] = _off(times, values, left[rows], right[rows], inner[rows]) > bound
     return found
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    """The sums of four products, (k,)."""
-    products = a * b
-    return np.asarray(products[:, 0] + products[:, 1] + products[:, 2] + products[:, 3])
 
 
 # In how many of the last bits of its time a value may be rounded, with all that is above it.

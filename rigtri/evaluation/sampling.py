@@ -44,10 +44,7 @@ def world_of(rig: Rig, node: int) -> Floats:
     """The world matrix of one node at rest, (4, 4), from it and those above it alone; −1: the world's own."""
     if node >= 0 and "world" in vars(rig):  # all are known, and the same
         return np.asarray(rig.world[node])
-    line = []
-    while node >= 0:
-        line.append(node)
-        node = int(rig.parents[node])
+    line = rig.path_to_root(node)
     composed = compose(rig.translation[line], rig.rotation[line], rig.scale[line])
     composed[rig.has_matrix[line]] = rig.matrix[line][rig.has_matrix[line]]
     if not line:

@@ -196,12 +196,7 @@ class SkinnedPoints:
             own: list[int] = self.rig.skins[self.mesh.skin].joints[self._joints].tolist()
         else:
             own = [self.mesh.node]
-        found: set[int] = set()
-        for node in [*own, self.parent]:
-            while node >= 0 and node not in found:
-                found.add(node)
-                node = int(self.rig.parents[node])
-        return sorted(found)
+        return sorted(self.rig.with_ancestors([*own, self.parent]))
 
     @cached_property
     def _part(self) -> tuple[Rig, dict[int, int]]:

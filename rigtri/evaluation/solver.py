@@ -79,12 +79,7 @@ class Solver:
         for limb in self.reference.limbs:
             looking += [limb.control, limb.pole]
         looking += [node for own in self.reference.fk.values() for node in Fk(self.reference, own).needs]
-        found = set[int]()
-        for node in looking:
-            while node >= 0 and node not in found:
-                found.add(node)
-                node = int(self.rig.parents[node])
-        return found
+        return self.rig.with_ancestors(looking)
 
     @cached_property
     def _of_limbs(self) -> frozenset[int]:
@@ -96,12 +91,7 @@ class Solver:
     @cached_property
     def still(self) -> frozenset[int]:
         """The FK controls of limbs, and offsets, that rules move or that hold such: IK leaves them alone."""
-        found = set[int]()
-        for node in self._of_limbs.intersection(self.rules):
-            while node >= 0:
-                found.add(node)
-                node = int(self.rig.parents[node])
-        return self._of_limbs & found
+        return self._of_limbs & self.rig.with_ancestors(self._of_limbs.intersection(self.rules))
 
     @cached_property
     def offsets(self) -> frozenset[int]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import sample
+from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
@@ -173,9 +174,7 @@ def _same_curve(was: Track, now: Track) -> bool:
         return False
     values = now.values
     if now.path == "rotation":  # q and −q are one rotation
-        product = was.values * values
-        ahead = product[..., 0] + product[..., 1] + product[..., 2] + product[..., 3]
-        values = np.where(ahead[..., np.newaxis] < 0, -values, values)
+        values = np.where(dot(was.values, values)[..., np.newaxis] < 0, -values, values)
     size = max(1.0, float(np.abs(values).max(initial=0.0))) if now.path != "translation" else _size(values)
     return bool(np.abs(was.values - values).max(initial=0.0) <= SAME_VALUE * size)
 

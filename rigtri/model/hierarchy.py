@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +42,23 @@ class Hierarchy:
             if parent >= 0:
                 lists[parent].append(node)
         return tuple(map(tuple, lists))
+
+    def path_to_root(self, node: int) -> list[int]:
+        """A node and all above it, itself first; none for −1."""
+        path = []
+        while node >= 0:
+            path.append(node)
+            node = int(self.parents[node])
+        return path
+
+    def with_ancestors(self, nodes: Iterable[int]) -> set[int]:
+        """Nodes and all above them; −1 is none."""
+        found = set[int]()
+        for node in nodes:
+            while node >= 0 and node not in found:
+                found.add(node)
+                node = int(self.parents[node])
+        return found
 
     def below(self, node: int) -> list[int]:
         """A node and everything under it, parents first."""

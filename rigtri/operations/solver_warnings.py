@@ -48,12 +48,9 @@ def clip_solver_warnings(
 ) -> list[Notice]:
     """The notices of a timeline, of each node's troubles the first. solved: what ``solver`` makes of it at
     ``times``, node → (1 or f, ·) each."""
-    rig, looked_at = solver.rig, set[int]()
-    for node in (n for step in solver.steps for n in (*step.sets, *step.reads, *step.needs)):
-        while node >= 0 and node not in looked_at:
-            looked_at.add(node)
-            node = int(rig.parents[node])
-    tracks = tuple(t for t in timeline.clip.tracks if t.node in looked_at and t.node not in solved)
+    rig = solver.rig
+    used = rig.with_ancestors(n for step in solver.steps for n in (*step.sets, *step.reads, *step.needs))
+    tracks = tuple(t for t in timeline.clip.tracks if t.node in used and t.node not in solved)
     parts = {**sample_parts(rig, replace(timeline.clip, tracks=tracks), times), **solved}
     as_shown = {
         rig.title(control)

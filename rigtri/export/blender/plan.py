@@ -129,11 +129,7 @@ def frame(place: Floats, along: Floats, side: Floats) -> Floats:
 
 def _above(rig: Rig, node: int) -> list[str]:
     """The names of all nodes above, the nearest first."""
-    names, above = [], int(rig.parents[node])
-    while above >= 0:
-        names.append(named(rig, above))
-        above = int(rig.parents[above])
-    return names
+    return [named(rig, above) for above in rig.path_to_root(node)[1:]]
 
 
 def named(rig: Rig, node: int) -> str:

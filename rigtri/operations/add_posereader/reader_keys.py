@@ -33,11 +33,7 @@ class ReaderMotion:
     @cached_property
     def _part(self) -> tuple[Rig, dict[int, int]]:
         """A rig of these nodes and all above them, and the number of each in it."""
-        required: set[int] = set()
-        for node in (self.driver, self.frame, *self.nodes.values()):
-            while node >= 0 and node not in required:
-                required.add(node)
-                node = int(self.rig.parents[node])
+        required = self.rig.with_ancestors([self.driver, self.frame, *self.nodes.values()])
         return replace(self.rig, clips=()).part(sorted(required))
 
     def affecting(self, timeline: Timeline) -> Timeline:

@@ -26,14 +26,8 @@ def rivets_and_readers(rig: Rig) -> list[int]:
 
 def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     """The rivets that a constraint looks at, or that hold what it looks at."""
-    found = set[int]()
-    for rule in rules_of(rig).values():
-        for node in rule.sources:
-            while node >= 0:
-                if rig.type_of(node) == "rivet":
-                    found.add(node)
-                node = int(rig.parents[node])
-    return frozenset(found)
+    sources = rig.with_ancestors(node for rule in rules_of(rig).values() for node in rule.sources)
+    return frozenset(node for node in sources if rig.type_of(node) == "rivet")
 
 
 def refuse_cycles(rig: Rig) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
+from rigtri.maths.quaternions import dot
 from rigtri.model.animation import Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
@@ -76,6 +77,4 @@ def _swings(track: Track) -> Iterator[float]:
     """The times of the keys from which a spline swings round."""
     if track.path == "rotation" and track.interpolation == "CUBICSPLINE":
         values = key_values(track)
-        both = values[:-1] * values[1:]
-        cosine = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-        yield from track.times[np.flatnonzero(cosine < _OPPOSITE)].tolist()
+        yield from track.times[np.flatnonzero(dot(values[:-1], values[1:]) < _OPPOSITE)].tolist()

@@ -173,11 +173,7 @@ class Counterparts:
         return self._lines[node]
 
     def _line(self, node: int) -> tuple[list[int], list[int], int]:
-        above = []
-        theirs = int(self.other.parents[self.of[node]])
-        while theirs >= 0:
-            above.append(theirs)
-            theirs = int(self.other.parents[theirs])
+        above = self.other.path_to_root(self.of[node])[1:]
         ours, own = int(self.rig.parents[node]), []
         while ours >= 0 and self.of.get(ours) not in above:
             own.append(ours)

@@ -117,17 +117,11 @@ class Transfer:
 
     def _lines(self, node: int, other: int) -> tuple[list[int], list[int]]:
         """The nodes of the other file from two of its nodes up to the nearest above both; −1: to the top."""
-        lines: list[list[int]] = []
-        for k in (node, other):
-            line = []
-            while k >= 0:
-                line.append(k)
-                k = int(self.both.other.parents[k])
-            lines.append(line)
-        while lines[0] and lines[1] and lines[0][-1] == lines[1][-1]:
-            lines[0].pop()
-            lines[1].pop()
-        return lines[0], lines[1]
+        one, two = (self.both.other.path_to_root(k) for k in (node, other))
+        while one and two and one[-1] == two[-1]:
+            one.pop()
+            two.pop()
+        return one, two
 
     def _along(self, line: list[int], times: Floats) -> Floats:
         """The product of the local matrices of a line of nodes, (f, 4, 4)."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.quaternions import conjugate, make_continuous, norm, rotation_angle, slerp, unit
+from rigtri.maths.quaternions import conjugate, dot, make_continuous, norm, rotation_angle, slerp, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -67,11 +67,7 @@ def differing(was: Track, now: Track, bound: Floats) -> Booleans:
 
 def _straight(track: Track, times: Floats) -> Floats:
     """Turns interpolated number by number, each on the side of the one before, and made unit."""
-    values = unit(track.values)
-    both = values[1:] * values[:-1]
-    ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-    values = values.copy()
-    values[1:] *= np.cumprod(np.where(ahead < 0, -1.0, 1.0))[:, np.newaxis]
+    values = make_continuous(unit(track.values))
     columns = [np.interp(times, track.times, values[:, k]) for k in range(4)]
     return unit(np.stack(columns, axis=-1))
 
@@ -111,9 +107,7 @@ def _left_out(was: Track, now: Track, frames: Floats, unit_of: float) -> bool:
         seen = was.times
     values = sample(was, seen)
     if was.path == "rotation":
-        both = values * values[:1]
-        ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-        values = np.where(ahead < 0, -1.0, 1.0)[:, np.newaxis] * values
+        values = np.where(dot(values, values[:1]) < 0, -1.0, 1.0)[:, np.newaxis] * values
     size = unit_of if was.path != "rotation" else 1.0
     wide = float((values.max(axis=0) - values.min(axis=0)).max(initial=0.0))
     # A box of EDITED's axes, which a turn makes wider along ours.
@@ -141,8 +135,7 @@ def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
             continue
         a, b = was.values[1:-1], now.values[1:-1]
         if was.path == "rotation":  # q and −q are one rotation
-            both = a[:, 1] * b[:, 1]
-            b = np.where((both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3] < 0)[:, None, None], -b, b)
+            b = np.where((dot(a[:, 1], b[:, 1]) < 0)[:, np.newaxis, np.newaxis], -b, b)
         for side in (0, 2):
             large = np.maximum(np.abs(a[:, side]).max(axis=1), np.abs(b[:, side]).max(axis=1))
             apart = np.abs(a[:, side] - b[:, side]).max(axis=1)
