@@ -44,13 +44,13 @@ class Value:
     def object(self) -> dict[str, Any]:
         """This object, as it is. FileError for anything else."""
         if not isinstance(self.raw, dict):
-            self.fail(f"an object should stand here, not {_told(self.raw)}")
+            self.fail(f"an object should stand here, not {short_repr(self.raw)}")
         return self.raw
 
     def entries(self) -> list[Any]:
         """This list, as it is. FileError for anything else."""
         if not isinstance(self.raw, list):
-            self.fail(f"a list should stand here, not {_told(self.raw)}")
+            self.fail(f"a list should stand here, not {short_repr(self.raw)}")
         return self.raw
 
     def items(self) -> Iterator[Value]:
@@ -74,7 +74,7 @@ class Value:
         whole = isinstance(self.raw, float) and self.raw.is_integer()
         number = int(self.raw) if whole else self.raw
         if not isinstance(number, int) or isinstance(number, bool) or number < least:
-            self.fail(f"a whole number of at least {least} should stand here, not {_told(self.raw)}")
+            self.fail(f"a whole number of at least {least} should stand here, not {short_repr(self.raw)}")
         return number
 
     def natural(self, key: str, default: int | None = None) -> int:
@@ -95,7 +95,7 @@ class Value:
         """Exactly ``count`` numbers that 32 bits can hold."""
         raw = self.entries()
         if len(raw) != count or not all(type(x) is float or type(x) is int for x in raw):
-            self.fail(f"{count} numbers should stand here, not {_told(raw)}")
+            self.fail(f"{count} numbers should stand here, not {short_repr(raw)}")
         try:
             numbers = [float(x) for x in raw]
         except OverflowError:
@@ -107,7 +107,7 @@ class Value:
     def text(self) -> str:
         """A string."""
         if not isinstance(self.raw, str):
-            self.fail(f"a text should stand here, not {_told(self.raw)}")
+            self.fail(f"a text should stand here, not {short_repr(self.raw)}")
         return self.raw
 
     def _below(self, key: str) -> str:
@@ -115,6 +115,7 @@ class Value:
         return f"{self.where}{' ' if self.where.endswith(':') else '.'}{key}"
 
 
-def _told(raw: Any) -> str:
+def short_repr(raw: Any) -> str:
+    """A value as Python writes it; of a long one only the start."""
     text = repr(raw)
     return text if len(text) <= 40 else f"{text[:37]}..."

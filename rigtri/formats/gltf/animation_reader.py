@@ -13,15 +13,25 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
-from rigtri.formats.gltf.node_reader import NON_UNIT, Tree
+from rigtri.formats.gltf.node_reader import Tree, title
+from rigtri.formats.gltf.rules.animations import (
+    count_violation,
+    interpolation_violation,
+    node_violation,
+    sampler_violation,
+    time_violations,
+    time_width_violation,
+    twice_violation,
+    value_width_violation,
+)
+from rigtri.formats.gltf.rules.nodes import NON_UNIT, WIDTH
+from rigtri.formats.gltf.rules.refuse import refuse
 from rigtri.formats.json_values import Value
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.report import Notice
 
-WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
-INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 POINTER = "KHR_animation_pointer"
 # Below this length float32 has too few digits left for a direction (2⁻¹²⁶, its smallest normal number).
 _LEAST = float(np.finfo(np.float32).tiny)
@@ -113,7 +123,7 @@ class ClipReader:
         samplers = Value(animation.object().get("samplers", []), f"{where} samplers").entries()
         channels = Value(animation.object().get("channels", []), f"{where} channels").entries()
         tracks: list[Track] = []
-        seen: set[tuple[int, str]] = set()
+        seen: dict[tuple[int, str], int] = {}
         for index, channel in enumerate(channels):
             place = f"{where} channel {index}"
             if type(channel) is not dict:
@@ -122,11 +132,12 @@ class ClipReader:
             if target is None:
                 self._wonder(channel, place)
                 continue  # no node of ours: kept, never read
-            if target[0] < 0 or target[0] >= len(self._nodes):
-                raise FileError(f"{place}: there is no node {target[0]}, the file has {len(self._nodes)}")
+            node, path = target
+            if violation := node_violation(node, len(self._nodes)):
+                refuse(f"{place}:", violation)
             if target in seen:
-                raise FileError(f"{place}: node #{target[0]} has two channels for its {target[1]}")
-            seen.add(target)
+                refuse(f"{place}:", twice_violation(title(self._nodes, node), path, seen[target]))
+            seen[target] = index
             track = self._track(channel, samplers, target, (number, index), place)
             if track is not None:
                 tracks.append(track)
@@ -171,23 +182,22 @@ class ClipReader:
         key: tuple[int, int],
         place: str,
     ) -> Track:
-        number = channel.get("sampler")
-        if type(number) is not int or not 0 <= number < len(samplers) or type(samplers[number]) is not dict:
-            raise FileError(f"{place}: there is no sampler {number!r}, the animation has {len(samplers)}")
-        sampler = samplers[number]
+        number: Any = channel.get("sampler")
+        if violation := sampler_violation(number, len(samplers)):
+            refuse(f"{place}:", violation)
+        sampler = Value(samplers[number], f"{place}: sampler {number}").object()
         interpolation = sampler.get("interpolation", "LINEAR")
-        if interpolation not in INTERPOLATIONS:
-            raise FileError(f"{place}: interpolation {interpolation!r} is none that glTF knows")
+        if violation := interpolation_violation(interpolation):
+            refuse(f"{place}:", violation)
         times = self._input(sampler.get("input"), place)
         values = self._output(sampler.get("output"), place)
         per_key = 3 if interpolation == "CUBICSPLINE" else 1
         if path == "weights":
             values = values.reshape(-1, width) if values.size % width == 0 else values
-        if values.shape[1] != width or len(values) != per_key * len(times):
-            raise FileError(
-                f"{place}: {len(times)} times need {per_key * len(times)} values of {width} numbers, "
-                f"the output has {len(values)} of {values.shape[1]}; export the file anew"
-            )
+        violation = value_width_violation(path, width, values.shape[1])
+        violation = violation or count_violation(len(times), len(values), interpolation)
+        if violation:
+            refuse(f"{place}:", violation)
         shaped = values.reshape(len(times), 3, width) if per_key == 3 else values
         return Track(self._tree.place[node], path, interpolation, times, shaped, key)
 
@@ -201,8 +211,8 @@ class ClipReader:
         if times is None:
             index = self._accessor(index, place, "input")
             times = self._accessors.read_aloud(index)
-            if times.shape[1] != 1:
-                raise FileError(f"{place}: its times have {times.shape[1]} numbers each, not one")
+            if violation := time_width_violation(times.shape[1]):
+                refuse(f"{place}:", violation)
             content, known = times.tobytes(), self._known.get(index)
             if content not in self._rising:
                 self._check_times(times[:, 0], place)
@@ -212,17 +222,8 @@ class ClipReader:
         return times
 
     def _check_times(self, times: Floats, place: str) -> None:
-        if not np.isfinite(times).all():
-            raise FileError(f"{place}: a time is not a number; export the animation anew")
-        steps = np.diff(times)
-        wrong = np.flatnonzero(steps < 0 if self._lenient else steps <= 0)
-        if len(wrong):
-            k = int(wrong[0])
-            same = " Use --lenient to accept equal times." if steps[k] == 0 else ""
-            raise FileError(
-                f"{place}: time {k + 1}, {times[k + 1]:g} s, does not come after time {k}, {times[k]:g} s; "
-                f"export the animation anew.{same}"
-            )
+        for violation in time_violations(times, lenient=self._lenient):
+            refuse(f"{place}:", violation)
 
     def _output(self, index: Any, place: str) -> Floats:
         values = self._values.get(index) if type(index) is int else None

@@ -10,17 +10,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rigtri.formats.gltf.rules.nodes import (
+    MATRIX_AND_TRS,
+    MATRIX_LAST_ROW,
+    NON_UNIT,
+    ROTATION_ZERO,
+    matrix_violations,
+    rotation_violations,
+    transform_violation,
+)
+from rigtri.formats.gltf.rules.refuse import refuse
 from rigtri.formats.json_values import LARGEST, Value
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import SKEW, decompose, determinant, skew
+from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.report import Notice
 
-# Rotations further from unit are worth a word: engines differ in what they make of them.
-NON_UNIT = 1e-4
-# The last column of an affine matrix, as near as float32 exporters come.
-AFFINE = 1e-6
 _NUMBERS = frozenset([float, int])
 
 
@@ -162,13 +168,12 @@ def _settle_matrix(
 ) -> None:
     """Refuse, or repair, a matrix beside TRS or below an animation."""
     row, name = tree.place[index], title(nodes, index)
-    both = any(key in node for key in ("translation", "rotation", "scale"))
-    if not both and not animated:
+    violation = transform_violation(node, animated=animated)
+    if violation is None:
         return
     if not lenient:
-        what = "has a matrix beside other transforms" if both else "is animated, but has a matrix"
-        todo = "take translation, rotation and scale" if both else "split the matrix"
-        gltf.fail(f"{name} {what}, which glTF forbids. Use --lenient to {todo}")
+        refuse(f"{gltf.where} {name}:", violation)
+    both = violation.rule == MATRIX_AND_TRS
     if not both:
         if skew(rest.matrix[row]) > SKEW:
             gltf.fail(f"{name} is animated and its sheared matrix cannot be split; export the file anew")
@@ -184,16 +189,12 @@ def _check_matrices(
     rows = rest.has_matrix.nonzero()[0]
     if not len(rows):
         return
-    matrices = rest.matrix[rows]
-    off = np.abs(matrices[:, :, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1) > AFFINE
-    for row in rows[off][:1].tolist():
-        gltf.fail(f"{title(nodes, tree.order[row])} has a matrix whose last row is not 0 0 0 1")
-    flat = determinant(matrices) == 0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        bad = flat | (skew(matrices) > SKEW)
-    for row in rows[bad].tolist():
-        rest.sheared.append(row)
+    for violation in matrix_violations(rest.matrix[rows]):
+        row = int(rows[violation.item])
         name = title(nodes, tree.order[row])
+        if violation.rule == MATRIX_LAST_ROW:
+            refuse(f"{gltf.where} {name}:", violation)
+        rest.sheared.append(row)
         text = f"The matrix of {name} is sheared or flat, which glTF forbids; it is kept and only multiplied"
         notices.append(Notice("matrix-sheared", text, joint=name))
 
@@ -201,11 +202,10 @@ def _check_matrices(
 def _check_rotations(
     gltf: Value, nodes: list[dict[str, object]], rest: Rest, tree: Tree, notices: list[Notice]
 ) -> None:
-    size = norm(rest.rotation)
-    for row in (size == 0).nonzero()[0][:1].tolist():
-        name = title(nodes, tree.order[row])
-        gltf.fail(f"{name} has the rotation 0 0 0 0, which is no rotation; set it to 0 0 0 1")
-    off = np.abs(size - 1.0)
+    off = np.abs(norm(rest.rotation) - 1.0)
+    for violation in rotation_violations(rest.rotation) if (off == 1.0).any() else ():
+        if violation.rule == ROTATION_ZERO:
+            refuse(f"{gltf.where} {title(nodes, tree.order[violation.item])}:", violation)
     if len(off) and off.max() > NON_UNIT:
         name = title(nodes, tree.order[int(off.argmax())])
         count = (off > NON_UNIT).sum()

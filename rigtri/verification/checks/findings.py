@@ -5,21 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
-Severity = Literal["error", "warning", "info"]
-# Worst first.
-SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
-
-
-@dataclass(frozen=True)
-class Rule:
-    """One thing that can be wrong. says: what it is and why it matters; remedy: what to do about it."""
-
-    id: str
-    severity: Severity
-    says: str
-    remedy: str
+from rigtri.formats.rules import SEVERITIES as SEVERITIES
+from rigtri.formats.rules import Rule as Rule
+from rigtri.formats.rules import Severity as Severity
 
 
 @dataclass(frozen=True)

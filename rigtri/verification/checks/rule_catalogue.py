@@ -7,8 +7,9 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from rigtri.errors import UsageError
+from rigtri.formats.gltf.rules import animation_catalogue, structure_catalogue
 from rigtri.verification.checks.findings import Rule
-from rigtri.verification.checks.gltf import rules_animation, rules_structure, rules_vrm
+from rigtri.verification.checks.gltf import rules_vrm
 from rigtri.verification.checks.usd import rules, rules_binding, usdz
 
 UNREADABLE = "file.unreadable"
@@ -24,8 +25,8 @@ RULES: Mapping[str, Rule] = {
     rule.id: rule
     for rule in (
         *_FILE,
-        *rules_structure.RULES,
-        *rules_animation.RULES,
+        *structure_catalogue.RULES,
+        *animation_catalogue.RULES,
         *rules_vrm.RULES,
         *rules.RULES,
         *rules_binding.RULES,

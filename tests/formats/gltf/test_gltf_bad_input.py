@@ -76,21 +76,27 @@ BAD: dict[str, tuple[Spoil, str]] = {
     "no such child": (lambda g: g["nodes"][0].update(children=[9]), "there is no node 9"),
     "no such joint": (lambda g: g["skins"][0].update(joints=[0, 9]), "there is no node 9"),
     "no joints": (lambda g: g["skins"][0].update(joints=[]), "no joints"),
-    "joint twice": (lambda g: g["skins"][0].update(joints=[0, 1, 1]), "lists node 'joint 1' .#1. twice"),
+    "joint twice": (lambda g: g["skins"][0].update(joints=[0, 1, 1]), "lists node 'joint 1' .#1. 2 times"),
     "no such skin": (lambda g: g["nodes"][3].update(skin=4), "there is no skin 4"),
     "no such skeleton": (lambda g: g["skins"][0].update(skeleton=44), "there is no node 44"),
-    "few matrices": (lambda g: g["skins"][0].update(joints=[0, 1, 2, 3]), "3 matrices for 4 joints"),
+    "few matrices": (
+        lambda g: g["skins"][0].update(joints=[0, 1, 2, 3]),
+        "3 inverse bind matrices for 4 joints",
+    ),
     "no such matrices": (lambda g: g["skins"][0].update(inverseBindMatrices=99), "no accessor 99"),
-    "matrices of 3": (lambda g: g["skins"][0].update(inverseBindMatrices=0), "MAT4"),
-    "rotation 0": (lambda g: g["nodes"][1].update(rotation=[0, 0, 0, 0]), "'joint 1'.*no rotation"),
+    "matrices of 3": (lambda g: g["skins"][0].update(inverseBindMatrices=0), "matrices have 3 numbers each"),
+    "rotation 0": (lambda g: g["nodes"][1].update(rotation=[0, 0, 0, 0]), "'joint 1'.*the rotation 0 0 0 0"),
     "3 of 4": (lambda g: g["nodes"][1].update(rotation=[0, 0, 1]), "4 numbers"),
     "text": (lambda g: g["nodes"][1].update(translation=["a", 0, 0]), "3 numbers"),
     "huge": (lambda g: g["nodes"][1].update(translation=[10**400, 0, 0]), "too large"),
     "projection": (lambda g: g["nodes"][3].update(matrix=[1] * 16), "last row"),
     "no such node": (lambda g: first_track(g)["target"].update(node=9), "channel 0.*no node 9"),
     "no such sampler": (lambda g: first_track(g).update(sampler=3), "no sampler 3"),
-    "wrong width": (lambda g: first_track(g)["target"].update(path="scale"), "values of 3"),
-    "same target": (lambda g: g["animations"][0]["channels"].append(first_track(g)), "two channels"),
+    "wrong width": (lambda g: first_track(g)["target"].update(path="scale"), "scale needs 3 numbers a key"),
+    "same target": (
+        lambda g: g["animations"][0]["channels"].append(first_track(g)),
+        "channel 0 drives its rotation too",
+    ),
     "pointer too": (
         lambda g: g["animations"][0]["channels"].append(
             {
@@ -101,7 +107,7 @@ BAD: dict[str, tuple[Spoil, str]] = {
                 },
             }
         ),
-        "two channels for its rotation",
+        "channel 0 drives its rotation too",
     ),
     "interpolation": (
         lambda g: g["animations"][0]["samplers"][0].update(interpolation="BEZIER"),

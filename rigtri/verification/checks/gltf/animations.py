@@ -11,12 +11,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rigtri.formats.gltf.accessors import FLOAT, FULL
-from rigtri.formats.gltf.animation_reader import INTERPOLATIONS, WIDTH, pointer_of, target_of
-from rigtri.formats.gltf.node_reader import NON_UNIT
+from rigtri.formats.gltf.animation_reader import pointer_of, target_of
+from rigtri.formats.gltf.rules.animations import (
+    count_violation,
+    interpolation_violation,
+    node_violation,
+    sampler_violation,
+    time_violations,
+    time_width_violation,
+    twice_violation,
+    value_width_violation,
+    values_needed,
+)
+from rigtri.formats.gltf.rules.nodes import NON_UNIT, WIDTH
+from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
+from rigtri.verification.checks.gltf.tolerant_reader import View
 
 # |dot| of two unit quaternions below this: closer to half a turn than float32 rounding can tell.
 HALF_TURN = 1e-4
@@ -63,13 +75,9 @@ def check(view: View) -> None:
             if channel is None:
                 continue
             if (channel.node, channel.path) in seen:
-                text = f"{view.title(channel.node)}: channel {seen[channel.node, channel.path]} drives its "
-                view.add(
-                    "gltf.animation.target-twice",
-                    channel.place,
-                    channel.pointer,
-                    text + f"{channel.path} too",
-                )
+                first = seen[channel.node, channel.path]
+                violation = twice_violation(view.title(channel.node), channel.path, first)
+                view.add_violation(violation, channel.place, channel.pointer)
             seen.setdefault((channel.node, channel.path), k)
             keyed += _check_sampler(view, raw, samplers, channel, checked_times)
         if not _sound(keyed):
@@ -84,9 +92,7 @@ def _target(view: View, raw: dict[str, Any], place: str, pointer: str) -> Channe
     if found is None:
         _note_other(view, target, place, pointer)
         return None
-    if not 0 <= found[0] < len(view.nodes):
-        text = f"there is no node {found[0]}, the file has {len(view.nodes)}"
-        view.add("gltf.animation.node-missing", place, f"{pointer}/target", text)
+    if view.add_violation(node_violation(found[0], len(view.nodes)), place, f"{pointer}/target"):
         return None
     return Channel(found[0], found[1], f"{place} ({view.title(found[0])} {found[1]})", pointer)
 
@@ -109,25 +115,22 @@ def _check_sampler(
     view: View, raw: dict[str, Any], samplers: list[dict[str, Any]], channel: Channel, checked: set[int]
 ) -> list[Keys]:
     """Judge the sampler of a channel; returns its keys where there are as many as there should be."""
-    place, number = channel.place, raw.get("sampler")
-    if type(number) is not int or not 0 <= number < len(samplers):
-        text = f"there is no sampler {short_repr(number)}, the animation has {len(samplers)}"
-        view.add("gltf.animation.sampler-missing", place, f"{channel.pointer}/sampler", text)
+    place: str = channel.place
+    number: Any = raw.get("sampler")
+    if view.add_violation(sampler_violation(number, len(samplers)), place, f"{channel.pointer}/sampler"):
         return []
     where = f"{channel.pointer.rpartition('/channels/')[0]}/samplers/{number}"
     sampler = samplers[number]
     mode = sampler.get("interpolation", "LINEAR")
-    if mode not in INTERPOLATIONS:
-        text = f"interpolation {short_repr(mode)} is none that glTF knows"
-        view.add("gltf.animation.interpolation-unknown", place, f"{where}/interpolation", text)
+    view.add_violation(interpolation_violation(mode), place, f"{where}/interpolation")
     times = _times(view, sampler, place, where, checked)
     values = view.read(sampler.get("output"), place, f"{where}/output")
     if values is None:
         return []
     width = WIDTH.get(channel.path)
-    if width is not None and values.shape[1] != width:
-        text = f"{channel.path} needs {width} numbers a key, its output has {values.shape[1]}"
-        view.add("gltf.animation.output-type", place, f"{where}/output", text)
+    violation = width and value_width_violation(channel.path, width, values.shape[1])
+    if violation:
+        view.add_violation(violation, place, f"{where}/output")
         return []
     _check_component(view, sampler["output"], channel, f"{where}/output")
     if times is None or not _count_fits(view, times, values, mode, channel, where) or width is None:
@@ -154,9 +157,7 @@ def _times(view: View, sampler: dict[str, Any], place: str, where: str, checked:
     numbers = view.read(raw, place, f"{where}/input")
     if numbers is None:
         return None
-    if numbers.shape[1] != 1:
-        text = f"its times have {numbers.shape[1]} numbers each, not one"
-        view.add("gltf.animation.output-type", place, f"{where}/input", text)
+    if view.add_violation(time_width_violation(numbers.shape[1]), place, f"{where}/input"):
         return None
     kind = view.raw_accessor(raw).get("componentType")
     if kind != FLOAT:
@@ -174,30 +175,17 @@ def _times(view: View, sampler: dict[str, Any], place: str, where: str, checked:
 
 
 def _check_times(view: View, times: Floats, place: str, where: str) -> None:
-    odd = np.flatnonzero(~np.isfinite(times))
-    if len(odd):
-        view.add("gltf.animation.times-nan", place, where, f"time {odd[0]} is not a number")
-        return
-    if times[0] < 0:
+    if np.isfinite(times).all() and times[0] < 0:
         view.add("gltf.animation.times-negative", place, where, f"the first key is at {times[0]:g} s")
-    wrong = np.flatnonzero(times[1:] <= times[:-1])
-    if len(wrong):
-        k = int(wrong[0])
-        text = f"time {k + 1}, {times[k + 1]:g} s, does not come after time {k}, {times[k]:g} s"
-        more = f" ({len(wrong)} such keys)" if len(wrong) > 1 else ""
-        view.add("gltf.animation.times-order", place, where, text + more)
+    for violation in time_violations(times):
+        view.add_violation(violation, place, where)
 
 
 def _count_fits(view: View, times: Floats, values: Floats, mode: Any, channel: Channel, where: str) -> bool:
-    needed = (3 if mode == "CUBICSPLINE" else 1) * len(times)
-    if channel.path == "weights":
-        fits = len(values) > 0 and values.size % needed == 0
-    else:
-        fits = len(values) == needed
-    if not fits:
-        text = f"{len(times)} times need {needed} values, the output has {len(values)}"
-        view.add("gltf.animation.output-count", channel.place, f"{where}/output", text)
-    return fits
+    violation = count_violation(len(times), len(values), mode)
+    if channel.path == "weights" and len(values) and values.size % values_needed(len(times), mode) == 0:
+        violation = None
+    return not view.add_violation(violation, channel.place, f"{where}/output")
 
 
 def _sound(keyed: list[Keys]) -> bool:

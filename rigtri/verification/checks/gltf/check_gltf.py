@@ -8,6 +8,7 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.container import Container, open_container
 from rigtri.formats.gltf.resources import absent
 from rigtri.formats.gltf.structure import unknown_required
+from rigtri.formats.json_values import short_repr
 from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
@@ -22,7 +23,7 @@ from rigtri.verification.checks.gltf import (
     vertices,
     vrm,
 )
-from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
+from rigtri.verification.checks.gltf.tolerant_reader import View
 
 _NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
+from rigtri.formats.json_values import short_repr
+from rigtri.verification.checks.gltf.tolerant_reader import View
 
 # Holder → member → what it should be.
 _MEMBERS: dict[str, dict[str, str]] = {

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.formats.gltf.animation_reader import WIDTH, target_of
-from rigtri.formats.gltf.node_reader import AFFINE, NON_UNIT
+from rigtri.formats.gltf.animation_reader import target_of
+from rigtri.formats.gltf.rules.nodes import WIDTH, matrix_violations, rotation_violations, transform_violation
 from rigtri.frames.nonuniform_scale import SAME_SCALE
-from rigtri.maths.matrices import SKEW, determinant, skew
-from rigtri.maths.quaternions import norm
+from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.verification.checks.findings import listed
@@ -126,7 +125,8 @@ def _check_transforms(view: View) -> None:
             given = view.numbers(node["matrix"], 16, view.title(index), f"/nodes/{index}/matrix")
             if given is not None:
                 matrices[index] = given
-            _check_matrix_alone(view, index, node, index in animated)
+            violation = transform_violation(node, animated=index in animated)
+            view.add_violation(violation, view.title(index), f"/nodes/{index}/matrix")
     _check_rotations(view, turns)
     _check_matrices(view, matrices)
 
@@ -143,49 +143,18 @@ def _animated(view: View) -> set[int]:
     return found
 
 
-def _check_matrix_alone(view: View, index: int, node: dict[str, Any], animated: bool) -> None:
-    beside = [key for key in WIDTH if key in node]
-    if beside:
-        text = f"has a matrix and {' and '.join(beside)}"
-        view.add("gltf.node.matrix-and-trs", view.title(index), f"/nodes/{index}/matrix", text)
-    elif animated:
-        text = "is animated and has a matrix"
-        view.add("gltf.node.matrix-animated", view.title(index), f"/nodes/{index}/matrix", text)
-
-
 def _check_rotations(view: View, turns: dict[int, list[float]]) -> None:
-    if not turns:
-        return
-    nodes, size = list(turns), norm(np.array(list(turns.values())))
-    for k in np.flatnonzero(np.abs(size - 1.0) > NON_UNIT).tolist():
-        place, pointer = view.title(nodes[k]), f"/nodes/{nodes[k]}/rotation"
-        if size[k] == 0:
-            view.add("gltf.node.rotation-zero", place, pointer, "has the rotation 0 0 0 0")
-        else:
-            view.add(
-                "gltf.node.rotation-not-unit", place, pointer, f"its rotation has the length {size[k]:.6g}"
-            )
+    nodes = list(turns)
+    for violation in rotation_violations(np.array(list(turns.values()))) if turns else ():
+        node = nodes[violation.item]
+        view.add_violation(violation, view.title(node), f"/nodes/{node}/rotation")
 
 
 def _check_matrices(view: View, given: dict[int, list[float]]) -> None:
-    if not given:
-        return
     nodes, matrices = list(given), np.array(list(given.values())).reshape(-1, 4, 4)
-    last = np.abs(matrices[:, :, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1) > AFFINE
-    flat = determinant(matrices) == 0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        cosine = skew(matrices)
-    for k, node in enumerate(nodes):
-        place, pointer = view.title(node), f"/nodes/{node}/matrix"
-        if last[k]:
-            view.add(
-                "gltf.node.matrix-last-row", place, pointer, "its matrix has a last row that is not 0 0 0 1"
-            )
-        elif flat[k]:
-            view.add("gltf.node.matrix-singular", place, pointer, "its matrix is flat")
-        elif cosine[k] > SKEW:
-            text = f"its matrix is sheared: the cosine between two axes is {cosine[k]:.3g}"
-            view.add("gltf.node.matrix-sheared", place, pointer, text)
+    for violation in matrix_violations(matrices) if given else ():
+        node = nodes[violation.item]
+        view.add_violation(violation, view.title(node), f"/nodes/{node}/matrix")
 
 
 # --- joints, once the skins are known

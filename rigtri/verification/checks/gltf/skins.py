@@ -5,15 +5,9 @@ Source: glTF 2.0 §3.7.3.
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import Any
 
-import numpy as np
-
-from rigtri.formats.gltf.accessors import FLOAT
-from rigtri.formats.gltf.node_reader import AFFINE
-from rigtri.formats.gltf.skin_reader import flat
-from rigtri.maths.trigonometry import Floats
+from rigtri.formats.gltf.rules.skins import OF_ONE_JOINT, bind_violations, joint_violations, joints_outside
 from rigtri.verification.checks.findings import listed
 from rigtri.verification.checks.gltf.tolerant_reader import View
 
@@ -39,17 +33,13 @@ def title(view: View, number: int) -> str:
 def _joints(view: View, skin: dict[str, Any], place: str, pointer: str) -> list[int | None]:
     """The joints of a skin, None in place of each that is not there."""
     listed_here = view.items(skin, "joints", place, pointer)
-    if not listed_here:
-        view.add("gltf.skin.no-joints", place, f"{pointer}/joints", "has no joints")
     joints = [
         view.index(raw, len(view.nodes), "node", place, f"{pointer}/joints/{k}", "gltf.skin.joint-missing")
         for k, raw in enumerate(listed_here)
     ]
-    for joint, count in Counter(joints).items():
-        if joint is not None and count > 1:
-            second = [k for k, other in enumerate(joints) if other == joint][1]
-            text = f"lists {view.title(joint)} {count} times"
-            view.add("gltf.skin.joint-twice", place, f"{pointer}/joints/{second}", text)
+    for violation in joint_violations(joints, view.title):
+        at = f"/{violation.item}" if joints else ""
+        view.add_violation(violation, place, f"{pointer}/joints{at}")
     for joint in joints:
         if joint is not None:
             view.joints.setdefault(joint, place)
@@ -65,8 +55,7 @@ def _check_tree(view: View, skin: dict[str, Any], joints: list[int], place: str,
     pivot = view.reference(skin, "skeleton", "node", place, pointer)
     if pivot is None:
         return
-    below = _below(view, pivot)
-    outside = [joint for joint in joints if joint not in below]
+    outside = joints_outside(joints, pivot, view.above)
     if outside:
         text = f"its skeleton, {view.title(pivot)}, is not above {listed(view.titles(outside), 3)}"
         view.add("gltf.skin.skeleton-not-above", place, f"{pointer}/skeleton", text)
@@ -86,19 +75,6 @@ def _topmost(view: View) -> list[int]:
     return top
 
 
-def _below(view: View, pivot: int) -> set[int]:
-    """A node and all below it."""
-    children: dict[int, list[int]] = {}
-    for node, parent in enumerate(view.above):
-        children.setdefault(parent, []).append(node)
-    found, todo = {pivot}, [pivot]
-    while todo:
-        for child in children.get(todo.pop(), ()):
-            found.add(child)
-            todo.append(child)
-    return found
-
-
 def _check_binds(
     view: View, skin: dict[str, Any], joints: list[int | None], place: str, pointer: str
 ) -> None:
@@ -111,28 +87,9 @@ def _check_binds(
     if numbers is None:
         return
     component = view.raw_accessor(skin["inverseBindMatrices"]).get("componentType")
-    if numbers.shape[1] != 16 or component != FLOAT:
-        text = f"its inverse bind matrices have {numbers.shape[1]} numbers each, of type {component}"
-        view.add("gltf.skin.inverse-bind-type", place, where, text)
-    if numbers.shape[1] != 16:
-        return
-    if len(numbers) < len(joints):
-        text = f"has {len(numbers)} inverse bind matrices for {len(joints)} joints"
-        view.add("gltf.skin.inverse-bind-count", place, where, text)
-    _check_matrices(view, numbers[: len(joints)].reshape(-1, 4, 4), joints, place, where)
-
-
-def _check_matrices(view: View, matrices: Floats, joints: list[int | None], place: str, where: str) -> None:
-    lost = ~np.isfinite(matrices).all(axis=(1, 2))
-    with np.errstate(invalid="ignore", over="ignore"):
-        last = ~lost & (np.abs(matrices[:, :, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1) > AFFINE)
-        singular = ~lost & ~last & flat(matrices)
-    for rule, wrong, text in (
-        ("gltf.skin.inverse-bind-nan", lost, "has a value that is not a number"),
-        ("gltf.skin.inverse-bind-last-row", last, "has a last row that is not 0 0 0 1"),
-        ("gltf.skin.inverse-bind-singular", singular, "is flat"),
-    ):
-        for row in np.flatnonzero(wrong).tolist():
-            joint = joints[row]
-            name = f"joint {row}" if joint is None else view.title(joint)
-            view.add(rule, f"{place}, {name}", where, f"inverse bind matrix {row} {text}")
+    for violation in bind_violations(numbers, component, len(joints)):
+        at = place
+        if violation.rule in OF_ONE_JOINT:
+            joint = joints[violation.item]
+            at = f"{place}, {f'joint {violation.item}' if joint is None else view.title(joint)}"
+        view.add_violation(violation, at, where)

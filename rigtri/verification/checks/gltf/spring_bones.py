@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from rigtri.formats.json_values import short_repr
 from rigtri.formats.vrm.node_constraints import CONSTRAINT
 from rigtri.formats.vrm.vrm1 import EXTENDED
 from rigtri.verification.checks.findings import listed
-from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
+from rigtri.verification.checks.gltf.tolerant_reader import View
 from rigtri.verification.checks.gltf.vrm import is_above
 
 _KINDS = ("roll", "aim", "rotation")

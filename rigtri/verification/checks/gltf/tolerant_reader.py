@@ -19,7 +19,8 @@ from rigtri.formats.gltf.container import Container
 from rigtri.formats.gltf.node_reader import title
 from rigtri.formats.gltf.structure import LISTS
 from rigtri.formats.gltf.uris import file_of, is_data
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, short_repr
+from rigtri.formats.rules import Violation
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.findings import Findings
 
@@ -57,6 +58,12 @@ class View:
 
     def add(self, rule: str, place: str, pointer: str, message: str) -> None:
         self.findings.add(rule, place, pointer, message)
+
+    def add_violation(self, violation: Violation | None, place: str, pointer: str) -> bool:
+        """Note what a rule has found; whether it has found anything."""
+        if violation is not None:
+            self.add(violation.rule, place, pointer, violation.text)
+        return violation is not None
 
     def title(self, node: int) -> str:
         """What to call a node."""
@@ -281,11 +288,6 @@ class View:
             {key: value for key, value in raw.items() if key != "uri"} if index in self._broken else raw
             for index, raw in enumerate(self.lists["buffers"])
         ]
-
-
-def short_repr(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
 
 
 def _exists(path: Path) -> bool:

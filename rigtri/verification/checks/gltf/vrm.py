@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.verification.checks.gltf import humanoid_bones
-from rigtri.verification.checks.gltf.tolerant_reader import View, short_repr
+from rigtri.verification.checks.gltf.tolerant_reader import View
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
 TURNED = 1e-4

@@ -5,7 +5,7 @@ Source: glTF 2.0; docs of the Khronos validator for what engines refuse.
 
 from __future__ import annotations
 
-from rigtri.verification.checks.findings import Rule
+from rigtri.formats.rules import Rule
 
 _AGAIN = "Export the file anew with the program that wrote it."
 

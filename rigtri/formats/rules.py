@@ -1,0 +1,28 @@
+"""Rules of file formats: what can be wrong with a file, why it matters, and what to do about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+Severity = Literal["error", "warning", "info"]
+# Worst first.
+SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One thing that can be wrong. says: what it is and why it matters; remedy: what to do about it."""
+
+    id: str
+    severity: Severity
+    says: str
+    remedy: str
+
+
+class Violation(NamedTuple):
+    """A rule that is broken. text: how, as a sentence or its predicate; item: by which of many."""
+
+    rule: str
+    text: str
+    item: int = 0
