@@ -7,7 +7,7 @@ from rigtri.evaluation.dependency_graph import constraints_in_order
 from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import identity
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.constraints import Rule
+from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 
 
@@ -27,7 +27,7 @@ def apply_constraints(rig: Rig, local: Floats) -> Floats:
     return local
 
 
-def constrained_local(rig: Rig, rule: Rule, world: Floats, local: Floats, own: Floats) -> Floats:
+def constrained_local(rig: Rig, rule: Constraint, world: Floats, local: Floats, own: Floats) -> Floats:
     """The local matrices, (f, 4, 4), that a constraint gives its child; world, local: (f, n, 4, 4)."""
     above = int(rig.parents[rule.child])
     parent = world[:, above] if above >= 0 else identity(len(world))

@@ -29,7 +29,7 @@ from rigtri.maths.quaternions import average, between, conjugate, from_axes, rot
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
-from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Rule
+from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Constraint
 
 # Sine of the angle between aim and up below which up tells nothing (rounding of float32 positions).
 PARALLEL = 1e-6
@@ -58,7 +58,7 @@ def nearest_rotation_of(m: Floats) -> Floats:
 
 
 def evaluate_constraint(
-    rule: Rule, drivers: Floats, parent: Floats, own: Floats, up: Floats | None = None
+    rule: Constraint, drivers: Floats, parent: Floats, own: Floats, up: Floats | None = None
 ) -> Floats:
     """The child's local matrices, (f, 4, 4), of any kind but ``polevector`` (see `pole_position`).
 
@@ -84,13 +84,13 @@ def evaluate_constraint(
         return _finite_or(compose(*_skipped(rule, mine, found)), own)
 
 
-def pole_position(rule: Rule, drivers: Floats) -> Floats:
+def pole_position(rule: Constraint, drivers: Floats) -> Floats:
     """The pole of a ``polevector`` rule in the world, (f, 3); NaN where no driver weighs."""
     places = multiply(rule.offsets, drivers)[..., 3, :3]
     return _mean(places, _weights(rule, places))
 
 
-def rotate_of(rule: Rule, rotation: Floats) -> Floats:
+def rotate_of(rule: Constraint, rotation: Floats) -> Floats:
     """The angles ``rotate`` about x, y, z in radians, (..., 3), of local rotations (..., 4).
 
     ``rotate · joint_orient`` is the local rotation again.
@@ -103,7 +103,7 @@ def _finite_or(found: Floats, own: Floats) -> Floats:
     return np.where(np.isfinite(found).all(axis=(-1, -2), keepdims=True), found, own)
 
 
-def _weights(rule: Rule, *values: Floats) -> Floats:
+def _weights(rule: Constraint, *values: Floats) -> Floats:
     """The drivers' weights, (f, d), 0 where one of the values, (f, d, c), is no number."""
     weights = np.broadcast_to(rule.weights, values[0].shape[:-1])
     for value in values:
@@ -129,7 +129,7 @@ def _mean_turn(turns: Floats, weights: Floats) -> Floats:
     return np.where(live.any(axis=-2), mean, np.nan)
 
 
-def _parent(rule: Rule, drivers: Floats, parent: Floats) -> Parts:
+def _parent(rule: Constraint, drivers: Floats, parent: Floats) -> Parts:
     places = multiply(multiply(rule.offsets, drivers), inverse(parent)[..., np.newaxis, :, :])
     each = to_parts(places)
     weights = _weights(rule, *each)
@@ -138,12 +138,12 @@ def _parent(rule: Rule, drivers: Floats, parent: Floats) -> Parts:
     )
 
 
-def _point(rule: Rule, drivers: Floats, parent: Floats) -> Floats:
+def _point(rule: Constraint, drivers: Floats, parent: Floats) -> Floats:
     places = drivers[..., 3, :3] + rule.offsets[:, 3, :3]
     return transform_points(_mean(places, _weights(rule, places)), inverse(parent))
 
 
-def _orient(rule: Rule, drivers: Floats, parent: Floats) -> Floats:
+def _orient(rule: Constraint, drivers: Floats, parent: Floats) -> Floats:
     offsets, turns = nearest_rotation_of(rule.offsets), nearest_rotation_of(drivers)
     turns = product(offsets, turns) if rule.space == "local" else product(turns, offsets)
     if rule.space == "roll":
@@ -160,7 +160,7 @@ def twist_about_axis(turns: Floats, axis: str) -> Floats:
     return np.where(np.isnan(part) & ~np.isnan(turns), np.array([0.0, 0.0, 0.0, 1.0]), part)
 
 
-def _scale(rule: Rule, drivers: Floats, parent: Floats, mine: Parts) -> Floats:
+def _scale(rule: Constraint, drivers: Floats, parent: Floats, mine: Parts) -> Floats:
     """Axes as long in the world as the drivers', times the offsets' diagonal."""
     ratio = np.stack([rule.offsets[:, k, k] for k in range(3)], axis=-1)
     sizes = length(drivers[..., :3, :3]) * ratio
@@ -174,7 +174,7 @@ def lengths_for(parent: Floats, mine: Parts) -> Floats:
     return np.where(mine.scale < 0, -1.0, 1.0) * length(rows)
 
 
-def aim_rotation(rule: Rule, drivers: Floats, parent: Floats, mine: Parts, up: Floats | None) -> Floats:
+def aim_rotation(rule: Constraint, drivers: Floats, parent: Floats, mine: Parts, up: Floats | None) -> Floats:
     """The child's local rotation, (f, 4), its aim axis at the drivers; its own where they stand in it.
 
     All in the space of the parent, which also keeps the aim where the parent's axes are stretched.
@@ -196,7 +196,7 @@ def aim_rotation(rule: Rule, drivers: Floats, parent: Floats, mine: Parts, up: F
     return np.where((length(way) <= _HERE * size)[..., np.newaxis], mine.rotation, found)
 
 
-def _above(rule: Rule, back: Floats, mine: Parts, up: Floats | None) -> Floats:
+def _above(rule: Constraint, back: Floats, mine: Parts, up: Floats | None) -> Floats:
     """The direction that up should lean to, (f, 3), seen from the parent."""
     vector = np.asarray(rule.up_vector, dtype=np.float64)
     if rule.world_up == "vector" or up is None:
@@ -212,11 +212,11 @@ def _frame(aim: Floats, up: Floats) -> Floats:
     return from_axes(np.stack([x, cross(z, x), z], axis=-2))
 
 
-def _kept(rule: Rule, channels: tuple[str, ...], own: Floats, found: Floats) -> Floats:
+def _kept(rule: Constraint, channels: tuple[str, ...], own: Floats, found: Floats) -> Floats:
     return np.where([channel in rule.skip for channel in channels], own, found)
 
 
-def _skipped(rule: Rule, mine: Parts, found: Parts) -> Parts:
+def _skipped(rule: Constraint, mine: Parts, found: Parts) -> Parts:
     """What was found, with the channels that are skipped as the child has them."""
     rotation = found.rotation
     if rule.skip & set(ROTATION):

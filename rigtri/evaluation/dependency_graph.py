@@ -12,7 +12,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Protocol, TypeVar
 
 from rigtri.errors import GeometryError
-from rigtri.model.constraints import ROTATION, TRANSLATION, Rule, rules_of
+from rigtri.model.constraints import ROTATION, TRANSLATION, Constraint, constraints_of
 from rigtri.model.rig import Rig
 
 Dependencies = dict[int, set[int]]
@@ -65,7 +65,7 @@ def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
                 joint = rig.known(name)  # a note may name what has since been renamed
                 if joint is not None:
                     found.setdefault(joint, set()).add(node)
-    for node, rule in rules_of(rig).items():
+    for node, rule in constraints_of(rig).items():
         if node != without:
             for child in rule.chain or (rule.child,):
                 found.setdefault(child, set()).update(rule.sources)
@@ -96,7 +96,7 @@ def find_cycle(needs: Dependencies, children: Sequence[int], sources: Sequence[i
     return []
 
 
-def constraints_in_order(rig: Rig) -> list[Rule]:
+def constraints_in_order(rig: Rig) -> list[Constraint]:
     """The constraints of a rig, each after all that its sources and its child's parents depend on.
 
     Of one child those that set its translation come before those of its rotation, scale is last.
@@ -107,10 +107,10 @@ def constraints_in_order(rig: Rig) -> list[Rule]:
         place = {node: k for k, node in enumerate(order)}
     except CycleError as error:
         raise ControlCycleError(rig, error.args[1][:0:-1]) from error
-    return sorted(rules_of(rig).values(), key=lambda rule: (place[rule.child], channel_order(rule)))
+    return sorted(constraints_of(rig).values(), key=lambda rule: (place[rule.child], channel_order(rule)))
 
 
-def channel_order(rule: Rule) -> int:
+def channel_order(rule: Constraint) -> int:
     """0 for constraints that set translations, 1 for those of rotations, 2 for scale alone."""
     return 0 if rule.sets & set(TRANSLATION) else 1 if rule.sets & set(ROTATION) else 2
 

@@ -25,7 +25,7 @@ from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
-from rigtri.model.constraints import Rule
+from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 
 # Below this sine of the bend a limb's plane is the rounding of its positions; then its pole tells it.
@@ -63,7 +63,7 @@ class Ik:
     reference: ControlsAtZero
     limb: IkLimb
     fk: dict[int, Fk]
-    rule: Rule | None = None
+    rule: Constraint | None = None
     carries: tuple[int, ...] = ()
 
     @property

@@ -18,7 +18,7 @@ from rigtri.evaluation.solver_steps import CHANNELS, ConstraintStep, RootStep, S
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.model.animation import Path
-from rigtri.model.constraints import Rule, rules_of
+from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.rig import Rig
 
 
@@ -33,9 +33,9 @@ class Solver:
         self.rig = rig
         self.reference = ControlsAtZero(rig)
         self.driven = driven
-        rules = rules_of(rig).values()
+        rules = constraints_of(rig).values()
         self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}
-        self.rules: dict[int, list[Rule]] = {}
+        self.rules: dict[int, list[Constraint]] = {}
         for rule in rules:
             if rule.kind != "polevector":
                 self.rules.setdefault(rule.child, []).append(rule)
@@ -74,7 +74,7 @@ class Solver:
     def _looked_at(self) -> set[int]:
         """What rules, IK ends, poles and controls beside their joints hang on, and all nodes above that."""
         own = self._of_limbs
-        looking = [node for rule in rules_of(self.rig).values() for node in rule.sources]
+        looking = [node for rule in constraints_of(self.rig).values() for node in rule.sources]
         looking += [int(self.rig.parents[child]) for child in self.rules if child not in own]
         for limb in self.reference.limbs:
             looking += [limb.control, limb.pole]

@@ -18,7 +18,7 @@ from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Path
-from rigtri.model.constraints import Rule
+from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 
 CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}
@@ -68,7 +68,7 @@ class ConstraintStep:
     """
 
     rig: Rig
-    rules: tuple[Rule, ...]
+    rules: tuple[Constraint, ...]
     base: Step | None = None
     riders: tuple[Fk, ...] = ()
 

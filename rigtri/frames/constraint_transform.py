@@ -19,7 +19,7 @@ import numpy as np
 from rigtri.maths.matrices import rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.constraints import Rule, note_of, rules_of
+from rigtri.model.constraints import Constraint, constraint_metadata, constraints_of
 from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
@@ -31,9 +31,9 @@ _REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "
 def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
     """The notes of a rig, with its rules told in the frames that turn by ``delta``, (n, 4)."""
     notes = dict(rig.metadata)
-    for node, rule in rules_of(rig).items():
+    for node, rule in constraints_of(rig).items():
         if _touched(rig, rule, delta) and not _lost(rig, rule, delta):
-            stored = note_of(rig, _reoriented(rig, rule, delta))
+            stored = constraint_metadata(rig, _reoriented(rig, rule, delta))
             notes[node] = {**notes[node], **{key: stored[key] for key in _REORIENTED if key in stored}}
     for node, note in rig.metadata.items():
         if note.get("type") == "poseReader":
@@ -80,14 +80,14 @@ def _reoriented_reader(rig: Rig, note: Mapping[str, Any], delta: Floats) -> Mapp
 
 def lost_rules(rig: Rig, delta: Floats) -> list[int]:
     """The nodes of rules that mean something else after the turns, (n, 4), and have to be set again."""
-    return [node for node, rule in rules_of(rig).items() if _lost(rig, rule, delta)]
+    return [node for node, rule in constraints_of(rig).items() if _lost(rig, rule, delta)]
 
 
 def _of(delta: Floats, node: int) -> Floats:
     return np.asarray(delta[node]) if node >= 0 else IDENTITY
 
 
-def _touched(rig: Rig, rule: Rule, delta: Floats) -> bool:
+def _touched(rig: Rig, rule: Constraint, delta: Floats) -> bool:
     nodes = [rule.child, *rule.sources]
     nodes += [int(rig.parents[node]) for node in nodes]
     return any((_of(delta, node) != IDENTITY).any() for node in nodes)
@@ -97,7 +97,7 @@ def _alike(a: Floats, b: Floats) -> bool:
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= _SAME)
 
 
-def _lost(rig: Rig, rule: Rule, delta: Floats) -> bool:
+def _lost(rig: Rig, rule: Constraint, delta: Floats) -> bool:
     own, above = _of(delta, rule.child), _of(delta, int(rig.parents[rule.child]))
     drivers = [_of(delta, node) for node in rule.drivers]
     if rule.kind == "scale":
@@ -113,7 +113,7 @@ def _lost(rig: Rig, rule: Rule, delta: Floats) -> bool:
     return False
 
 
-def _reoriented(rig: Rig, rule: Rule, delta: Floats) -> Rule:
+def _reoriented(rig: Rig, rule: Constraint, delta: Floats) -> Constraint:
     own, above = _of(delta, rule.child), _of(delta, int(rig.parents[rule.child]))
     roll = rule.roll
     if roll:
@@ -135,7 +135,7 @@ def _reoriented(rig: Rig, rule: Rule, delta: Floats) -> Rule:
     )
 
 
-def _offsets(rig: Rig, rule: Rule, delta: Floats, own: Floats, above: Floats) -> Floats:
+def _offsets(rig: Rig, rule: Constraint, delta: Floats, own: Floats, above: Floats) -> Floats:
     drivers = np.stack([_of(delta, node) for node in rule.drivers])
     if rule.kind in ("point", "scale"):
         return rule.offsets

@@ -1,4 +1,4 @@
-"""Rules by which a node follows others: what a note of type ``constraint`` says, as arrays.
+"""Constraints by which nodes follow others: records of type ``constraint``, as arrays.
 
 ``child_world = offset · driver_world`` and ``child_local = child_world · inverse(child_parent_world)``,
 each kind with its part of the matrices; `evaluation.constraint_solver` evaluates them. VRM's own constraints,
@@ -9,25 +9,22 @@ Source: "Matrix parent constraint" (article).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
-from rigtri.maths.euler import ORDERS, Order
+from rigtri.maths.euler import Order
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.metadata import ConstraintKind, ConstraintRecord, ConstraintSpace, WorldUp
 from rigtri.model.rig import Rig
 
-Kind = Literal["parent", "point", "orient", "scale", "aim", "polevector"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
-Space = Literal["world", "local", "roll"]
-WorldUp = Literal["vector", "object", "objectrotation", "none"]
+KINDS: tuple[ConstraintKind, ...] = get_args(ConstraintKind)
 WORLD_UPS: tuple[WorldUp, ...] = get_args(WorldUp)
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # What each kind sets on its child.
-CHANNELS: dict[Kind, tuple[str, ...]] = {
+CHANNELS: dict[ConstraintKind, tuple[str, ...]] = {
     "parent": TRANSLATION + ROTATION + SCALE,
     "point": TRANSLATION,
     "orient": ROTATION,
@@ -39,7 +36,7 @@ _WORLD_Y = (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Rule:
+class Constraint:
     """How ``child`` follows ``drivers``; nodes are indices of a rig.
 
     weights: (d,), ≥ 0, their ratio counts; all 0: the child keeps its own. offsets: (d, 4, 4), of
@@ -52,7 +49,7 @@ class Rule:
     chain: of ``polevector``, root, middle and end joint.
     """
 
-    kind: Kind
+    kind: ConstraintKind
     child: int
     drivers: tuple[int, ...]
     weights: Floats
@@ -61,7 +58,7 @@ class Rule:
     order: Order = "xyz"
     joint_orient: Floats = field(default_factory=IDENTITY.copy)
     rest: Floats = field(default_factory=IDENTITY.copy)
-    space: Space = "world"
+    space: ConstraintSpace = "world"
     roll: str = ""
     aim: tuple[float, float, float] = (1.0, 0.0, 0.0)
     up: tuple[float, float, float] = _WORLD_Y
@@ -81,121 +78,91 @@ class Rule:
         return (*self.drivers, self.up_object) if self.up_object >= 0 else self.drivers
 
 
-def note_of(rig: Rig, rule: Rule) -> dict[str, Any]:
-    """What is stored of a rule: nodes by address, matrices as rows of 16 numbers one after another."""
-    note: dict[str, Any] = {
+def constraint_metadata(rig: Rig, constraint: Constraint) -> dict[str, Any]:
+    """What a node stores of a constraint: nodes by address, matrices as 16 numbers, row by row."""
+    stored: dict[str, Any] = {
         "v": 1,
         "type": "constraint",
-        "kind": rule.kind,
-        "child": rig.address(rule.child),
-        "drivers": [rig.address(node) for node in rule.drivers],
-        "weights": _numbers(rule.weights),
-        "offsets": _numbers(rule.offsets),
+        "kind": constraint.kind,
+        "child": rig.address(constraint.child),
+        "drivers": [rig.address(node) for node in constraint.drivers],
+        "weights": _numbers(constraint.weights),
+        "offsets": _numbers(constraint.offsets),
     }
-    if rule.kind == "polevector":
-        return note | {"chain": [rig.address(node) for node in rule.chain]}
-    if rule.skip:
-        note["skip"] = [channel for channel in CHANNELS[rule.kind] if channel in rule.skip]
-    if set(CHANNELS[rule.kind]) & set(ROTATION):
-        note |= {"rotateOrder": rule.order, "jointOrient": _numbers(rule.joint_orient)}
-    if rule.kind == "aim" or rule.space == "roll":
-        note["rest"] = _numbers(rule.rest)
-    if rule.kind == "orient":
-        note["space"] = rule.space
-        note |= {"rollAxis": rule.roll} if rule.space == "roll" else {}
-    if rule.kind == "aim":
-        note |= {"aim": _numbers(rule.aim), "up": _numbers(rule.up), "worldUp": rule.world_up}
-        if rule.world_up in ("vector", "objectrotation"):
-            note["worldUpVector"] = _numbers(rule.up_vector)
-        if rule.up_object >= 0:
-            note["worldUpObject"] = rig.address(rule.up_object)
-    return note
+    if constraint.kind == "polevector":
+        return stored | {"chain": [rig.address(node) for node in constraint.chain]}
+    if constraint.skip:
+        stored["skip"] = [channel for channel in CHANNELS[constraint.kind] if channel in constraint.skip]
+    if set(CHANNELS[constraint.kind]) & set(ROTATION):
+        stored |= {"rotateOrder": constraint.order, "jointOrient": _numbers(constraint.joint_orient)}
+    if constraint.kind == "aim" or constraint.space == "roll":
+        stored["rest"] = _numbers(constraint.rest)
+    if constraint.kind == "orient":
+        stored["space"] = constraint.space
+        stored |= {"rollAxis": constraint.roll} if constraint.space == "roll" else {}
+    if constraint.kind == "aim":
+        stored |= {
+            "aim": _numbers(constraint.aim),
+            "up": _numbers(constraint.up),
+            "worldUp": constraint.world_up,
+        }
+        if constraint.world_up in ("vector", "objectrotation"):
+            stored["worldUpVector"] = _numbers(constraint.up_vector)
+        if constraint.up_object >= 0:
+            stored["worldUpObject"] = rig.address(constraint.up_object)
+    return stored
 
 
-def rules_of(rig: Rig) -> dict[int, Rule]:
-    """The rules of a rig by the nodes that keep them; what is no whole rule, or of no node here, is none.
+def constraints_of(rig: Rig) -> dict[int, Constraint]:
+    """The constraints of a rig by the nodes that keep them, without damaged ones and those of unknown nodes.
 
-    Notes are what a file says: another program, or somebody, may have changed them.
+    Another program, or somebody, may have changed what a file stores.
     """
     found = {}
-    for node, note in rig.metadata.items():
-        if note.get("type") == "constraint" and _whole(note):
-            names = (note["child"], *note["drivers"], *note.get("chain", ()))
-            names += (note["worldUpObject"],) if "worldUpObject" in note else ()
-            if all(rig.known(name) is not None for name in names):
-                found[node] = rule_of(rig, note)
+    for node, record in rig.records(ConstraintRecord).items():
+        names = (record.child, *record.drivers, *record.chain)
+        names += (record.world_up_object,) if record.world_up_object else ()
+        if _fits(record) and all(rig.known(name) is not None for name in names):
+            found[node] = constraint_of(rig, record)
     return found
 
 
-def _whole(note: Mapping[str, Any]) -> bool:
-    """Whether a note says all that a rule needs, as schemas/node.schema.json has it."""
-    kind, drivers = note.get("kind"), note.get("drivers")
-    if kind not in KINDS or not _words(drivers) or not drivers:
-        return False
-    roll = note.get("space") == "roll"
+def _fits(record: ConstraintRecord) -> bool:
+    """Whether the values of a record fit each other, as schemas/node.schema.json has it."""
+    count = len(record.drivers)
     return (
-        isinstance(note.get("child"), str)
-        and _row(note.get("weights"), len(drivers))
-        and min(note["weights"]) >= 0
-        and _row(note.get("offsets"), 16 * (1 if kind == "aim" else len(drivers)))
-        and _words(note.get("skip", []))
-        and note.get("rotateOrder", "xyz") in ORDERS
-        and note.get("space", "world") in get_args(Space)
-        and note.get("rollAxis", "") in (("x", "y", "z") if roll else ("",))
-        and note.get("worldUp", "none") in WORLD_UPS
-        and all(_row(note[key], 4) for key in ("jointOrient", "rest") if key in note)
-        and all(_row(note[key], 3) for key in ("aim", "up", "worldUpVector") if key in note)
-        and _words(note.get("chain", []))
-        and (kind != "polevector" or len(note.get("chain", ())) == 3)
+        0 < count == len(record.weights)
+        and min(record.weights) >= 0
+        and len(record.offsets) == 16 * (1 if record.kind == "aim" else count)
+        and bool(record.roll_axis) == (record.space == "roll")
+        and (record.kind != "polevector" or len(record.chain) == 3)
     )
 
 
-def _words(value: Any) -> bool:
-    return isinstance(value, list | tuple) and all(isinstance(item, str) for item in value)
-
-
-def _row(value: Any, count: int) -> bool:
-    """Whether a value is a list of so many finite numbers."""
-    return (
-        isinstance(value, list | tuple)
-        and len(value) == count
-        and all(isinstance(x, int | float) and abs(x) < 1e300 for x in value)
-    )
-
-
-def rule_of(rig: Rig, note: Mapping[str, Any]) -> Rule:
-    """The rule that a note of type ``constraint`` tells.
+def constraint_of(rig: Rig, record: ConstraintRecord) -> Constraint:
+    """The constraint of a record.
 
     Raises NameNotFoundError or AmbiguousNameError where a node is no longer called so.
     """
-    aim, up, up_vector = (
-        _triple(note.get(key, default))
-        for key, default in (("aim", (1.0, 0.0, 0.0)), ("up", _WORLD_Y), ("worldUpVector", _WORLD_Y))
+    return Constraint(
+        kind=record.kind,
+        child=rig.find(record.child, "node"),
+        drivers=tuple(rig.find(name, "node") for name in record.drivers),
+        weights=np.array(record.weights, dtype=np.float64),
+        offsets=np.array(record.offsets, dtype=np.float64).reshape(-1, 4, 4),
+        skip=frozenset(record.skip),
+        order=record.rotate_order,
+        joint_orient=np.array(record.joint_orient, dtype=np.float64),
+        rest=np.array(record.rest, dtype=np.float64),
+        space=record.space,
+        roll=record.roll_axis,
+        aim=record.aim,
+        up=record.up,
+        world_up=record.world_up,
+        up_vector=record.world_up_vector,
+        up_object=rig.find(record.world_up_object, "node") if record.world_up_object else -1,
+        chain=tuple(rig.find(name) for name in record.chain),
     )
-    return Rule(
-        kind=note["kind"],
-        child=rig.find(note["child"], "node"),
-        drivers=tuple(rig.find(name, "node") for name in note["drivers"]),
-        weights=np.array(note["weights"], dtype=np.float64),
-        offsets=np.array(note["offsets"], dtype=np.float64).reshape(-1, 4, 4),
-        skip=frozenset(note.get("skip", ())),
-        order=note.get("rotateOrder", "xyz"),
-        joint_orient=np.array(note.get("jointOrient", IDENTITY), dtype=np.float64),
-        rest=np.array(note.get("rest", IDENTITY), dtype=np.float64),
-        space=note.get("space", "world"),
-        roll=note.get("rollAxis", ""),
-        aim=aim,
-        up=up,
-        world_up=note.get("worldUp", "none"),
-        up_vector=up_vector,
-        up_object=rig.find(note["worldUpObject"], "node") if "worldUpObject" in note else -1,
-        chain=tuple(rig.find(name) for name in note.get("chain", ())),
-    )
-
-
-def _triple(values: Sequence[float]) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
 
 
 def _numbers(values: Any) -> list[float]:

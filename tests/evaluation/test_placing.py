@@ -6,7 +6,7 @@ import pytest
 from baked_rigs import BOUND, apart, rigged
 
 from rigtri.evaluation import sampling
-from rigtri.model.constraints import rules_of
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
@@ -42,7 +42,7 @@ def test_controls_are_found_before_what_follows_them(rules: list[tuple[str, str,
     report = Report()
     up = bake(rig, options=WAVE, report=report)
     home = bake(up, options=BakeOptions(clips=("wave",), fps=10))
-    ruled = set(rules_of(rig))
+    ruled = set(constraints_of(rig))
     assert ruled
     told = {entry["clip"]: entry["deviation"] for entry in report.added}
     heard = [notice for notice in report.warnings if notice.code == "controls-off"]

@@ -31,7 +31,8 @@ from rigtri.maths.quaternions import average, between, conjugate, from_axis_angl
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.constraints import KINDS, Kind, rule_of, rules_of
+from rigtri.model.constraints import KINDS, constraint_of, constraints_of
+from rigtri.model.metadata import ConstraintKind, ConstraintRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -74,7 +75,7 @@ def moved(rig: Rig, seed: int, *nodes: str) -> Rig:
     return replace(rig, rotation=rotation, translation=translation)
 
 
-def options(kind: Kind, *drivers: str, **more: Any) -> ConstrainOptions:
+def options(kind: ConstraintKind, *drivers: str, **more: Any) -> ConstrainOptions:
     return ConstrainOptions(kind=kind, child="child", drivers=tuple((name, 1.0) for name in drivers), **more)
 
 
@@ -143,7 +144,7 @@ def test_a_point_follows_the_place_alone_and_orient_the_turn_alone() -> None:
     rig = rig_of(["driver", "child"], [-1, -1], np.array([[1.0, 0, 0], [3, 0, 0]]))
     turn = from_axis_angle([0, 0, 1], np.pi / 2)
 
-    def after(kind: Kind) -> Floats:
+    def after(kind: ConstraintKind) -> Floats:
         out = constrain(rig, options=options(kind, "driver"))
         out.translation[0], out.rotation[0] = (1, 2, 0), turn
         return solved(replace(out))[1]
@@ -176,7 +177,11 @@ def test_offset_and_joint_orient_go_together() -> None:
     rotation[0] = about_z(80)
     out = replace(made, rotation=rotation)
     assert_allclose(solved(out)[2], compose([0, 0, 0], about_z(105), [1, 1, 1]), atol=1e-12)
-    (rule,) = (rule_of(out, note) for note in out.metadata.values() if note["type"] == "constraint")
+    (rule,) = (
+        constraint_of(out, ConstraintRecord.from_dict(note))
+        for note in out.metadata.values()
+        if note["type"] == "constraint"
+    )
     local = apply_constraints(out, out.normalised_local[np.newaxis])[0, 2]
     assert_allclose(np.degrees(rotate_of(rule, to_parts(local).rotation)), [0, 0, 65], atol=1e-10)
     # Taking the joint orient out of the world turn, before the parent, is what fails in the article.
@@ -348,7 +353,7 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
         out = constrain(rig, options=given)
         (note,) = (note for note in out.metadata.values() if note["type"] == "constraint")
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
-        rule = rule_of(out, note)
+        rule = constraint_of(out, ConstraintRecord.from_dict(note))
         # In the plane of the bend, as far from the line of root and end as the driver.
         assert_allclose(pole_position(rule, out.world[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12)
 
@@ -677,7 +682,7 @@ def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> Non
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_every_kind_is_the_same_in_both_formats(
-    kind: Kind, suffix: str, samples: Path, tmp_path: Path
+    kind: ConstraintKind, suffix: str, samples: Path, tmp_path: Path
 ) -> None:
     given = ConstrainOptions(
         kind,
@@ -849,9 +854,9 @@ def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> No
     """As another program may have left it."""
     rig = constrain(random_pose(1), options=options("orient", "driver", "other"))
     node = len(rig) - 1
-    assert set(rules_of(rig)) == {node}
+    assert set(constraints_of(rig)) == {node}
     broken = replace(rig, metadata={**rig.metadata, node: {**rig.metadata[node], **wrong}})
-    assert not rules_of(broken)
+    assert not constraints_of(broken)
     local = broken.normalised_local[np.newaxis]
     assert apply_constraints(broken, local).tolist() == local.tolist()
     turns = np.tile([0.5, 0.5, 0.5, 0.5], (len(rig), 1))

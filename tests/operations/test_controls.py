@@ -188,7 +188,7 @@ def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> N
     moved[control] = [1, 2, 3]
     again = add_controls(replace(rig, translation=moved), options=WHOLE)
     assert again.translation[control].tolist() == [1, 2, 3]
-    assert not again.shapes
+    assert not again.pending.shapes
 
 
 def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:

@@ -23,7 +23,7 @@ from rigtri.maths.matrices import multiply as after
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.constraints import rules_of
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
@@ -171,7 +171,7 @@ def test_mirrored_drivers_give_mirrored_children_by_the_mirrored_constraint(buil
     found = []
     for side in "LR":
         node = built.find(f"{child}_{side}")
-        (rule,) = (rule for rule in rules_of(built).values() if rule.child == node)
+        (rule,) = (rule for rule in constraints_of(built).values() if rule.child == node)
         above = world[int(built.parents[node])]
         at = evaluate_constraint(
             rule, world[list(rule.drivers)][np.newaxis], above[np.newaxis], local[node][np.newaxis]

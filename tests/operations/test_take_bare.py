@@ -49,8 +49,8 @@ def far(a: Rig, b: Rig) -> float:
     one, other = played_at_once(a, "all"), played_at_once(b, "all")
     clip = "all" if any(clip.name == "all" for clip in other.clips) else "walk"
     times = np.linspace(0.0, 1.0, 33)
-    mine = places(one, "all", times * a.per_second)
-    its = places(other, clip, times * b.per_second)
+    mine = places(one, "all", times * a.rules.per_second)
+    its = places(other, clip, times * b.rules.per_second)
     return max(float(np.abs(mine[name] - its[name]).max()) for name in mine if name in its)
 
 

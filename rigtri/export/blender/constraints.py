@@ -17,14 +17,14 @@ from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross
-from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Rule
+from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Constraint
 from rigtri.report import Report
 
 _GROUPS = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
 _COPIES = {"t": "COPY_LOCATION", "r": "COPY_ROTATION", "s": "COPY_SCALE"}
 
 
-def follow(plan: Plan, rule: Rule, report: Report) -> None:
+def follow(plan: Plan, rule: Constraint, report: Report) -> None:
     """A rule as constraints of its child; a warning where Blender has none that says the same."""
     child = plan.rig.title(rule.child)
     if not rule.weights.any() or not rule.sets:
@@ -45,7 +45,7 @@ def follow(plan: Plan, rule: Rule, report: Report) -> None:
             _FOLLOWS[rule.kind](plan, rule, driver, offset, weight / total)
 
 
-def _parent(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -> None:
+def _parent(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
     stand = multiply(offset, plan.reference.world[driver])
     name = f"{plan.called(rule.child)} parent"
     socket = plan.socket(name, plan.node(driver), stand, bone=plan.bone_axes(rule.child))
@@ -55,7 +55,7 @@ def _parent(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -
         plan.constrain(plan.node(rule.child), kind, socket, share=share)
 
 
-def _point(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -> None:
+def _point(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
     name = f"{plan.called(rule.child)} point"
     start = from_frame(np.eye(3), plan.reference.world[driver, 3, :3])
     there = plan.socket(name, "", start, bone=True)
@@ -65,7 +65,7 @@ def _point(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) ->
     plan.constrain(plan.node(rule.child), "COPY_LOCATION", socket, share=share)
 
 
-def _orient(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -> None:
+def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
     if rule.space != "world":
         _locally(plan, rule, driver, offset, share)
         return
@@ -76,7 +76,7 @@ def _orient(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -
     plan.constrain(plan.node(rule.child), "COPY_ROTATION", socket, share=share)
 
 
-def _locally(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -> None:
+def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
     """A turn that is told from the driver's parent: what one socket sees of the other is the child's turn
     from rest, in its own axes; of a roll, with y along the axis of the roll."""
     rig, world, child = plan.rig, plan.reference.world, rule.child
@@ -105,7 +105,7 @@ def _locally(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) 
     plan.constrain(plan.node(child), "COPY_ROTATION", hold, share=share)
 
 
-def _scale(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) -> None:
+def _scale(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
     world = plan.reference.world[driver]
     stand = world.copy()
     stand[:3, :3] = world[:3, :3] * np.diagonal(offset)[:3, np.newaxis]
@@ -117,7 +117,7 @@ def _scale(plan: Plan, rule: Rule, driver: int, offset: Floats, share: float) ->
 _FOLLOWS = {"parent": _parent, "point": _point, "orient": _orient, "scale": _scale}
 
 
-def _aim(plan: Plan, rule: Rule) -> None:
+def _aim(plan: Plan, rule: Constraint) -> None:
     """A socket whose y axis tracks the target, and its z axis what is up; the child rides on it."""
     rig, world = plan.rig, plan.reference.world
     child, above = rule.child, int(rig.parents[rule.child])
@@ -139,7 +139,7 @@ def _aim(plan: Plan, rule: Rule) -> None:
     plan.constrain(plan.node(child), "COPY_ROTATION", socket)
 
 
-def _top(plan: Plan, rule: Rule, hung: str, place: Floats) -> str:
+def _top(plan: Plan, rule: Constraint, hung: str, place: Floats) -> str:
     """What the up axis of an aim leans to: a node, or a socket in a direction from the child."""
     if rule.world_up == "object":
         return plan.node(rule.up_object)

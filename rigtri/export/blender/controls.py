@@ -16,7 +16,7 @@ from rigtri.maths.matrices import from_frame, transform_directions, transform_po
 from rigtri.maths.quaternions import from_axis_angle, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
-from rigtri.model.constraints import Rule
+from rigtri.model.constraints import Constraint
 
 # Radians by which the bones that solve IK are built bent, where a limb is straighter: Blender's solver
 # bends no chain that is built straight.
@@ -103,7 +103,7 @@ def _turned(line: Floats, hinge: Floats, angle: float) -> Floats:
     return rotate(from_axis_angle(hinge, np.float64(angle)), line) if np.isfinite(hinge).all() else line
 
 
-def pole_place(plan: Plan, rule: Rule) -> str:
+def pole_place(plan: Plan, rule: Constraint) -> str:
     """What a rule makes the pole of a limb: the middle of points that ride on its drivers."""
     points = []
     for driver, offset, weight in zip(rule.drivers, rule.offsets, rule.weights.tolist(), strict=True):

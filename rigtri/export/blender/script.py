@@ -19,7 +19,7 @@ from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, left_out, twist
 from rigtri.export.blender.controls import controls, pole_place
 from rigtri.export.blender.plan import Plan
-from rigtri.model.constraints import rules_of
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -67,7 +67,7 @@ def planned(rig: Rig, report: Report) -> Plan:
     for each in twist_joints(rig):
         twist(plan, each)
     ordered = sorted(
-        (rule for rule in rules_of(rig).values() if rule.kind != "polevector"),
+        (rule for rule in constraints_of(rig).values() if rule.kind != "polevector"),
         key=lambda rule: min("trs".index(channel[0]) for channel in rule.sets) if rule.sets else 3,
     )
     for rule in ordered:

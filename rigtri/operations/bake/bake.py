@@ -43,7 +43,7 @@ from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
-from rigtri.model.constraints import rules_of
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (
@@ -148,7 +148,11 @@ class _Baker:
         self.reference = ControlsAtZero(rig)
         follows = options.to == "joints" and rivets_and_readers(rig)
         if not (
-            self.reference.fk or self.reference.limbs or self.reference.roots or rules_of(rig) or follows
+            self.reference.fk
+            or self.reference.limbs
+            or self.reference.roots
+            or constraints_of(rig)
+            or follows
         ):
             raise GeometryError(
                 "There is nothing to bake: the file has no controls and no constraints of rigtri. "

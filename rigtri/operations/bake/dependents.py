@@ -7,7 +7,7 @@ import numpy as np
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.dependency_graph import dependencies, find_cycle
 from rigtri.evaluation.skinning import SkinnedPoints
-from rigtri.model.constraints import rules_of
+from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
@@ -26,7 +26,7 @@ def rivets_and_readers(rig: Rig) -> list[int]:
 
 def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     """The rivets that a constraint looks at, or that hold what it looks at."""
-    sources = rig.with_ancestors(node for rule in rules_of(rig).values() for node in rule.sources)
+    sources = rig.with_ancestors(node for rule in constraints_of(rig).values() for node in rule.sources)
     return frozenset(node for node in sources if rig.type_of(node) == "rivet")
 
 

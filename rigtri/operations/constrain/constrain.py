@@ -30,12 +30,11 @@ from rigtri.model.constraints import (
     SCALE,
     TRANSLATION,
     WORLD_UPS,
-    Kind,
-    Rule,
-    WorldUp,
-    note_of,
-    rules_of,
+    Constraint,
+    constraint_metadata,
+    constraints_of,
 )
+from rigtri.model.metadata import ConstraintKind, WorldUp
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
@@ -63,7 +62,7 @@ class ConstrainOptions:
     vrm: also as VRMC_node_constraint where that says the same.
     """
 
-    kind: Kind
+    kind: ConstraintKind
     child: str = ""
     drivers: tuple[tuple[str, float], ...] = ()
     skip: tuple[str, ...] = ()
@@ -159,7 +158,7 @@ def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     )
 
 
-def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Rig:
+def follow(rig: Rig, rule: Constraint, *, keep: bool, vrm: bool, report: Report) -> Rig:
     """Store a rule whose offsets are still to be measured; see `constrain`.
 
     keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint.
@@ -174,7 +173,7 @@ def follow(rig: Rig, rule: Rule, *, keep: bool, vrm: bool, report: Report) -> Ri
     return stored
 
 
-def _constraint_of(rig: Rig, options: ConstrainOptions) -> Rule:
+def _constraint_of(rig: Rig, options: ConstrainOptions) -> Constraint:
     """What the options say, with offsets still to be measured."""
     drivers = tuple(rig.find(name, "node") for name, _ in options.drivers)
     chain = _chain(rig, options) if options.kind == "polevector" else ()
@@ -186,7 +185,7 @@ def _constraint_of(rig: Rig, options: ConstrainOptions) -> Rule:
     given = options.joint_orient
     joint_orient = orients[given] if isinstance(given, str) else from_angles(np.array(given) * _DEGREE, "xyz")
     up_vector = options.up_vector or (rig.rules.up if options.world_up == "vector" else options.up)
-    return Rule(
+    return Constraint(
         kind=options.kind,
         child=child,
         drivers=drivers,
@@ -228,9 +227,9 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
     return chains.pop()
 
 
-def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
+def _place(rig: Rig, rule: Constraint, report: Report) -> int | None:
     """The node of the constraint that this one replaces; None where it is a new one."""
-    of_child = {node: old for node, old in rules_of(rig).items() if old.child == rule.child}
+    of_child = {node: old for node, old in constraints_of(rig).items() if old.child == rule.child}
     same = next((node for node, old in of_child.items() if old.kind == rule.kind), None)
     others = [node for node, old in of_child.items() if node != same and old.sets & rule.sets]
     if same is None and len(others) == 1:
@@ -249,7 +248,7 @@ def _place(rig: Rig, rule: Rule, report: Report) -> int | None:
     return same
 
 
-def _refuse_cycles(rig: Rig, rule: Rule, place: int | None) -> None:
+def _refuse_cycles(rig: Rig, rule: Constraint, place: int | None) -> None:
     """GeometryError where a driver, or the up object, depends on the child."""
     children = rule.chain or (rule.child,)
     before = remove_node_constraint(rig, place) if place is not None else rig
@@ -262,7 +261,7 @@ def _refuse_cycles(rig: Rig, rule: Rule, place: int | None) -> None:
         )
 
 
-def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
+def _refuse_unsolvable(before: Rig, after: Rig, rule: Constraint) -> None:
     """GeometryError where a rule leaves no order in which `bake` could work; not for what had none before."""
     try:
         refuse_cycles(after)
@@ -278,7 +277,7 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Rule) -> None:
         ) from error
 
 
-def _warn(rig: Rig, rule: Rule, report: Report) -> None:
+def _warn(rig: Rig, rule: Constraint, report: Report) -> None:
     """What the user should know of the rule as it is."""
     if not rule.weights.any():
         report.warn(
@@ -297,10 +296,10 @@ def _warn(rig: Rig, rule: Rule, report: Report) -> None:
             )
 
 
-def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) -> Rig:
+def _stored(rig: Rig, rule: Constraint, place: int | None, vrm: bool, report: Report) -> Rig:
     """The rig with the rule's note, and the record of it."""
     name = f"con_{rig.names[rule.child] or f'node_{rule.child}'}_{rule.kind}"
-    note, known = note_of(rig, rule), rig.node_constraints
+    note, known = constraint_metadata(rig, rule), rig.node_constraints
     if place is None:
         rig, above = group(rig)
         rig, node = add(rig, name, above, note)
@@ -323,7 +322,7 @@ def _stored(rig: Rig, rule: Rule, place: int | None, vrm: bool, report: Report) 
     return rig
 
 
-def _record(rig: Rig, rule: Rule, node: int, note: dict[str, Any]) -> dict[str, Any]:
+def _record(rig: Rig, rule: Constraint, node: int, note: dict[str, Any]) -> dict[str, Any]:
     record: dict[str, Any] = {
         "node": rig.names[node],
         "type": "constraint",

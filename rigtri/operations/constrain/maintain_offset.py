@@ -14,14 +14,14 @@ from rigtri.maths.quaternions import IDENTITY, conjugate, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise, perpendicular, project
-from rigtri.model.constraints import Rule
+from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 
 # Sine of a limb's bend below which its plane is the rounding of its positions.
 _STRAIGHT = 1e-6
 
 
-def measured(rig: Rig, rule: Rule, *, keep: bool) -> Rule:
+def measured(rig: Rig, rule: Constraint, *, keep: bool) -> Constraint:
     """The rule with its offsets, by rule (`rigtri.model.constraints`); without ``keep`` they change nothing.
 
     Raises GeometryError where the child, its parent or a driver has no frame (a scale of zero).
@@ -47,7 +47,7 @@ def measured(rig: Rig, rule: Rule, *, keep: bool) -> Rule:
     return replace(rule, offsets=offsets)
 
 
-def _check_aim(rig: Rig, rule: Rule, world: Floats) -> None:
+def _check_aim(rig: Rig, rule: Constraint, world: Floats) -> None:
     """GeometryError where a child stands where it is to aim at."""
     places = world[[rule.child, *rule.drivers], 3, :3]
     size = max(float(np.abs(places).max()), float(np.abs(world[:, 3, :3]).max()))
@@ -58,7 +58,7 @@ def _check_aim(rig: Rig, rule: Rule, world: Floats) -> None:
         )
 
 
-def _offsets(rule: Rule, world: Floats, local: Floats, parent: Floats) -> Floats:
+def _offsets(rule: Constraint, world: Floats, local: Floats, parent: Floats) -> Floats:
     drivers = world[list(rule.drivers)]
     mine = to_parts(local[rule.child])
     if rule.kind == "parent":
@@ -85,7 +85,7 @@ def _offsets(rule: Rule, world: Floats, local: Floats, parent: Floats) -> Floats
     return _pole_offsets(rule, world, drivers)
 
 
-def _pole_offsets(rule: Rule, world: Floats, drivers: Floats) -> Floats:
+def _pole_offsets(rule: Constraint, world: Floats, drivers: Floats) -> Floats:
     """From each driver to where, about the line from root to end, it lies in the plane of the bend."""
     root, middle, end = (world[joint, 3, :3] for joint in rule.chain)
     bend = perpendicular(middle - root, end - root)

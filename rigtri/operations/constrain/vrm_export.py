@@ -22,7 +22,7 @@ from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.constraints import Rule
+from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 
 Said = Literal["rotation", "roll", "aim"]
@@ -34,7 +34,7 @@ _EVEN = 1e-5
 
 
 def export_node_constraint(
-    rig: Rig, rule: Rule, known: Sequence[NodeConstraint]
+    rig: Rig, rule: Constraint, known: Sequence[NodeConstraint]
 ) -> tuple[Rig, str, Said | None]:
     """The rig with the rule as a node constraint too, "" and its kind; or the rig, why not, and None.
 
@@ -69,7 +69,7 @@ def remove_node_constraint(rig: Rig, node: int) -> Rig:
     return replace(rig, node_constraints=kept)
 
 
-def _kind(rule: Rule) -> Said | None:
+def _kind(rule: Constraint) -> Said | None:
     if rule.kind == "aim":
         return "aim"
     if rule.kind != "orient":
@@ -77,7 +77,7 @@ def _kind(rule: Rule) -> Said | None:
     return "roll" if rule.space == "roll" else "rotation"
 
 
-def _why_not(rig: Rig, rule: Rule) -> str:
+def _why_not(rig: Rig, rule: Constraint) -> str:
     """Why no node constraint says a rule, by its options alone; "" where one may."""
     if rig.rules.orient_locked:
         return "a VRM 0 file has none"
@@ -94,7 +94,7 @@ def _why_not(rig: Rig, rule: Rule) -> str:
     return ""
 
 
-def _why_no_frame(rig: Rig, rule: Rule) -> str:
+def _why_no_frame(rig: Rig, rule: Constraint) -> str:
     """Why the nodes are none that viewers turn as the rule says."""
     child, driver = rule.child, rule.drivers[0]
     if any(c.node == child and c.kind != "tail" for c in rig.node_constraints):
@@ -114,7 +114,7 @@ def _why_no_frame(rig: Rig, rule: Rule) -> str:
     return ""
 
 
-def _why_elsewhere(rig: Rig, rule: Rule) -> str:
+def _why_elsewhere(rig: Rig, rule: Constraint) -> str:
     """Why the node constraint would turn the child otherwise than the rule."""
     if rule.kind == "orient" and rule.space == "world":
         if rig.parents[rule.child] != rig.parents[rule.drivers[0]]:

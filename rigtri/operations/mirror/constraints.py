@@ -12,7 +12,7 @@ from rigtri.frames.mirror_modes import mirrored_axes
 from rigtri.maths.matrices import identity, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotation_angle, to_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.constraints import Rule, rules_of
+from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.mirror.mirrored_metadata import (
@@ -31,7 +31,7 @@ from rigtri.report import Report
 def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Let the twins follow as this side does, by offsets that leave them where they are."""
     for node, note in of_side(rig, options, "constraint"):
-        rule = rules_of(rig).get(node)
+        rule = constraints_of(rig).get(node)
         mirrored = None if rule is None else _mirrored(rig, rule, options)
         if rule is None or mirrored is None:
             lone(rig, node, report, "constraint", "the other side lacks a node that it is about")
@@ -52,7 +52,7 @@ def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     return rig
 
 
-def _mirrored(rig: Rig, rule: Rule, options: MirrorOptions) -> Rule | None:
+def _mirrored(rig: Rig, rule: Constraint, options: MirrorOptions) -> Constraint | None:
     """The rule of the other side, with offsets still to be measured; None where a node has no twin."""
     child, chain = other(rig, rule.child), [other(rig, node) for node in rule.chain]
     drivers = [other(rig, node) for node in rule.drivers]
@@ -83,7 +83,7 @@ def _mirrored(rig: Rig, rule: Rule, options: MirrorOptions) -> Rule | None:
     )
 
 
-def _joint_orient(rig: Rig, rule: Rule, child: int, options: MirrorOptions) -> Floats:
+def _joint_orient(rig: Rig, rule: Constraint, child: int, options: MirrorOptions) -> Floats:
     """The twin's own rest rotation or none, where the rule's is that, else the mirrored one, (4,)."""
     local, given = rig.normalised_local, rule.joint_orient
     if _same(given, IDENTITY):

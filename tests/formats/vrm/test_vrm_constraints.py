@@ -302,7 +302,7 @@ def test_an_axis_that_is_not_written_is_the_first(tmp_path: Path) -> None:
     builder = small()
     extension = {"specVersion": "1.0", "constraint": {"aim": {"source": 2}}}
     builder.gltf["nodes"][1]["extensions"] = {"VRMC_node_constraint": extension}
-    (constraint,) = opened(builder, tmp_path).constraints
+    (constraint,) = opened(builder, tmp_path).node_constraints
     assert constraint.axis.tolist() == [1, 0, 0]
 
 
