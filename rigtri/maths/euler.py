@@ -1,6 +1,6 @@
-"""Turns as three angles about axes in one of six orders, and back.
+"""Euler angles in one of six orders from quaternions, and back.
 
-Order ``xyz`` turns about x first, then about y, then about z, of axes that stand still:
+Order ``xyz`` rotates about x first, then about y, then about z, of axes that stand still:
 ``Rx · Ry · Rz`` as row-vector matrices, Maya's ``rotateOrder`` of the same name.
 
 Source: K. Shoemake, "Euler angle conversion", Graphics Gems IV, 1994; the first angle is taken
@@ -19,7 +19,7 @@ from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos
 
 Order = Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"]
 ORDERS: tuple[Order, ...] = get_args(Order)
-# Of a unit vector: less of it tells no direction, and the last angle is taken as 0.
+# Of a unit vector: less of it gives no direction, and the last angle is taken as 0.
 _NOTHING = 1e-15
 
 
@@ -43,7 +43,11 @@ def to_angles(q: ArrayLike, order: Order) -> Floats:
 
 
 def from_angles(angles: ArrayLike, order: Order) -> Floats:
-    """The turns by angles about x, y and z in radians, (..., 3) → (..., 4)."""
+    """Unit quaternions of angles about x, y and z in radians, (..., 3) → (..., 4).
+
+    >>> to_angles(from_angles([0.1, 0.2, 0.3], "zyx"), "zyx").round(9).tolist()
+    [0.1, 0.2, 0.3]
+    """
     angles = np.asarray(angles, dtype=np.float64)
     first, second, third = (
         from_axis_angle(np.eye(3)["xyz".index(letter)], angles[..., "xyz".index(letter)]) for letter in order

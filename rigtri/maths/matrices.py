@@ -50,6 +50,10 @@ def identity(*shape: int) -> Floats:
 def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     """Products a·b, (..., 4, 4): first ``a``, then ``b``. The order matters.
 
+    >>> moved = from_frame(np.eye(3), [1, 2, 3])
+    >>> multiply(moved, moved)[3].tolist()
+    [2.0, 4.0, 6.0, 1.0]
+
     Source: GDC 2018, slide "Matrix Multiplication".
     """
     a, b = as_matrices(a), as_matrices(b)
@@ -91,7 +95,10 @@ def determinant(m: ArrayLike) -> Floats:
 
 
 def local(world: ArrayLike, parent_world: ArrayLike) -> Floats:
-    """Matrices seen from their parents: ``world · inverse(parent_world)``, (..., 4, 4).
+    """Local matrices: ``world · inverse(parent_world)``, (..., 4, 4); `world` is the inverse of this.
+
+    >>> local(from_frame(np.eye(3), [5, 0, 0]), from_frame(np.eye(3), [2, 0, 0]))[3].tolist()
+    [3.0, 0.0, 0.0, 1.0]
 
     Source: GDC 2018, slide "Inverse matrix"; "Matrix parent constraint",
     childLocal = childWorld · parentWorld⁻¹.
@@ -100,7 +107,7 @@ def local(world: ArrayLike, parent_world: ArrayLike) -> Floats:
 
 
 def world(local: ArrayLike, parent_world: ArrayLike) -> Floats:
-    """Matrices seen from the world: ``local · parent_world``, (..., 4, 4).
+    """World matrices: ``local · parent_world``, (..., 4, 4).
 
     Source: "Matrix parent constraint", childWorld = childLocal · childParent.
     """
@@ -118,7 +125,11 @@ def in_space(m: ArrayLike, space: ArrayLike, operation: Callable[[Floats], Array
 
 
 def transform_points(points: ArrayLike, m: ArrayLike) -> Floats:
-    """Points p·M, (..., 3), (..., 4, 4) → (..., 3)."""
+    """Points p·M, (..., 3), (..., 4, 4) → (..., 3).
+
+    >>> transform_points([1, 1, 1], from_frame(2 * np.eye(3), [0, 0, 5])).tolist()
+    [2.0, 2.0, 7.0]
+    """
     m = as_matrices(m)
     return _row_times(as_vectors(points), m[..., :3, :3]) + m[..., 3, :3]
 
@@ -142,7 +153,7 @@ def from_frame(axes: ArrayLike, position: ArrayLike) -> Floats:
 
 
 def compose(translation: ArrayLike, rotation: ArrayLike, scale: ArrayLike) -> Floats:
-    """Matrices that scale, then turn, then move: (..., 3), (..., 4), (..., 3) → (..., 4, 4).
+    """Matrices that scale, then rotate, then translate: (..., 3), (..., 4), (..., 3) → (..., 4, 4).
 
     The rotation is taken as unit; `rigtri.evaluation.sampling` says what becomes of one that is not.
 
@@ -183,8 +194,8 @@ def orthonormal_axes(m: ArrayLike) -> Floats:
 def nearest_rotation(m: ArrayLike) -> Floats:
     """The rotations nearest to the axes of matrices, as rows, (..., 4, 4) → (..., 3, 3).
 
-    Unlike `orthonormal_axes` no axis goes before another, so turning a sheared frame
-    turns its rotation by just as much. A mirrored matrix has all axes negated first.
+    Unlike `orthonormal_axes` no axis goes before another, so rotating a sheared frame
+    rotates the result by just as much. A mirrored matrix has all axes negated first.
     NaN where the axes do not span space.
 
     Source: N. J. Higham, "Computing the polar decomposition", 1986 (Newton's iteration).
@@ -217,7 +228,7 @@ def skew(m: ArrayLike) -> Floats:
 
 
 def rotate_before(q: ArrayLike, m: ArrayLike) -> Floats:
-    """C·M for the rotation C of ``q``: the same place, other axes, (..., 4), (..., 4, 4)."""
+    """C·M for the rotation C of ``q``: the same position, other axes, (..., 4), (..., 4, 4)."""
     m = as_matrices(m).copy()
     axes = to_axes(q)
     m[..., :3, :3] = _rows_times(axes, m[..., :3, :3])
@@ -225,7 +236,7 @@ def rotate_before(q: ArrayLike, m: ArrayLike) -> Floats:
 
 
 def rotate_after(m: ArrayLike, q: ArrayLike) -> Floats:
-    """M·C for the rotation C of ``q``: every row turned, (..., 4, 4), (..., 4)."""
+    """M·C for the rotation C of ``q``: axes and position rotated, (..., 4, 4), (..., 4)."""
     m = as_matrices(m).copy()
     m[..., :, :3] = rotate(np.asarray(q, dtype=np.float64)[..., np.newaxis, :], m[..., :, :3])
     return m

@@ -1,6 +1,6 @@
 """Rotations as unit quaternions xyzw, shape (..., 4); one and many are the same call.
 
-Hamilton's product: ``multiply(a, b)`` turns by ``b`` first, then by ``a``.
+Hamilton's product: ``multiply(a, b)`` rotates by ``b`` first, then by ``a``.
 glTF stores xyzw; ``Gf.Quat`` shows w first and keeps the same numbers.
 
 Source: glTF 2.0, appendix C (slerp); K. Shoemake, "Animating rotation with
@@ -33,10 +33,13 @@ def as_quaternions(q: ArrayLike) -> Floats:
 
 
 def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Products a·b, (..., 4): the turn ``b`` followed by the turn ``a``.
+    """Products a·b, (..., 4): the rotation ``b`` followed by the rotation ``a``.
 
     Bilinear and norm-preserving, so values that are not quite unit, and cubic
     tangents, go through it unharmed.
+
+    >>> multiply([0, 0, 1, 0], [0, 0, 1, 0]).tolist()  # two half turns about z
+    [0.0, 0.0, 0.0, -1.0]
     """
     a, b = as_quaternions(a), as_quaternions(b)
     ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
@@ -50,7 +53,7 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def conjugate(q: ArrayLike) -> Floats:
-    """The opposite turns, (..., 4), for unit quaternions."""
+    """The inverse rotations, (..., 4), for unit quaternions."""
     return np.asarray(as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
@@ -76,21 +79,28 @@ def norm(q: ArrayLike) -> Floats:
 
 
 def unit(q: ArrayLike) -> Floats:
-    """Quaternions of length 1, (..., 4); NaN for a zero quaternion."""
+    """Quaternions of length 1, (..., 4); NaN for a zero quaternion, unlike `normalise`."""
     q = as_quaternions(q)
     with np.errstate(divide="ignore", invalid="ignore"):
         return q / norm(q)[..., np.newaxis]
 
 
 def normalise(q: ArrayLike) -> Floats:
-    """Rotations, (..., 4), as formats mean them: of length 1, whatever was stored; zero stays zero."""
+    """Quaternions of length 1, (..., 4), as viewers show stored rotations; zero stays zero.
+
+    >>> normalise([0, 0, 0, 2]).tolist(), normalise([0, 0, 0, 0]).tolist()
+    ([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0])
+    """
     q = as_quaternions(q)
     size = norm(q)[..., np.newaxis]
     return np.asarray(q / np.where(size == 0, 1.0, size))
 
 
 def normalise_for_storage(q: ArrayLike) -> Floats:
-    """Rotations, (..., 4), normalised where they were meant to be unit, within [−1, 1] there."""
+    """Rotations, (..., 4), ready to be written: of length 1 within [−1, 1] where they are nearly so.
+
+    Farther than `NEARLY_UNIT` from length 1 they stay as they are: their length has a meaning.
+    """
     q = as_quaternions(q)
     size = norm(q)[..., np.newaxis]
     meant = np.abs(size - 1.0) <= NEARLY_UNIT
@@ -103,7 +113,11 @@ def rotates(q: ArrayLike) -> NDArray[np.bool_]:
 
 
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
-    """Vectors ``v``, (..., 3), turned by unit quaternions ``q``, (..., 4)."""
+    """Vectors ``v``, (..., 3), rotated by unit quaternions ``q``, (..., 4): (..., 3), as long as before.
+
+    >>> rotate([0, 0, 1, 0], [1, 2, 3]).tolist()
+    [-1.0, -2.0, 3.0]
+    """
     q, v = as_quaternions(q), as_vectors(v)
     axis = q[..., :3]
     twice = 2.0 * cross(axis, v)
@@ -111,7 +125,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
 
 
 def to_axes(q: ArrayLike) -> Floats:
-    """The X, Y and Z axes after the turn, as rows, (..., 4) → (..., 3, 3)."""
+    """The X, Y and Z axes after rotation by unit quaternions, as rows, (..., 4) → (..., 3, 3)."""
     q = as_quaternions(q)
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     twice = x + x, y + y, z + z
@@ -127,11 +141,11 @@ def to_axes(q: ArrayLike) -> Floats:
 
 
 def from_axes(axes: ArrayLike) -> Floats:
-    """The turn that takes X, Y, Z onto the rows of a right-handed orthonormal frame.
+    """The rotation that takes X, Y, Z onto the rows of a right-handed orthonormal frame.
 
     axes: shape (..., 3, 3), rows are unit vectors. Returns unit quaternions
     (..., 4) with w ≥ 0. A left-handed or skewed frame is a programmer's mistake
-    and gives a meaningless turn.
+    and gives a meaningless rotation.
 
     Source: Shepperd 1978: the largest of the four squares is never below 1/4.
     """
@@ -152,7 +166,7 @@ def from_axes(axes: ArrayLike) -> Floats:
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
-    """Turns by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0."""
+    """Rotations by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0: (..., 4)."""
     sine, cosine = sin_cos(np.asarray(angle, dtype=np.float64) / 2.0)
     xyz = vectors.normalise(axis) * sine[..., np.newaxis]
     result = by_component((*xyz.shape[:-1], 4))
@@ -161,10 +175,10 @@ def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """The shortest turns that take direction ``a`` to direction ``b``, (..., 3) → (..., 4).
+    """The shortest rotations that take direction ``a`` to direction ``b``, (..., 3) → (..., 4).
 
-    Opposite directions have no shortest turn; they get a half turn about an
-    axis perpendicular to ``a``.
+    Opposite directions have no shortest one; they get a half turn about an
+    axis perpendicular to ``a``. NaN where a direction is zero.
     """
     a, b = vectors.normalise(a), vectors.normalise(b)
     a, b = np.broadcast_arrays(a, b)
@@ -179,7 +193,11 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def rotation_angle(q: ArrayLike) -> Floats:
-    """How far unit quaternions turn, (..., 4) → (...), in radians, 0 to π."""
+    """Angles of the rotations of unit quaternions, (..., 4) → (...), in radians, 0 to π.
+
+    >>> float(rotation_angle([0, 0, -1, 0]).round(12))
+    3.14159265359
+    """
     q = as_quaternions(q)
     return 2.0 * arc_tangent(length(q[..., :3]), np.abs(q[..., 3]))
 
@@ -198,11 +216,14 @@ def make_continuous(q: ArrayLike) -> Floats:
 
 
 def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
-    """Turns on the shorter arc from ``a`` to ``b``, (..., 4); ``share``, (...), from 0 to 1.
+    """Rotations on the shorter arc from ``a`` to ``b``, (..., 4); ``share``, (...), from 0 to 1.
 
     The result is unit where ``a`` and ``b`` are.
 
     Source: glTF 2.0, appendix C.4.
+
+    >>> slerp([0, 0, 0, 1], [0, 0, 1, 0], 0.5).round(6).tolist()
+    [0.0, 0.0, 0.707107, 0.707107]
     """
     a, b = as_quaternions(a), as_quaternions(b)
     share = np.asarray(share, dtype=np.float64)
@@ -247,10 +268,10 @@ def _along(a: Floats, b: Floats, share: Floats, whole: Floats, sines: tuple[Floa
 
 
 def average(q: ArrayLike, weights: ArrayLike) -> Floats:
-    """The weighted mean of turns, (..., d, 4), weights (..., d) ≥ 0 → (..., 4); NaN where all weigh 0.
+    """The weighted mean of rotations, (..., d, 4), weights (..., d) ≥ 0 → (..., 4); NaN where all weigh 0.
 
-    The mean on the sphere of rotations: from it the weighted turns to all others cancel. Of two
-    turns it is `slerp`, with the weights as shares of the angle. The order does not matter while all
+    The mean on the sphere of rotations: from it the weighted rotations to all others cancel. Of two
+    it is `slerp`, with the weights as shares of the angle. The order does not matter while all
     lie within a right angle of each other; farther apart there may be several means, and the one
     near the heaviest is taken.
 

@@ -1,4 +1,4 @@
-"""One turn, one size and one move that lay the points of one file on those of another."""
+"""The similarity transform (rotation, uniform scale, translation) that fits points onto others."""
 
 from __future__ import annotations
 
@@ -37,17 +37,21 @@ AXIS_TURNS = _axis_turns()
 
 
 @dataclass(frozen=True, eq=False)
-class Similar:
-    """A turn about axes with one size and a move, as of whole worlds; residual: a share of the size."""
+class Similarity:
+    """A similarity transform, (4, 4); residual: what is left between the points, as a share of their size."""
 
     matrix: Floats
     residual: float
 
 
-def fitted(theirs: Floats, ours: Floats, *, about_origin: bool, ratio: float | None = None) -> Similar:
-    """What takes points (k, 3) onto others: the identity where it does, else one of 24 turns and a size.
+def fit_similarity(
+    theirs: Floats, ours: Floats, *, about_origin: bool, ratio: float | None = None
+) -> Similarity:
+    """The transform that takes points ``theirs``, (k, 3), onto ``ours``, (k, 3).
 
-    about_origin: the origin stays where it is, and near sizes are one. ratio: the size, where it is known.
+    The identity where it fits, else one of the 24 rotations that take axes onto axes, or, where none of
+    these does, one by three points. about_origin: the origin stays where it is, and similar sizes are
+    the same. ratio: the scale, where it is known.
     """
     middle = np.zeros((2, 3)) if about_origin else np.array([_mean(theirs), _mean(ours)])
     a, b = theirs - middle[0], ours - middle[1]
@@ -62,7 +66,7 @@ def fitted(theirs: Floats, ours: Floats, *, about_origin: bool, ratio: float | N
     for axes in AXIS_TURNS:
         turned = transform_points(a * ratio, from_frame(axes, np.zeros(3)))
         off = _spread(turned - b) / size
-        # Of equals the first, which is the identity: points on a line tell no turn about it.
+        # Of equals the first, which is the identity: points on a line define no rotation about it.
         if off < 0.99 * least - SAME_PLACE:
             best, least = axes, off
     if least > OTHER_SHAPE and not about_origin:
@@ -74,7 +78,7 @@ def fitted(theirs: Floats, ours: Floats, *, about_origin: bool, ratio: float | N
     matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)
     if np.abs(matrix[3, :3]).max() <= SAME_PLACE * size:
         matrix[3, :3] = 0.0
-    return Similar(matrix, float(least))
+    return Similarity(matrix, float(least))
 
 
 def _three_point_turn(theirs: Floats, ours: Floats) -> Floats:

@@ -119,13 +119,13 @@ def bend_direction(
     """
     a, b, c = as_vectors(start), as_vectors(middle), as_vectors(end)
     if method == "perpendicular":
-        foot = project(b, a, c)
+        projection = project(b, a, c)
     else:
         upper, lower = distance(a, b), distance(b, c)
         with np.errstate(divide="ignore", invalid="ignore"):
-            foot = a + (c - a) * (upper / (upper + lower))[..., np.newaxis]
-    off = b - foot
-    # A limb folded back onto itself has no side either, however far B lies from the foot.
+            projection = a + (c - a) * (upper / (upper + lower))[..., np.newaxis]
+    off = b - projection
+    # A limb folded back onto itself has no side either, however far B lies from the projection.
     clear = length(off) > DEGENERATE_SINE * limb_length(a, b, c)
     clear &= bend_sine(a, b, c) >= DEGENERATE_SINE
     return np.where(clear[..., np.newaxis], normalise(off), np.nan)

@@ -77,6 +77,9 @@ def length(v: ArrayLike) -> Floats:
     """Lengths, (..., 3) → (...), in the unit of the vectors.
 
     Source: GDC 2018, slide "Vector Length".
+
+    >>> float(length([2, 3, 6]))
+    7.0
     """
     return np.sqrt(dot(v, v))
 
@@ -85,6 +88,9 @@ def distance(a: ArrayLike, b: ArrayLike) -> Floats:
     """Distances between points, (..., 3), (..., 3) → (...).
 
     Source: GDC 2018, slide "Distance between two Vectors".
+
+    >>> float(distance([1, 1, 1], [1, 4, 5]))
+    5.0
     """
     return length(as_vectors(b) - as_vectors(a))
 
@@ -95,6 +101,9 @@ def normalise(v: ArrayLike) -> Floats:
     Scaled by the largest component first, so that neither 1e-200 nor 1e200 is lost.
 
     Source: GDC 2018, slide "Vectors, Normalize".
+
+    >>> normalise([0, 3, 4]).tolist()
+    [0.0, 0.6, 0.8]
     """
     v = as_vectors(v)
     x, y, z = v[..., 0], v[..., 1], v[..., 2]
@@ -108,7 +117,10 @@ def normalise(v: ArrayLike) -> Floats:
 
 
 def unit_of(numbers: Sequence[float]) -> list[float] | None:
-    """As `normalise`, to the bit, of one vector in plain numbers, which are far faster then; None for NaN."""
+    """`normalise` of one vector in Python's numbers, which are far faster for one; None for its NaN.
+
+    The same operations in the same order, so the same bits.
+    """
     x, y, z = numbers
     largest = max(abs(x), abs(y), abs(z))
     if not (largest > 0.0 and isfinite(x) and isfinite(y) and isfinite(z)):
@@ -124,6 +136,9 @@ def project(point: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
     NaN where ``start`` and ``end`` coincide.
 
     Source: GDC 2018, slide "Pole Vector" (the point P along AC).
+
+    >>> project([3, 4, 0], [0, 0, 0], [6, 0, 0]).tolist()
+    [3.0, 0.0, 0.0]
     """
     point, start, end = as_vectors(point), as_vectors(start), as_vectors(end)
     line = end - start
@@ -147,5 +162,8 @@ def angle(a: ArrayLike, b: ArrayLike) -> Floats:
     dot product loses half the digits (1e-8 rad), this loses none.
 
     Source: GDC 2018, slide "The Dot Product" (acos(v1 dot v2)).
+
+    >>> float(np.degrees(angle([1, 0, 0], [0, 5, 0])).round(6))
+    90.0
     """
     return arc_tangent(length(cross(a, b)), dot(a, b))

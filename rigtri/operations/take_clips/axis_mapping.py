@@ -15,7 +15,14 @@ import numpy as np
 
 from rigtri.maths.matrices import determinant, inverse, multiply, nearest_rotation
 from rigtri.maths.matrices import skew as skewed
-from rigtri.maths.similarity_fit import AXIS_TURNS, OTHER_SHAPE, SAME_PLACE, SAME_SIZE, SAME_TURN, fitted
+from rigtri.maths.similarity_fit import (
+    AXIS_TURNS,
+    OTHER_SHAPE,
+    SAME_PLACE,
+    SAME_SIZE,
+    SAME_TURN,
+    fit_similarity,
+)
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
@@ -74,7 +81,7 @@ class Counterparts:
         ours = self.rig.world[still, 3, :3]
         theirs = self.other.world[[self.of[n] for n in still], 3, :3]
         fit = np.isfinite(ours).all(axis=1) & np.isfinite(theirs).all(axis=1)
-        return fitted(theirs[fit], ours[fit], about_origin=True, ratio=self._bone_ratio).matrix
+        return fit_similarity(theirs[fit], ours[fit], about_origin=True, ratio=self._bone_ratio).matrix
 
     @cached_property
     def _bone_ratio(self) -> float | None:
@@ -119,10 +126,10 @@ class Counterparts:
         if not usable.any():
             return {}
         points = bind[usable, 3, :3], ours[usable, 3, :3]
-        fit = fitted(*points, about_origin=False)
+        fit = fit_similarity(*points, about_origin=False)
         if fit.residual > OTHER_SHAPE:
             # No size fits, and with another than the worlds' the rig would grow while it moves.
-            fit = fitted(*points, about_origin=False, ratio=float(length(self.space[0, :3])))
+            fit = fit_similarity(*points, about_origin=False, ratio=float(length(self.space[0, :3])))
         self.proportions = max(self.proportions, fit.residual)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
         return {both[k][1]: turns[k] for k in np.flatnonzero(usable).tolist()}

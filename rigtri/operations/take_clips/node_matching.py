@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rigtri.maths.similarity_fit import OTHER_SHAPE, fitted
+from rigtri.maths.similarity_fit import OTHER_SHAPE, fit_similarity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 
@@ -61,7 +61,7 @@ def why_apart(rig: Rig, other: Rig) -> str:
         ours, theirs = rig.world[:, 3, :3], other.world[:, 3, :3]
     if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
         return "not all of their places are numbers"
-    if fitted(theirs, ours, about_origin=False).residual > OTHER_SHAPE:
+    if fit_similarity(theirs, ours, about_origin=False).residual > OTHER_SHAPE:
         return "the nodes lie elsewhere" if alone else "the bind poses differ"
     return ""
 
