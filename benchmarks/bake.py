@@ -37,7 +37,7 @@ BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
 
 def character(joints: int) -> Rig:
     """The sample biped with IK arms and legs, twist joints, a staff held by a constraint, and fingers."""
-    rig = add_twist(read(BIPED).rig, options=AddTwistOptions(auto=True))
+    rig = add_twist(read(BIPED).rig, options=AddTwistOptions(limbs="auto"))
     rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
     rig = add_controls(rig, options=AddControlsOptions(whole_character=True))
     count = joints - int(rig.is_joint.sum())

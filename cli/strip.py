@@ -1,44 +1,22 @@
-"""rigtri strip"""
+"""Take out again what rigtri has put into IN: controls, locators, shapes and notes.
+
+The axes of joints stay as orient-joints has set them. All that stays is proven to look as before.
+
+\b
+Example:
+    rigtri strip rigged.glb -o plain.glb
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import click
+from rigtri.operations.options.strip import StripOptions
 
-from .asked import given_options, request
-from .editing import copy_ahead, run_edit
-from .options import edit_options, output_options, reading_options, source_argument, target_option
+from .edit_command import edit_command
 
 if TYPE_CHECKING:
     from rigtri.report import Report
-
-
-@click.command("strip")
-@source_argument
-@target_option
-@click.option(
-    "--splits",
-    is_flag=True,
-    help="Also forget which nodes hold the axes of split joints; they stay, as nodes like others.",
-)
-@reading_options
-@edit_options
-@output_options
-@click.pass_context
-def command(ctx: click.Context, /, **values: Any) -> None:
-    """Take out again what rigtri has put into IN: controls, locators, shapes and notes.
-
-    The axes of joints stay as orient-joints has set them. All that stays is proven to look as before.
-
-    \b
-    Example:
-        rigtri strip rigged.glb -o plain.glb
-    """
-    copy_ahead(ctx, values)
-    from rigtri.pipeline.steps.strip import step
-
-    run_edit("strip", values, step(request(values)), given_options(ctx), summary)
 
 
 def summary(report: Report) -> str:
@@ -48,3 +26,6 @@ def summary(report: Report) -> str:
     if not report.removed:
         return "Nothing here is rigtri's"
     return f"Taken out: {nodes} nodes, and notes on {notes} others"
+
+
+command = edit_command("strip", StripOptions, summary, __doc__)

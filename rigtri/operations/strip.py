@@ -6,7 +6,7 @@ ours is not ours to move: it is named, and nothing is done.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,14 +19,8 @@ from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
 from rigtri.operations.add_twist.twist import INFLUENCES
 from rigtri.operations.operation import operation
+from rigtri.operations.options.strip import StripOptions as StripOptions
 from rigtri.report import Report
-
-
-@dataclass(frozen=True)
-class StripOptions:
-    """What `strip` takes out. splits: also the notes by which the nodes of split joints are known."""
-
-    splits: bool = False
 
 
 @operation(StripOptions)

@@ -80,10 +80,10 @@ def _twist(rig: Rig, report: Report) -> Rig:
     if not known:
         raise GeometryError("no limb is known by its name")
     try:
-        wanted = twist.AddTwistOptions(limbs=tuple(known[:2]))
+        wanted = twist.AddTwistOptions(limb=tuple(known[:2]))
         return twist.add_twist(rig, options=wanted, report=report)
     except RigtriError:
-        wanted = twist.AddTwistOptions(limbs=tuple(known[:2]), lower=True)
+        wanted = twist.AddTwistOptions(limb=tuple(known[:2]), lower=True)
         return twist.add_twist(rig, options=wanted, report=report)
 
 
@@ -92,7 +92,7 @@ def _split(rig: Rig, report: Report) -> Rig:
     known = [t for t in recognise(rig) if t.middle not in rig.own]
     if not known:
         raise GeometryError("no limb is known by its name")
-    wanted = twist.AddTwistOptions(limbs=tuple(known), split_weights=True)
+    wanted = twist.AddTwistOptions(limb=tuple(known), split_weights=True)
     try:
         return twist.add_twist(rig, options=wanted, report=report)
     except RigtriError:

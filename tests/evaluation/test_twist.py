@@ -31,8 +31,8 @@ from rigtri.report import Report
 
 # Upper arm, forearm, hand and a finger, along x.
 ARM = chain((0, 0, 0), (4, 0, 0), (8, 0, 0), (9, 0, 0))
-LOWER = AddTwistOptions(bones=(("b", "c"),), count=3, lower=True)
-UPPER = AddTwistOptions(bones=(("a", "b"),), count=3, upper=True)
+LOWER = AddTwistOptions(joint=("b",), to=("c",), count=3, lower=True)
+UPPER = AddTwistOptions(joint=("a",), to=("b",), count=3, upper=True)
 X, Y = np.array([1.0, 0, 0]), np.array([0.0, 1, 0])
 
 
@@ -114,7 +114,7 @@ def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
     bones = [(k, int(p)) for k, p in enumerate(rig.parents) if p >= 0 and not rig.has_matrix[[k, p]].any()]
     child, joint = bones[seed % len(bones)]
     named = ((f"j{joint}", f"j{child}"),)
-    out = add_twist(rig, options=AddTwistOptions(bones=named, upper=seed % 2 > 0, lower=seed % 2 == 0))
+    out = add_twist(rig, options=AddTwistOptions(**named, upper=seed % 2 > 0, lower=seed % 2 == 0))
     for twist in twist_joints(out):
         for times in ([0.0, 0.4, 1.0], [0.1, 0.3, 0.77]):
             local = locals_at(out, out.clips[0], times)
@@ -197,9 +197,9 @@ def test_weights_and_axis_are_the_users() -> None:
 def test_a_limb_gets_both_bones_unless_one_is_named() -> None:
     limb = Limb(0, 1, 2)
     for options, bones in (
-        (AddTwistOptions(limbs=(limb,)), ["a", "a", "b", "b"]),
-        (AddTwistOptions(limbs=(limb,), upper=True), ["a", "a"]),
-        (AddTwistOptions(limbs=(limb,), lower=True), ["b", "b"]),
+        (AddTwistOptions(limb=(limb,)), ["a", "a", "b", "b"]),
+        (AddTwistOptions(limb=(limb,), upper=True), ["a", "a"]),
+        (AddTwistOptions(limb=(limb,), lower=True), ["b", "b"]),
     ):
         assert [note["joint"] for note in add_twist(ARM, options=options).metadata.values()] == bones
 
@@ -223,11 +223,11 @@ def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
         (replace(LOWER, count=0), "1 to 64"),
         (replace(LOWER, weights=(0.5,)), "1 weights for 3"),
         (replace(LOWER, weights=(0.5, 1.5, 0.0)), "between -1 and 1"),
-        (AddTwistOptions(limbs=(Limb(0, 1, 2),), weights=(0.1, 0.2)), "--upper or --lower"),
+        (AddTwistOptions(limb=(Limb(0, 1, 2),), weights=(0.1, 0.2)), "--upper or --lower"),
         (replace(LOWER, axis=(0.0, 0.0, 0.0)), "length"),
         (replace(LOWER, name="{bone}"), "tokens"),
-        (AddTwistOptions(bones=(("b", "b"),)), "both ends"),
-        (AddTwistOptions(bones=(("c", "b"),)), "below"),
+        (AddTwistOptions(joint=("b",), to=("b",)), "both ends"),
+        (AddTwistOptions(joint=("c",), to=("b",)), "below"),
     ],
 )
 def test_what_fits_no_twist_is_told(options: AddTwistOptions, words: str) -> None:
@@ -238,7 +238,7 @@ def test_what_fits_no_twist_is_told(options: AddTwistOptions, words: str) -> Non
 def test_a_bone_without_length_is_an_error() -> None:
     rig = chain((0, 0, 0), (4, 0, 0), (4, 0, 0))
     with pytest.raises(GeometryError, match="at one place"):
-        add_twist(rig, options=AddTwistOptions(bones=(("b", "c"),)))
+        add_twist(rig, options=AddTwistOptions(joint=("b",), to=("c",)))
 
 
 # --- weights along a bone
@@ -304,6 +304,6 @@ def test_where_a_point_may_have_no_more_joints_the_nearest_takes_all() -> None:
     ("name", "words"), [("hand_L", "another node is called so"), ("tw", "several twist joints")]
 )
 def test_a_name_that_is_taken_or_given_twice_is_refused(name: str, words: str, samples: Path) -> None:
-    options = AddTwistOptions(bones=(("forearm_L", "hand_L"),), count=2, name=name)
+    options = AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2, name=name)
     with pytest.raises(UsageError, match=words):
         add_twist(read(samples / "biped.glb").rig, options=options)

@@ -42,7 +42,7 @@ def built(rig: Rig, report: Report) -> Rig:
     rig = add_controls(rig, options=WHOLE, report=report)
     rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
     rig = constrain(rig, options=rule, report=report)
-    rig = add_twist(rig, options=AddTwistOptions(auto=True), report=report)
+    rig = add_twist(rig, options=AddTwistOptions(limbs="auto"), report=report)
     return bake(nodding(rig), options=BakeOptions(), report=report)
 
 

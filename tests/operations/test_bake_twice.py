@@ -34,7 +34,7 @@ def single(values: Floats) -> Floats:
 
 def built(rig: Rig, report: Report) -> Rig:
     """Controls with the clips' motion, twist joints in all limbs, and a reader of a lower arm."""
-    rig = add_twist(rig, options=AddTwistOptions(auto=True), report=report)
+    rig = add_twist(rig, options=AddTwistOptions(limbs="auto"), report=report)
     rig = add_controls(rig, options=WHOLE, report=report)
     reader = AddPosereaderOptions("forearm_L", targets=(Goal("up", direction=(0, 1, 0)),), name="reader")
     rig = add_posereader(rig, options=reader, report=report)

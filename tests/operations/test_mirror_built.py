@@ -49,7 +49,9 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
     rig = make_limb(rig, options=wing, report=report)
     hand = AddControlsOptions(selection=Selection(joints=("hand_L",)))
     rig = add_controls(rig, options=hand, report=report)
-    rig = add_twist(rig, options=AddTwistOptions(bones=(("forearm_L", "hand_L"),), count=2), report=report)
+    rig = add_twist(
+        rig, options=AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2), report=report
+    )
     aim = ConstrainOptions("aim", "foot_L", (("hand_L", 1.0), ("chest", 2.0)))
     parent = ConstrainOptions("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
     for rule in (aim, parent):
@@ -254,7 +256,7 @@ def test_a_rivet_sits_at_the_mirrored_place(built: Rig) -> None:
 
 def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: Rig) -> None:
     changed = add_twist(
-        built, options=AddTwistOptions(bones=(("forearm_L", "hand_L"),), count=2, weights=(0.25, 0.5))
+        built, options=AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2, weights=(0.25, 0.5))
     )
     changed = constrain(changed, options=ConstrainOptions("parent", "thigh_L", (("chest", 1.0),)))
     report = Report()

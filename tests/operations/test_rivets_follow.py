@@ -84,7 +84,7 @@ def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Pat
         return rivet.add_rivet(rig, options=wanted, report=report)
 
     def shared(rig: Rig, report: Report) -> Rig:
-        wanted = twist.AddTwistOptions(auto=True, split_weights=True)
+        wanted = twist.AddTwistOptions(limbs="auto", split_weights=True)
         return twist.add_twist(rig, options=wanted, report=report)
 
     edit(samples / name, held, on_the_arms)

@@ -27,7 +27,7 @@ from rigtri.report import Report
 
 # A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
 POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]
-SPLIT = AddTwistOptions(bones=(("joint 0", "joint 1"),), lower=True, count=3, split_weights=True)
+SPLIT = AddTwistOptions(joint=("joint 0",), to=("joint 1",), lower=True, count=3, split_weights=True)
 
 
 def bone(
@@ -203,7 +203,7 @@ def test_a_draco_mesh_is_refused_by_name(tmp_path: Path) -> None:
 def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
     from pxr import Usd
 
-    options = AddTwistOptions(auto=True, split_weights=True)
+    options = AddTwistOptions(limbs="auto", split_weights=True)
     target = tmp_path / "out.usda"
     edit(samples / "biped.usda", target, lambda r, report: add_twist(r, options=options, report=report))
     stages = [Usd.Stage.Open(str(path)) for path in (samples / "biped.usda", target)]
@@ -253,7 +253,7 @@ def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_pat
         lambda rig, _: add_controls(rig, options=AddControlsOptions(whole_character=True)),
     )
     outcome = edit(
-        built, out, lambda rig, _: add_twist(rig, options=AddTwistOptions(auto=True, split_weights=True))
+        built, out, lambda rig, _: add_twist(rig, options=AddTwistOptions(limbs="auto", split_weights=True))
     )
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-6

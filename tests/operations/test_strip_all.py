@@ -133,7 +133,7 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
 def split_arm(rig: Rig, report: Report) -> Rig:
     """Both bones of an arm: the upper one's own joint takes the last of its points, not the first."""
     arm_ = given(rig, "upper_arm_L", "forearm_L", "hand_L")
-    wanted = twist.AddTwistOptions(limbs=(arm_,), count=3, split_weights=True)
+    wanted = twist.AddTwistOptions(limb=(arm_,), count=3, split_weights=True)
     return twist.add_twist(rig, options=wanted, report=report)
 
 
@@ -162,7 +162,7 @@ def test_rest_transforms_that_a_skeleton_did_not_have_go_again(tmp_path: Path) -
     layer.Save()
 
     def step(rig: Rig, report: Report) -> Rig:
-        wanted = twist.AddTwistOptions(bones=(("a", "b"),), count=2, lower=True)
+        wanted = twist.AddTwistOptions(joint=("a",), to=("b",), count=2, lower=True)
         return twist.add_twist(rig, options=wanted, report=report)
 
     assert comes_back(source, step, tmp_path) == source.read_bytes()

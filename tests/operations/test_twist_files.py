@@ -36,7 +36,7 @@ TRUSTING = ReadOptions(allow_external_paths=True)
 def bones(rig: Rig) -> AddTwistOptions:
     """All limbs, or where none is known the first bone that has a length."""
     if recognise(rig):
-        return AddTwistOptions(auto=True)
+        return AddTwistOptions(limbs="auto")
     tree = skeleton(rig)
     places = rig.world[:, 3, :3]
     found = [
@@ -47,9 +47,9 @@ def bones(rig: Rig) -> AddTwistOptions:
         and np.abs(places[j] - places[k]).max() > 1e-3 * np.ptp(places, axis=0).max()
     ]
     if not found:
-        return AddTwistOptions(auto=True)  # which says that no limb is known
+        return AddTwistOptions(limbs="auto")  # which says that no limb is known
     joint, child = found[0]
-    return AddTwistOptions(bones=((rig.labels[joint], rig.labels[child]),))
+    return AddTwistOptions(joint=(rig.labels[joint],), to=(rig.labels[child],))
 
 
 def plain(rig: Rig, report: Report) -> Rig:
@@ -172,7 +172,7 @@ def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
 ) -> None:
     once, more = tmp_path / name, tmp_path / f"more_{name}"
     edit(samples / name, once, split)
-    four = AddTwistOptions(auto=True, count=4, split_weights=True)
+    four = AddTwistOptions(limbs="auto", count=4, split_weights=True)
     checked = edit(once, more, lambda rig, report: add_twist(rig, options=four, report=report)).verification
     assert checked is not None
     assert checked.passes()
@@ -193,8 +193,8 @@ def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matri
     source, turned, twisted = (tmp_path / f"{name}.glb" for name in ("bare", "turned", "twisted"))
     source.write_bytes(glb_bytes(gltf, binary))
     edit(source, turned, lambda rig, report: orient_joints(rig, preset="maya", report=report))
-    edit(
-        turned, twisted, lambda rig, report: add_twist(rig, options=AddTwistOptions(auto=True), report=report)
+    edit(turned, twisted, lambda rig, report: add_twist(rig, limbs="auto", report=report))
+        lambda rig, report: add_twist(rig, options=AddTwistOptions(limbs="auto"), report=report),
     )
     report = Report()
     orient_joints(read(twisted).rig, preset="maya", report=report)

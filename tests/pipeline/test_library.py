@@ -55,7 +55,7 @@ ASKED: list[Asked] = [
         "make_limb",
         {"points": [(0, 2, 0), (0, 1, 0.1), (0, 0, 0)], "aim": "y", "up": "x"},
     ),
-    ("add-twist --limbs auto --count 3", "add_twist", {"auto": True, "count": 3}),
+    ("add-twist --limbs auto --count 3", "add_twist", {"limbs": "auto", "count": 3}),
     (
         "constrain --type parent --child staff --driver head",
         "constrain",
@@ -195,7 +195,7 @@ def test_what_operations_tell_comes_with_what_is_written(tmp_path: Path) -> None
     own = Report()
     first = rigtri.read(BIPED)
     rig = rigtri.orient_joints(first, report=own)
-    rig = rigtri.add_twist(rig, auto=True)
+    rig = rigtri.add_twist(rig, limbs="auto")
     told = rigtri.write(rig, tmp_path / "out.glb").report
     assert own.joints == told.joints != []
     assert told.added
@@ -242,7 +242,7 @@ LIMB = {"points": [(0.0, 1.0, 0.0), (0.0, 0.5, 0.1), (0.0, 0.0, 0.0)], "parent":
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_what_is_left_of_a_rig_goes_on(name: str, tmp_path: Path) -> None:
-    added = rigtri.add_twist(rigtri.read(SAMPLES / name), auto=True, split_weights=True)
+    added = rigtri.add_twist(rigtri.read(SAMPLES / name), limbs="auto", split_weights=True)
     rigtri.write(rigtri.add_controls(rigtri.strip(added), whole_character=True), tmp_path / f"new-{name}")
     rigtri.write(added, tmp_path / name)
     rig = rigtri.read(tmp_path / name)
@@ -260,7 +260,7 @@ def test_what_is_left_of_a_rig_goes_on(name: str, tmp_path: Path) -> None:
 
 
 def test_joints_are_not_turned_where_a_skeleton_of_usd_is_made_shorter(tmp_path: Path) -> None:
-    rigtri.write(rigtri.add_twist(rigtri.read(SAMPLES / "biped.usda"), auto=True), tmp_path / "in.usda")
+    rigtri.write(rigtri.add_twist(rigtri.read(SAMPLES / "biped.usda"), limbs="auto"), tmp_path / "in.usda")
     rig = rigtri.orient_joints(rigtri.read(tmp_path / "in.usda"))
     with pytest.raises(UsageError, match="others of it were changed in the same edit"):
         rigtri.write(rigtri.strip(rig), tmp_path / "out.usda")
@@ -273,7 +273,7 @@ def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
     rig = rigtri.orient_joints(rigtri.read(source))
     rigtri.write(rig, tmp_path / "one.glb")
     rigtri.write(rig, source, overwrite=True)
-    rigtri.write(rigtri.add_twist(rig, auto=True), tmp_path / "more.glb")
+    rigtri.write(rigtri.add_twist(rig, limbs="auto"), tmp_path / "more.glb")
     assert source.read_bytes() == (tmp_path / "one.glb").read_bytes() != BIPED.read_bytes()
     assert rigtri.verify(BIPED, tmp_path / "more.glb").passes()
 
@@ -309,8 +309,8 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("add_controls", {"joints": "*", "shapes": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),
         ("bake", {"to": "sky"}, UsageError, "'joints', 'controls'"),
         ("bake", {}, GeometryError, "nothing to bake"),
-        ("add_twist", {"auto": True, "count": True}, UsageError, "give a whole number"),
-        ("add_twist", {"auto": True, "weights": 3}, UsageError, "give a list"),
+        ("add_twist", {"limbs": "auto", "count": True}, UsageError, "give a whole number"),
+        ("add_twist", {"limbs": "auto", "weights": 3}, UsageError, "give a list"),
         ("mirror", {"plane_at": float("nan")}, UsageError, "give a finite number"),
         ("add_polevector", {"bend": [("a", "x")]}, UsageError, "give a mapping"),
         ("add_polevector", {"limbs": "auto", "bend": {"a": "b"}}, UsageError, "no direction"),
@@ -379,7 +379,7 @@ import rigtri
 
 assert "numpy" not in sys.modules, "import rigtri waits for numpy"
 rig = rigtri.orient_joints(rigtri.read(sys.argv[1]), preset="maya")
-rig = rigtri.add_controls(rigtri.add_twist(rig, auto=True), whole_character=True)
+rig = rigtri.add_controls(rigtri.add_twist(rig, limbs='auto'), whole_character=True)
 print(rigtri.write(rig, sys.argv[2]).verification.passes())
 foreign = {{name.partition(".")[0] for name in sys.modules}} - sys.stdlib_module_names
 print(*sorted(name for name in foreign if not name.startswith(("_", "sitecustomize"))))
@@ -421,7 +421,7 @@ def test_it_runs_in_blenders_python(tmp_path: Path) -> None:
     assert run.stdout.splitlines()[:1] == ["True"], run.stderr
     # The same bytes as here, with another Python and another numpy.
     rig = rigtri.orient_joints(rigtri.read(BIPED), preset="maya")
-    rig = rigtri.add_controls(rigtri.add_twist(rig, auto=True), whole_character=True)
+    rig = rigtri.add_controls(rigtri.add_twist(rig, limbs="auto"), whole_character=True)
     rigtri.write(rig, tmp_path / "here.glb", verify=False)
     assert out.read_bytes() == (tmp_path / "here.glb").read_bytes()
 

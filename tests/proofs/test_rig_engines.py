@@ -80,7 +80,7 @@ def tail(rig: Rig, report: Report) -> Rig:
 
 
 def twists(rig: Rig, report: Report) -> Rig:
-    return add_twist(rig, options=AddTwistOptions(auto=True, count=2), report=report)
+    return add_twist(rig, options=AddTwistOptions(limbs="auto", count=2), report=report)
 
 
 def built(path: Path, step: Step, folder: Path) -> tuple[Path, Rig]:

@@ -24,63 +24,15 @@ from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.operation import operation
+from rigtri.operations.options.add_twist import NAME as NAME
+from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
 from rigtri.operations.rigtri_nodes import find, noted, plain_name
 from rigtri.operations.skin_joints import add_joint, move_joint
-from rigtri.recognition.limbs import Limb, along, recognise
+from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report
 
-COUNT, MOST = 2, 64
-NAME = "{joint}_twist_{number}"
-TOKENS = ("joint", "number")
 # The key of a note with {mesh, count} each: how many joints points had room for before the split.
 INFLUENCES = "influences"
-
-
-@dataclass(frozen=True)
-class AddTwistOptions:
-    """Everything that `add_twist` can be told; the defaults are the command's.
-
-    bones: (joint, child) each; whether the child's twist spreads up or the joint's own is taken away
-    is what its limb says, else the former. upper, lower: which bones of limbs, or which of the two
-    for ``bones``; neither: both. count: twist joints for a bone. weights: of each, from −1 to 1,
-    the share of the driver's twist that it turns by. axis: (3,), in the joint's own space, instead
-    of the bone. split_weights: share the bone's weight among them. most: joints that a point may
-    have then, 0 for any number. keys: let them follow in clips.
-    """
-
-    limbs: tuple[Limb, ...] = ()
-    auto: bool = False
-    bones: tuple[tuple[str, str], ...] = ()
-    count: int = COUNT
-    weights: tuple[float, ...] = ()
-    upper: bool = False
-    lower: bool = False
-    axis: tuple[float, float, float] | None = None
-    split_weights: bool = False
-    most: int = 0
-    keys: bool = True
-    name: str = NAME
-
-    def checked(self) -> AddTwistOptions:
-        """UsageError for what fits no twist joint."""
-        if not (self.limbs or self.auto or self.bones):
-            raise UsageError("say which: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto")
-        if not 1 <= self.count <= MOST:
-            raise UsageError(f"--count {self.count}: a bone takes 1 to {MOST} twist joints")
-        if self.weights and len(self.weights) != self.count:
-            raise UsageError(f"--weights: {len(self.weights)} weights for {self.count} twist joints")
-        if not all(-1.0 <= weight <= 1.0 for weight in self.weights):
-            raise UsageError("--weights: each lies between -1 and 1")
-        if self.weights and (self.limbs or self.auto) and self.upper == self.lower:
-            raise UsageError("--weights: say for which bone of the limbs, --upper or --lower")
-        if self.axis is not None and not (np.isfinite(self.axis).all() and np.any(self.axis)):
-            raise UsageError("--axis: a direction has a length")
-        try:
-            self.name.format(joint="x", number=1)
-        except (KeyError, IndexError, ValueError, AttributeError) as error:
-            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
-            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
-        return self
 
 
 @dataclass(frozen=True)
@@ -105,7 +57,6 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
 
     Raises NameNotFoundError, UsageError, GeometryError (a bone without length, a driver elsewhere).
     """
-    options.checked()
     bones = _bones(rig, options, report)
     if options.name != NAME:
         _check_names(rig, bones, options)
@@ -133,13 +84,14 @@ def _name(rig: Rig, of: _Bone, number: int, options: AddTwistOptions) -> str:
 
 def _bones(rig: Rig, options: AddTwistOptions, report: Report) -> list[_Bone]:
     both = options.upper == options.lower
-    limbs = [*options.limbs, *(recognise(rig) if options.auto else ())]
-    if options.auto and not limbs:
+    named = named_limbs(rig, options.limb)
+    limbs = [*named, *(recognise(rig) if options.limbs else ())]
+    if options.limbs and not limbs:
         raise NoLimbError
     found = []
     for limb in limbs:
         found += [_Bone(limb.start, limb.middle, True)] if both or options.upper else []
-        if (both or options.lower) and (limb in options.limbs or rig.is_below(limb.end, limb.middle)):
+        if (both or options.lower) and (limb in named or rig.is_below(limb.end, limb.middle)):
             found.append(_Bone(limb.middle, limb.end, False))
         elif both or options.lower:
             report.warn(
@@ -293,7 +245,7 @@ def _spreads(
     for number, skin in enumerate(rig.skins):
         rows = {node: row for row, node in enumerate(skin.joints.tolist()) if node in places}
         if of.joint in rows and len(rows) > 1:
-            found.append(_spread(skin, number, rows, places, of, line, options.most))
+            found.append(_spread(skin, number, rows, places, of, line, options.max_influences))
     if not found:
         report.warn(
             "nothing-to-split",

@@ -232,7 +232,8 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOp
             report.added.append({"node": rig.names[node], "type": "twist", "new": False})
         return rig
     twist_options = AddTwistOptions(
-        bones=(bone,),
+        joint=bone[:1],
+        to=bone[1:],
         count=count,
         weights=weights,
         upper=upper,

@@ -7,8 +7,6 @@ from typing import Annotated, Literal
 
 from pydantic import (
     AfterValidator,
-    Field,
-    Strict,
     WithJsonSchema,
 )
 
@@ -16,13 +14,9 @@ from rigtri.operations.mirror.mirrored_metadata import WHAT
 from rigtri.pipeline.rigspec.models.base import StepModel, option
 from rigtri.pipeline.rigspec.models.values import (
     Above,
-    Auto,
     Axis,
-    Direction,
     EndKind,
     Flag,
-    Joined,
-    Limbs,
     Names,
     Node,
     Nodes,
@@ -80,25 +74,6 @@ class MakeLimb(Placing):
     pole_name: str | None = option("pole-name", None)
 
 
-class AddTwist(StepModel):
-    """Put twist joints along bones, so that forearms and shoulders turn without wringing."""
-
-    do: Literal["add-twist"]
-    limbs: Limbs = option("limb", ())
-    auto: Auto | None = option("limbs", None)
-    joints: Nodes = option("joint", ())
-    children: Nodes = option("to", ())
-    upper: Flag = False
-    lower: Flag = False
-    count: Annotated[int, Strict(), Field(ge=1, le=64)] = 2
-    weights: Joined | None = None
-    axis: Direction | None = None
-    split_weights: Flag = option("split-weights", False)
-    most: Annotated[int, Strict(), Field(ge=0)] = option("max-influences", 0)
-    keys: Flag = True
-    name: str = "{joint}_twist_{number}"
-
-
 class Mirror(StepModel):
     """Give one side of a character what the other has: joint axes, and what rigtri has built."""
 
@@ -114,10 +89,3 @@ class Mirror(StepModel):
     pose: str | None = None
     on_nonuniform_scale: Scales = option("on-nonuniform-scale", "snap")
     on_constraint: Constraints = option("on-constraint", "freeze")
-
-
-class Strip(StepModel):
-    """Take out again what rigtri has put in."""
-
-    do: Literal["strip"]
-    splits: Flag = False

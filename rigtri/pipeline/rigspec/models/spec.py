@@ -15,14 +15,13 @@ from rigtri.pipeline.rigspec.models.controls import (
     AddRivet,
     Constrain,
 )
-from rigtri.pipeline.rigspec.models.joints import AddTwist, MakeLimb, Mirror, Strip
+from rigtri.pipeline.rigspec.models.joints import MakeLimb, Mirror
 from rigtri.pipeline.rigspec.models.motion import Bake, TakeClips
 from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
 _OLD: dict[str, type[StepModel]] = {
     "make-limb": MakeLimb,
-    "add-twist": AddTwist,
     "add-controls": AddControls,
     "constrain": Constrain,
     "add-rivet": AddRivet,
@@ -30,7 +29,6 @@ _OLD: dict[str, type[StepModel]] = {
     "mirror": Mirror,
     "take-clips": TakeClips,
     "bake": Bake,
-    "strip": Strip,
 }
 STEP_MODELS: dict[str, type[StepModel]] = {name: _OLD.get(name) or step_model(name) for name in OPERATIONS}
 if TYPE_CHECKING:

@@ -1,0 +1,93 @@
+"""What add-twist can be asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Annotated
+
+from rigtri.errors import UsageError
+from rigtri.operations.declaration.kinds import Auto, Direction, Limbs, Nodes
+from rigtri.operations.declaration.option import Kind, option
+
+MOST = 64
+NAME = "{joint}_twist_{number}"
+TOKENS = ("joint", "number")
+
+
+def _weights(flag: str, text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError as error:
+        raise UsageError(f"{flag} {text}: give numbers with commas between them") from error
+
+
+@dataclass(frozen=True)
+class AddTwistOptions:
+    """Put twist joints along bones, so that skin keeps its volume where forearms and shoulders twist.
+
+    joint, to: a bone for each pair of both; whether the child's twist spreads up or the joint's own is
+    taken away is what its limb says, else the former.
+    """
+
+    limb: Limbs = option(
+        (), help="Both bones of this limb, or with --upper or --lower one of them. Repeatable."
+    )
+    limbs: Auto | None = option(None, help="Every limb that is known.")
+    joint: Nodes = option((), metavar="JOINT", help="The bone from this joint … Repeatable.")
+    to: Nodes = option((), metavar="CHILD", help="… to this one; one --to for each --joint.")
+    upper: bool = option(False, help="Upper bones: the joint's own twist is taken away towards its root.")
+    lower: bool = option(False, help="Lower bones: the twist of the bone's end is spread up the bone.")
+    count: Annotated[int, Kind("number", low=1, high=MOST)] = option(
+        2, help="Twist joints for a bone, at equal distances."
+    )
+    weights: Annotated[tuple[float, ...], Kind("joined", "W1,W2,…", read=_weights)] = option(
+        (),
+        help="The share of the driver's twist that each turns by, -1 to 1. "
+        "[i/(n+1) on lower, i/(n+1) - 1 on upper bones]",
+    )
+    axis: Direction | None = option(
+        None, help="The axis of the twist as the bone's joint sees it. [the bone]"
+    )
+    split_weights: bool = option(
+        False,
+        help="Share the skin weights of the bone among its joint and the twist joints, by place along it.",
+    )
+    max_influences: Annotated[int, Kind("number", low=0)] = option(
+        0,
+        metavar="N",
+        help="With --split-weights: a point that would get more joints than N gets the nearest alone. "
+        "0 is any number.",
+    )
+    keys: bool = option(True, help="Let the joints follow in every clip.")
+    name: str = option(NAME, help="Names of the twist joints; {joint} and {number} stand for what they say.")
+
+    @property
+    def bones(self) -> tuple[tuple[str, str], ...]:
+        """The bones that are named, each by its joint and the child."""
+        return tuple(zip(self.joint, self.to, strict=True))
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for what fits no twist joint."""
+        if len(self.joint) != len(self.to):
+            raise UsageError(f"{len(self.joint)} --joint and {len(self.to)} --to: each bone has one of both")
+        if self.max_influences and not self.split_weights:
+            raise UsageError("--max-influences says how --split-weights shares; give both")
+        if not (self.limb or self.limbs or self.joint):
+            raise UsageError("say which: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto")
+        if not 1 <= self.count <= MOST:
+            raise UsageError(f"--count {self.count}: a bone takes 1 to {MOST} twist joints")
+        if self.weights and len(self.weights) != self.count:
+            raise UsageError(f"--weights: {len(self.weights)} weights for {self.count} twist joints")
+        if not all(-1.0 <= weight <= 1.0 for weight in self.weights):
+            raise UsageError("--weights: each lies between -1 and 1")
+        if self.weights and (self.limb or self.limbs) and self.upper == self.lower:
+            raise UsageError("--weights: say for which bone of the limbs, --upper or --lower")
+        if self.axis is not None and not (all(map(math.isfinite, self.axis)) and any(self.axis)):
+            raise UsageError("--axis: a direction has a length")
+        try:
+            self.name.format(joint="x", number=1)
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
+            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
