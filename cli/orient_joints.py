@@ -67,9 +67,9 @@ def summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    turned = counted(counts["turned"], "joint")
-    words = f"{turned} turned, {counts['unchanged']} already stood so, {counts['kept']} kept"
-    return "\n".join([words, *_splits(report)])
+    changed = f"{counted(counts['turned'], 'joint')} re-oriented"
+    skipped = f"{counts['kept']} skipped" + (" (reasons with -v)" if counts["kept"] else "")
+    return "\n".join([f"{changed}, {counts['unchanged']} unchanged, {skipped}", *_splits(report)])
 
 
 def _splits(report: Report) -> list[str]:

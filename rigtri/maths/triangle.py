@@ -44,7 +44,7 @@ def axis_of(name: str) -> tuple[int, float]:
     """
     letter = name[-1:].lower()
     if name[:-1] not in ("", "+", "-") or letter not in ("x", "y", "z"):
-        raise ValueError(f"'{name}' is no axis: give x, y or z, with + or - before it")
+        raise ValueError(f"'{name}' is not a valid axis: use x, y, z, -x, -y or -z")
     return "xyz".index(letter), -1.0 if name[0] == "-" else 1.0
 
 

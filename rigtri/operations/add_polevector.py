@@ -22,7 +22,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import add, find, free_name, home, noted, plain_name, renamed, stand
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.bend_plane import Bend, bend, crossings
+from rigtri.recognition.bend_plane import SOURCE_TEXT, Bend, bend, crossings
 from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
 from rigtri.report import Report
 
@@ -216,14 +216,14 @@ def _warn_bend(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report
     if found.source != "pose":
         report.warn(
             "straight",
-            f"{title} bends {degrees:.4f}°: the side it bends to is taken from: {found.source}.",
+            f"{title} is nearly straight ({degrees:.4f}°); bend direction: from {SOURCE_TEXT[found.source]}.",
             joint=title,
             geometry=found.source in ("other side", "facing"),
         )
     elif found.sine < SHAKY:
         report.warn(
             "nearly-straight",
-            f"{title} bends only {degrees:.4f}°: its plane is near the noise of the file.",
+            f"{title} is nearly straight ({degrees:.4f}°): the bend direction is not reliable.",
             joint=title,
             geometry=True,
         )

@@ -91,7 +91,7 @@ def _check_named(rig: Rig, selection: Selection) -> None:
     for name in named:
         node = rig.find(name)
         if node in rig.rules.fixed and node not in rig.rules.data_nodes:
-            raise GeometryError(f"'{rig.title(node)}' cannot turn: {rig.rules.fixed[node]}")
+            raise GeometryError(f"'{rig.title(node)}' cannot be re-oriented: {rig.rules.fixed[node]}")
 
 
 def _named(tree: Skeleton, selection: Selection) -> set[int]:

@@ -197,12 +197,12 @@ def _middle(points: Floats) -> int:
 
 
 def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Floats, Floats, str]:
-    """The hinge, the side the limb bends to, and what told them: the points, else --bend."""
+    """The hinge, the side the limb bends to, and where they are from: the points, else --bend."""
     chord = normalise(triple[2] - triple[0])
     sine, degrees = float(bend_sine(*triple)), float(np.degrees(bend_angle(*triple)))
     if sine >= NO_PLANE:
         if sine < SHAKY:
-            text = f"{options.title} bends only {degrees:.4f}°: its plane is near the noise of the points."
+            text = f"{options.title} is nearly straight ({degrees:.4f}°): the bend direction is not reliable."
             report.warn("nearly-straight", text, joint=options.title, geometry=True)
         if options.bend is not None:
             text = f"--bend is for points on a line; those of {options.title} bend by {degrees:.4g}°."
@@ -211,8 +211,8 @@ def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Fl
         return normal, cross(chord, normal), "pose"
     if options.bend is None:
         raise GeometryError(
-            f"The points of {options.title} lie on a line (bent {degrees:.3g}°), so they do not say which "
-            "way it bends. Say it with --bend 0,0,1 or another direction across it"
+            f"The points of {options.title} lie on a line (bent {degrees:.3g}°), which leaves the bend "
+            "direction open. Give it with --bend 0,0,1 or another direction across it"
         )
     side = perpendicular(normalise(np.array(options.bend, dtype=np.float64)), chord)
     if not length(side) > ALONG:

@@ -6,7 +6,7 @@ plane. So every answer says where it came from, and there may be none.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -31,6 +31,14 @@ MOST_KEYS = 2000
 ALONG = 0.1
 
 Source = Literal["pose", "clips", "other pose", "other side", "facing", "given"]
+# The sources as messages call them.
+SOURCE_TEXT: Mapping[str, str] = {
+    "clips": "the animation clips",
+    "other pose": "the other pose of the file",
+    "other side": "the limb of the other side",
+    "facing": "the facing direction",
+    "given": "the command line",
+}
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def test_in_usd_a_joint_of_such_rotations_turns_as_its_parent_and_nothing_moves(
     assert leads == {n: first if n in joints and n != "root" else None for n in NAMES}
     assert said["finger"]["status"] == "turned"
     told = [n.text for n in outcome.report.warnings if n.code == "rotation-not-unit"]
-    assert ("can only turn as" in " ".join(told)) == (joints != ("root",))
+    assert ("can only be re-oriented as" in " ".join(told)) == (joints != ("root",))
     again = tmp_path / "again.usda"
     oriented(out, again, policy)
     assert again.read_bytes() == out.read_bytes()

@@ -290,7 +290,7 @@ def test_objects_of_options_do_what_keywords_do() -> None:
     [
         ("orient_joints", {"amx": "x"}, TypeError, "did you mean 'aim'"),
         ("orient_joints", {"aim": 3}, UsageError, "aim=3: give a text"),
-        ("orient_joints", {"aim": "q"}, UsageError, "'q' is no axis"),
+        ("orient_joints", {"aim": "q"}, UsageError, "'q' is not a valid axis"),
         ("orient_joints", {"preset": "may"}, UsageError, "give one of 'maya'"),
         ("orient_joints", {"joints": "hed"}, NameNotFoundError, "Did you mean 'head'"),
         ("orient_joints", {"limb": ["hand_L"]}, UsageError, "three joints: root, middle, end"),

@@ -138,8 +138,8 @@ def _report(
     rig: Rig, bond: Bond, leader: int, gave_way: list[int], why: str, policy: Policy, report: Report
 ) -> None:
     names, because = _names(rig, gave_way), _names_of_constraints(rig, bond)
-    lead = f"can only turn as '{rig.title(leader)}' does ({because})"
-    text = f"{names} {f'cannot turn: {why} ({because})' if why else lead}"
+    lead = f"can only be re-oriented as '{rig.title(leader)}' is ({because})"
+    text = f"{names} {f'cannot be re-oriented: {why} ({because})' if why else lead}"
     if policy == "error":
         raise GeometryError(f"{text}. Leave it out with --exclude, or take --on-constraint freeze.")
     code = "constraint" if any(c.kind != "length" for c in bond.constraints) else "rotation-not-unit"
@@ -193,7 +193,7 @@ def _common(
         delta = band.apply(delta[np.newaxis], [leader])[0]
     for constraint in about:
         if not axis_fits(constraint, delta):
-            return IDENTITY, f"the {constraint.kind} axis would be no axis of its new frame"
+            return IDENTITY, f"the {constraint.kind} axis would not be an axis of its new frame"
     for node in bond.nodes:
         if node >= 0 and scales.uneven[node] and not scales.keeps(node, to_axes(delta)):
             return IDENTITY, f"the scale of '{rig.title(node)}' is not uniform"

@@ -175,12 +175,12 @@ def mirrored_deltas(
         source = twin_of(rig, joint)
         if source is None or source not in known:
             why = f"has no twin on the {from_side} side" if source is None else "keeps its axes"
-            also = "" if source is None else f", as its twin '{rig.title(source)}' does not turn"
+            also = "" if source is None else f", as its twin '{rig.title(source)}' is not re-oriented"
             report.warn("no-twin", f"'{rig.title(joint)}' {why}{also}.")
             continue
         twins[joint] = source
     if not any(side_of(rig, joint) for joint in joints):
-        raise GeometryError("no joint that turns says left or right in its name")
+        raise GeometryError("no selected joint has left or right in its name")
     result = delta.copy()
     if twins:
         sources = list(twins.values())
@@ -204,7 +204,7 @@ def stored_splits(rig: Rig, joints: Iterable[int], frames: object) -> list[int]:
     """
     split = frames.get("split", []) if isinstance(frames, dict) else []
     if not isinstance(split, list) or not all(isinstance(name, str) for name in split):
-        raise FileError("--frames: 'split' is no list of joints")
+        raise FileError("--frames: 'split' is not a list of joints")
     return [joint for joint in joints if _stored_name(rig, joint, split) and joint not in rig.frame_of]
 
 
@@ -216,7 +216,7 @@ def stored_deltas(
     Raises FileError for another file.
     """
     if not isinstance(frames, dict) or frames.get("rigtri") != "frames" or frames.get("v") != 1:
-        raise FileError("--frames: this is no file of --save-frames (version 1)")
+        raise FileError("--frames: this is not a file of --save-frames (version 1)")
     stored = frames.get("joints")
     if not isinstance(stored, dict):
         raise FileError("--frames: 'joints' is missing")
@@ -258,7 +258,7 @@ def _warn_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -
     report.warn(
         "frames-shared",
         f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {shown}: all of them get the "
-        "stored frames. To turn those of one, name it with --skin, e.g. --skin "
+        "stored frames. To re-orient those of one, name it with --skin, e.g. --skin "
         f"{skins[0]}.",
     )
 

@@ -20,7 +20,7 @@ from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.requested_frames import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, first_uneven
 from rigtri.operations.orient_joints.targets import Targets
-from rigtri.operations.orient_joints.up_direction import degrees
+from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.report import Report
 
 
@@ -49,14 +49,14 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
     for name in filter(rig.has, (*selection.joints, *selection.below, *chains)):
         node = rig.find(name)
         if node in rig.rules.data_nodes:
-            report.warn("fixed", f"left alone: {rig.title(node)}: {rig.rules.fixed[node]}")
+            report.warn("fixed", f"skipped: {rig.title(node)}: {rig.rules.fixed[node]}")
     reasons: dict[str, list[str]] = {}
     for joint, reason in outcome.skipped.items():
         if rig.rules.fixed.get(joint) == reason:
             reasons.setdefault(reason, []).append(rig.title(joint))
     for reason, names in reasons.items():
         more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-        report.warn("fixed", f"kept as it is: {', '.join(names[:3])}{more}: {reason}")
+        report.warn("fixed", f"skipped: {', '.join(names[:3])}{more}: {reason}")
 
 
 def warn_straight(outcome: Outcome, report: Report) -> None:
@@ -67,28 +67,28 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
         if ups.step[joint] >= 2:
             _, steps, sources = lines.setdefault(name, (sine, set(), set()))
             steps.add(int(ups.step[joint]))
-            sources.add(ups.source[joint])
+            sources.add(up_text(ups.source[joint]))
     for name, (sine, steps, sources) in lines.items():
         word = "straight" if sine < DEGENERATE_SINE else "nearly straight"
         report.warn(
             "straight",
-            f"{name} is {word} ({degrees(sine):.3g}° bent); up is taken from: {', '.join(sorted(sources))}.",
+            f"{name} is {word} ({degrees(sine):.3g}°); up axis: from {', '.join(sorted(sources))}.",
             joint=name,
             geometry=max(steps) > 3,
         )
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):
         if joint not in straight:
-            name = rig.title(joint)
+            name, source = rig.title(joint), up_text(ups.source[joint])
             report.warn(
                 "invented-up",
-                f"'{name}': no plane tells its up direction; taken from: {ups.source[joint]}.",
+                f"'{name}': no bend plane determines its up axis; up axis: from {source}.",
                 joint=name,
                 geometry=True,
             )
 
 
 def check(outcome: Outcome, report: Report) -> None:
-    """GeometryError for a turned joint of scale 0; warnings for bones and sources that are doubtful."""
+    """GeometryError for a re-oriented joint of scale 0; warnings for bones and sources that are doubtful."""
     targets, moves = outcome.targets, rotates(outcome.delta)
     rig, styles = targets.tree.rig, targets.styles
     flat = np.flatnonzero(moves & (length(rig.local[:, :3, :3]) == 0).any(axis=1)).tolist()
@@ -109,7 +109,7 @@ def check(outcome: Outcome, report: Report) -> None:
         if moves[node]:
             report.warn(
                 "up-source-turns",
-                f"{source}: '{rig.title(node)}' turns too; a second run would see other axes",
+                f"{source}: '{rig.title(node)}' is re-oriented too; a second run would see other axes",
             )
 
 
@@ -147,7 +147,7 @@ def record(outcome: Outcome, report: Report) -> None:
     if named:
         report.warn(
             "mirrored",
-            f"{len(named)} joints are mirrored and stay so (left-handed axes): "
+            f"{len(named)} joints are mirrored (left-handed axes) and stay mirrored: "
             f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
         )
 

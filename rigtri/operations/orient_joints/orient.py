@@ -158,8 +158,8 @@ def _warn_lost(rig: Rig, delta: Floats, report: Report) -> None:
     for node in lost_rules(rig, delta):
         report.warn(
             "constraint-lost",
-            f"'{rig.names[node]}' tells its rule by axes that turned, so it means something else now; "
-            "set it again with rigtri constrain",
+            f"'{rig.names[node]}' is a constraint by axes that were re-oriented, so it does something else "
+            "now; set it again with rigtri constrain",
         )
 
 

@@ -28,6 +28,19 @@ from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
 
+# Sources of up directions as messages call them, where files have shorter words.
+_TEXT = {
+    "clips": "the animation clips",
+    "other pose": "the other pose of the file",
+    "carried from the joint above": "the parent joint (parallel transport)",
+    "its present axis": "the joint's present axis",
+}
+
+
+def up_text(source: str) -> str:
+    """A source of `UpDirections` as messages call it."""
+    return _TEXT.get(source, f"the {source}")
+
 
 class UpLadder:
     """The up directions of joints, found for some after others.
@@ -64,10 +77,10 @@ class UpLadder:
             if up_from == "pole":
                 self._take_pole(joint)
             elif joint in stated:
-                name = targets.tree.rig.title(joint)
+                name, source = targets.tree.rig.title(joint), up_text(self.normals.source[joint])
                 self._report.warn(
                     "up-parallel",
-                    f"'{name}': {up_from} runs along the bone; up axis: {self.normals.source[joint]}.",
+                    f"'{name}': {up_from} runs along the bone; up axis: from {source}.",
                     joint=name,
                     geometry=True,
                 )

@@ -112,7 +112,7 @@ def nameless(rig: Rig, name: str = "") -> Rig:
         names=tuple(f"{name}{node}" if name else "" for node in range(count)),
         labels=tuple(f"#{node}" for node in range(count)),
         humanoid={},
-        facing=None,
+        rules=replace(rig.rules, facing=None),
         skins=tuple(replace(skin, name="") for skin in rig.skins),
     )
 

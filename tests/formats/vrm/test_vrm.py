@@ -114,9 +114,7 @@ def test_vrma_data_nodes_are_left_alone_with_a_note_whoever_names_them(tmp_path:
     data = OrientJointsOptions(joints=("joint 5",))
     assert orient_joints(rig, options=data, report=report) is rig
     (notice,) = report.warnings
-    assert (
-        notice.text == "left alone: joint 5: its translation is the weight of the expression 'happy' (VRMA)"
-    )
+    assert notice.text == "skipped: joint 5: its translation is the weight of the expression 'happy' (VRMA)"
     both = OrientJointsOptions(preset="blender", joints=("joint 5", "joint 1"))
     after = orient_joints(rig, options=both)
     changed = np.flatnonzero((after.rotation != rig.rotation).any(axis=1))

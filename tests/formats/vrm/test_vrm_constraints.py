@@ -109,7 +109,7 @@ def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_pa
     for name in ("sleeve", "cuff"):
         assert_allclose(turns[NODES[name]] * np.sign(turns[NODES[name]] @ source), source, atol=1e-12)
     told = [notice.text for notice in report.warnings if notice.code == "constraint"]
-    assert any("'sleeve', 'cuff' can only turn as 'upper_arm' does" in text for text in told)
+    assert any("'sleeve', 'cuff' can only be re-oriented as 'upper_arm' is" in text for text in told)
     follows = {entry["joint"]: entry.get("follows") for entry in report.joints}
     assert follows["sleeve"] == follows["cuff"] == "upper_arm"
     assert follows["upper_arm"] is None
@@ -206,7 +206,7 @@ def test_only_the_destination_of_an_aim_is_held(tmp_path: Path) -> None:
     assert not turns[NODES["gaze"]]
     assert turns[[NODES["head"], NODES["hand"]]].all()
     (reason,) = [entry["reason"] for entry in report.joints if entry["joint"] == "gaze"]
-    assert reason == "the aim axis would be no axis of its new frame (aim constraint of 'gaze')"
+    assert reason == "the aim axis would not be an axis of its new frame (aim constraint of 'gaze')"
 
 
 def test_noise_of_storage_does_not_hold_a_joint(tmp_path: Path) -> None:
