@@ -1,4 +1,4 @@
-"""Which controls are at work: in a clip those with keys, at rest those that somebody has moved."""
+"""Active controls: in a clip those with keys, at rest those whose channels are not zero."""
 
 from __future__ import annotations
 

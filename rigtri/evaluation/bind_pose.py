@@ -1,4 +1,4 @@
-"""Bind poses: where the joints of a skin stand while its points are as the mesh stores them."""
+"""Bind poses: the world matrices of a skin's joints for which its points are as the mesh stores them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where rules put their children, over all frames at once: matrices first, factored last.
+"""Constraints evaluated over all frames at once: matrices first, translation, rotation and scale last.
 
 ``f`` is the number of frames, ``d`` of drivers. A driver whose frame cannot be told in some frame
 (a scale of zero) does not count there; where none is left, or nothing can be told, the child

@@ -1,4 +1,4 @@
-"""Samples as near to each other as what lies between them needs: halved until lines between keys tell it.
+"""Adaptive sampling of a rig that a solver moves: until linear keys give what lies between samples.
 
 FK of linear keys is linear; IK, constraints and splines are not. Where a line between two samples leaves what
 it stands for by more than a bound, there is a sample in the middle, too. A limb that passes straight turns

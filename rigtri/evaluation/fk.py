@@ -1,4 +1,4 @@
-"""A control over one joint: what its channels do to the joint, and which channels a joint's pose needs.
+"""FK: what the channels of a control do to its joint, and which channels give a joint's pose.
 
 A joint whose parent has the control above is moved in its parent's space, so nothing of the world
 takes part: rotation = rest · channel, in the joint's own axes. Any other joint is carried

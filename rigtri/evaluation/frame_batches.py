@@ -1,4 +1,4 @@
-"""Frames taken some at a time, so that memory does not grow with their number, and put together again."""
+"""Frames in batches, so that memory does not grow with their number."""
 
 from __future__ import annotations
 

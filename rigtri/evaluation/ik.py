@@ -1,4 +1,4 @@
-"""A limb whose end follows a control and whose bend follows a pole, and the place that both need.
+"""IK of a limb: its end follows a control, its bend a pole vector; and the positions that both need.
 
 The solver turns the rest pose of the limb, carried by what the limb hangs on, from the triangle
 that its joints make there to the one that reaches the target. A control that rounding has put

@@ -1,4 +1,4 @@
-"""The order in which controls can be found that give a motion: each after the places it is seen from.
+"""The order in which controls are solved for a motion: each after the nodes that its parts are relative to.
 
 A step of its own finds each control, so that what follows a control, or hangs below it, comes after.
 """

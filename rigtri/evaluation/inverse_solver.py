@@ -1,4 +1,4 @@
-"""Controls that give a motion that joints have: the inverse of evaluating them.
+"""Inverse evaluation: the controls that give the motion which joints have.
 
 Every control gets values that a file can hold, and those after it are found from what these make of
 the rig, so that rounding and reduced keys do not add up along chains. What an IK limb cannot hold

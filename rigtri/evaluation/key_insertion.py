@@ -1,4 +1,4 @@
-"""Keys put into a track: at their times it says something else, elsewhere what it said, as keys allow.
+"""Keyframe insertion: keys at given times, with the curve elsewhere as it was, as far as keys allow.
 
 Between a new key and its neighbours values go from the one to the other; beyond these nothing changes.
 A spline is split where the new key comes, which changes nothing, and then its value there is

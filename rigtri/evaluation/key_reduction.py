@@ -1,4 +1,4 @@
-"""Keys that are needed: without them what lies between the others would be off by more than a bound."""
+"""Key reduction: the fewest keys between which interpolation stays within a tolerance."""
 
 from __future__ import annotations
 

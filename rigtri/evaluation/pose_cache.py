@@ -1,4 +1,4 @@
-"""A rig in many poses at once, of which only what is asked for is worked out."""
+"""A rig in many poses at once; world matrices are computed when they are first needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pose readers: how much a joint is in each of some poses, from 0 to 1.
+"""Pose readers (pose-space drivers): how near a joint is to each of some poses, from 0 to 1.
 
 ``dot`` and ``cone`` ask how much an axis of the driver points at each target; ``rbf`` weighs
 several poses by how near they are. All is seen from a frame, which is the driver's parent

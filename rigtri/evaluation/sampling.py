@@ -1,4 +1,4 @@
-"""A rig at given times: local and world matrices, skin matrices, deformed points.
+"""Clips sampled: local and world matrices, and morph weights, at given times.
 
 Plain evaluation, the truth that everything is measured against. ``f`` is the
 number of times, ``n`` of nodes. All times asked for are evaluated in one go;

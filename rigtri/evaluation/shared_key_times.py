@@ -1,4 +1,4 @@
-"""Joints as a file shows them whose joints share their key times.
+"""Key times that joints of one animation share, as USD stores them.
 
 An array of a USD animation has all its joints at each of its times, so a reader finds keys at the times of
 every other joint, too, rounded to float32. What is made to follow joints is made of these keys.

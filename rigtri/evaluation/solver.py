@@ -1,4 +1,4 @@
-"""A rig evaluated: which controls, limbs and rules are at work, in which order, over all frames at once.
+"""The solver of a rig: which controls, limbs and constraints are active, and in which order they work.
 
 Source: docs/evaluation.md, which says in words what is done here.
 """

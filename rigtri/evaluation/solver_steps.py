@@ -1,4 +1,4 @@
-"""What moves nodes of a rig: its root control, rules, twist joints; FK and IK have modules of their own.
+"""Solver steps that move nodes: root controls, constraints, twist joints; FK and IK have their own modules.
 
 Source: docs/evaluation.md.
 """

@@ -1,4 +1,4 @@
-"""What plays at the same time in a file, and how tracks of our own come into it.
+"""Timelines: what plays at the same time in a file, and how new tracks are put into it.
 
 A glTF animation plays alone. Animations of a USD stage share its time: their keys are
 tuples, and what drives prims, skeletons and morphs together gives one pose.

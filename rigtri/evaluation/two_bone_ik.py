@@ -1,4 +1,4 @@
-"""Two bones that reach for a target, bent to the side of a pole: analytic, all frames at once.
+"""Two-bone IK, analytic, all frames at once: a triangle that reaches a target and bends to a pole's side.
 
 Source: R. Katz, "Rigging with Triangles", GDC 2018 (the triangle of a limb, pole vector); the law
 of cosines; A. Nicholas, "Soft IK", 2009 (the reach that never quite becomes straight).

@@ -1,4 +1,4 @@
-"""What stands where while all controls are zero: the pose that controls move joints away from.
+"""The pose of a rig while all its controls are zero, which controls move joints from.
 
 A joint with a control is where the control's offset is, so that a pose which has once been baked
 into the joints is not added to itself. Where the two differ by no more than rounding, the joint's

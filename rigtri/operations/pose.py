@@ -1,4 +1,4 @@
-"""pose: the pose of a moment, evaluated; to be read, or to become the rest pose of the nodes."""
+"""pose: the evaluated pose at one time, reported, or written as the rest pose of the nodes."""
 
 from __future__ import annotations
 

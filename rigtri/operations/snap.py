@@ -1,4 +1,4 @@
-"""snap: FK controls take over from IK at a frame, or IK from FK, and the joints stay where they are.
+"""snap: FK controls take over from IK at a frame, or IK from FK; the joints stay where they are.
 
 A limb is solved by IK in a clip where its IK end or pole has keys (docs/evaluation.md). So IK's keys go
 where FK takes over, and the keys of the limb's FK controls where IK does. What takes over gets keys at all
@@ -114,7 +114,7 @@ class _Limb:
         if not all(np.isfinite(each).all() for parts in channels.values() for each in parts):
             raise GeometryError(
                 f"The limb that ends in '{self.rig.title(self.chain[2])}' has a scale of zero at one of the "
-                "moments, or above it; no control can tell what has no axes"
+                "moments, or above it; no control can match joints without axes"
             )
         if self.timeline is None:
             if self.to == "fk" and was_ik:

@@ -1,4 +1,4 @@
-"""What a rig was asked that it cannot do: limbs that cannot reach, poles that tell nothing, uneven scale."""
+"""Solver warnings: targets out of reach, poles on the line of their limb, uneven scale."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""strip: take out again what rigtri has put into a rig.
+"""strip: removes what rigtri has added to a rig.
 
 Nodes of ours go, notes on the nodes of others go. What others have put below a node of
 ours is not ours to move: it is named, and nothing is done.
@@ -171,8 +171,9 @@ def _gone(rig: Rig) -> frozenset[int]:
                 joint = rig.metadata.get(node, {}).get("joint")
                 where = f"'{joint}' or another node that stays" if joint else "a node that stays"
                 raise GeometryError(
-                    f"'{rig.title(child)}' hangs below '{rig.title(node)}', which is to go, and is not "
-                    f"rigtri's. In the program that put it there, hang it below {where}, or remove it; then "
+                    f"'{rig.title(child)}' is a child of '{rig.title(node)}', which strip removes, and is "
+                    f"not from rigtri. In the program that put it there, parent it to {where}, or remove "
+                    "it; then "
                     "strip again"
                 )
     return gone

@@ -86,7 +86,7 @@ def test_a_node_of_someone_else_below_ours_is_named_and_nothing_is_done(
     gltf["nodes"].append({"name": "Sword"})
     gltf["nodes"][control].setdefault("children", []).append(len(gltf["nodes"]) - 1)
     (tmp_path / "used.glb").write_bytes(glb_bytes(gltf, binary))
-    with pytest.raises(GeometryError, match=r"'Sword' hangs below 'hand_L_ctl'.* hang it below 'hand_L' or"):
+    with pytest.raises(GeometryError, match=r"'Sword' is a child of 'hand_L_ctl'.* parent it to 'hand_L' or"):
         edit(tmp_path / "used.glb", tmp_path / "bare.glb", stripped)
     assert not (tmp_path / "bare.glb").exists()
 

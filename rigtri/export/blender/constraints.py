@@ -1,4 +1,4 @@
-"""Rules and twist joints in Blender: the constraint of the same meaning for each, and what has none.
+"""Constraints and twist joints in Blender: the constraint of the same meaning for each, or none.
 
 What follows stands on sockets that ride on its drivers, so that offsets are places and no numbers of a
 constraint, and one that is seen from a node's own space is told from two sockets.
@@ -188,7 +188,7 @@ def _turn_about(
 
 
 def _left_out(report: Report, what: str) -> None:
-    report.warn("blender-left-out", f"The script leaves out {what}: Blender has nothing that says the same")
+    report.warn("blender-left-out", f"The script leaves out {what}: Blender has nothing equivalent")
 
 
 def left_out(plan: Plan, report: Report) -> None:

@@ -1,4 +1,4 @@
-"""Controls in Blender: what FK controls, IK ends with their poles, and root controls do to joints.
+"""Controls in Blender: FK controls, IK controls with pole vectors, and root controls.
 
 Each joint copies a socket that rides on its control. The control's offset stands where its joint would be
 while the control is zero: on the joint above, turned by IK where the limb's switch says so. IK is solved by

@@ -1,4 +1,4 @@
-"""What is to be set up in Blender, as plain lists that its script reads: nodes, sockets, bones, constraints.
+"""The set-up of a rig in Blender as plain lists, which the script reads: nodes, sockets, bones, constraints.
 
 All matrices are those of the file, row-vector and in the world, while controls are zero; Blender's axes
 are the script's matter. What a constraint is on, or looks at, is told by a word: ``n3`` is a node of the

@@ -1,4 +1,4 @@
-"""A script that sets a rig up in Blender: the plan of what is to be made, inside of a script that makes it.
+"""The script that sets a rig up in Blender: a plan, and the code that carries it out.
 
 The script is a file of its own, `setup_in_blender.py`; the plan is one literal of ASCII text in it, so
 nothing that a file's names hold can become code.

@@ -87,9 +87,9 @@ class AddPosereaderOptions:
     def checked(self) -> AddPosereaderOptions:
         """These options. UsageError where they say nothing, or contradict each other."""
         if not self.driver:
-            raise UsageError("say which joint is read: --driver JOINT")
+            raise UsageError("name the joint to read: --driver JOINT")
         if not self.targets:
-            raise UsageError("say what it looks for: --target X,Y,Z, CLIP@TIME, rest or a node")
+            raise UsageError("give its target poses: --target X,Y,Z, CLIP@TIME, rest or a node")
         known = self.names()
         if len(set(known)) < len(known):
             raise UsageError("each target needs a name of its own")

@@ -1,4 +1,4 @@
-"""Keys of morph targets that a pose reader replaces, kept in its note, so that strip can put them back."""
+"""Keys of morph targets that a pose reader replaces, kept in its metadata, so that strip restores them."""
 
 from __future__ import annotations
 

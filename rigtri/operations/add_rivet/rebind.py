@@ -1,4 +1,4 @@
-"""Rivets set anew on meshes that something else moves in another way from now on."""
+"""Rivets baked again after the skin weights or morphs of their mesh have changed."""
 
 from __future__ import annotations
 

@@ -75,9 +75,9 @@ class AddRivetOptions:
     def checked(self) -> AddRivetOptions:
         """These options. UsageError where they say nothing, or what cannot be."""
         if not self.mesh:
-            raise UsageError("say which mesh holds the rivet: --mesh NAME")
+            raise UsageError("name the mesh that holds the rivet: --mesh NAME")
         if not self.count:
-            raise UsageError("say where the rivet goes: --triangle N, --at X,Y,Z or --vertex N")
+            raise UsageError("give the place of the rivet: --triangle N, --at X,Y,Z or --vertex N")
         if len(self.barycentric) > len(self.triangles):
             raise UsageError(
                 f"there are {len(self.barycentric)} --barycentric and {len(self.triangles)} --triangle; "

@@ -1,4 +1,4 @@
-"""bake: controls and constraints worked out into joint keys, and the other way round.
+"""bake: controls and constraints evaluated into joint keys, and the other way round.
 
 Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); docs/evaluation.md.
 """

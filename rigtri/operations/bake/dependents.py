@@ -1,4 +1,4 @@
-"""What follows joints and is told by keys: rivets and pose readers, baked anew from their notes."""
+"""Rivets and pose readers, whose keys depend on joints: baked again from their metadata."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the rig that controls make is off the motion that they were found for, and what IK left to FK."""
+"""How far the evaluated controls are off the motion that they were solved for, and what IK left to FK."""
 
 from __future__ import annotations
 

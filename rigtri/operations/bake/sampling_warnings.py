@@ -1,4 +1,4 @@
-"""What is told of what lies between the samples of clips."""
+"""Warnings about what lies between the samples of clips."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keys of joints that a bake leaves as they are: they say what the new ones would."""
+"""Keys of joints that a bake leaves as they are, because the new ones would give the same."""
 
 from __future__ import annotations
 

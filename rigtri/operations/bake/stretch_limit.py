@@ -1,4 +1,4 @@
-"""Limbs that would stretch farther than files can say."""
+"""The limit of IK stretch, beyond which float32 holds no pose."""
 
 from __future__ import annotations
 

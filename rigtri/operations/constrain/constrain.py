@@ -1,4 +1,4 @@
-"""constrain: a node follows others; what it follows, and how, is stored on a node of its own.
+"""constrain: a node follows drivers; the constraint is stored as metadata of a node of its own.
 
 Source: "Matrix parent constraint" (article): child_world = offset · driver_world. Offset and
 joint orient go together, because the joint orient is taken out of the finished local matrix.
@@ -46,13 +46,13 @@ from rigtri.report import Report
 _DEGREE = np.pi / 180.0
 Vector = tuple[float, float, float]
 
-# The notice of a rule that VRM has no words for.
+# The code of the warning about a constraint that VRM cannot hold.
 UNTOLD = "constraint-not-vrm"
 
 
 @dataclass(frozen=True)
 class ConstrainOptions:
-    """Everything that `constrain` can be told; the defaults are the command's.
+    """The options of `constrain`; the defaults are the command's.
 
     drivers: (node, weight). skip: channels (``tx`` … ``sz``) that stay the child's own, ``t``, ``r``,
     ``s`` for three. joint_orient: ``rest``, ``none`` or three degrees (about x, then y, then z).
@@ -92,7 +92,7 @@ class ConstrainOptions:
         if self.order not in ORDERS:
             raise UsageError(f"there is no rotate order '{self.order}'; choose of {', '.join(ORDERS)}")
         if not self.drivers:
-            raise UsageError("say what the child follows: --driver NODE, repeatable")
+            raise UsageError("name what the child follows: --driver NODE, repeatable")
         for name, weight in self.drivers:
             if not (isfinite(weight) and weight >= 0):
                 raise UsageError(f"--driver {name}: the weight {weight:g} is none; give a number from 0 on")
@@ -103,7 +103,7 @@ class ConstrainOptions:
         if self.limb is not None and self.kind != "polevector":
             raise UsageError("--limb is for --type polevector")
         if not self.child and self.limb is None:
-            raise UsageError("say which node follows: --child NODE")
+            raise UsageError("name the node that follows: --child NODE")
         return self
 
     def _check_skip(self) -> None:
@@ -174,7 +174,7 @@ def follow(rig: Rig, rule: Constraint, *, keep: bool, vrm: bool, report: Report)
 
 
 def _constraint_of(rig: Rig, options: ConstrainOptions) -> Constraint:
-    """What the options say, with offsets still to be measured."""
+    """The constraint that options describe, with offsets still to be measured."""
     drivers = tuple(rig.find(name, "node") for name, _ in options.drivers)
     chain = _chain(rig, options) if options.kind == "polevector" else ()
     child = chain[1] if chain else rig.find(options.child, "node")
@@ -278,7 +278,7 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Constraint) -> None:
 
 
 def _warn(rig: Rig, rule: Constraint, report: Report) -> None:
-    """What the user should know of the rule as it is."""
+    """Warnings about a constraint as it is."""
     if not rule.weights.any():
         report.warn(
             "constraint-weightless",
@@ -314,7 +314,7 @@ def _stored(rig: Rig, rule: Constraint, place: int | None, vrm: bool, report: Re
         if kind is None:
             report.warn(
                 UNTOLD,
-                f"'{rig.title(rule.child)}': VRMC_node_constraint cannot say this {rule.kind} constraint "
+                f"'{rig.title(rule.child)}': VRMC_node_constraint cannot hold this {rule.kind} constraint "
                 f"({why}); it is stored in extras alone",
             )
     rig = noted(rig, node, note)

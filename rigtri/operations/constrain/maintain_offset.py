@@ -1,4 +1,4 @@
-"""The offsets of constraints: what leaves a child where it stands at rest."""
+"""Maintain offset: the offsets of constraints with which a child stays where it is at rest."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _check_aim(rig: Rig, rule: Constraint, world: Floats) -> None:
     size = max(float(np.abs(places).max()), float(np.abs(world[:, 3, :3]).max()))
     if (length(places[1:] - places[0]) <= _STRAIGHT * size).all():
         raise GeometryError(
-            f"'{rig.title(rule.child)}' stands where '{rig.title(rule.drivers[0])}' stands, so it has no "
+            f"'{rig.title(rule.child)}' has the position of '{rig.title(rule.drivers[0])}', so it has no "
             "direction to aim in; name another driver"
         )
 

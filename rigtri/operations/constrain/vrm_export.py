@@ -1,4 +1,4 @@
-"""Constraints in VRM's own words: which rules VRMC_node_constraint says exactly, and as what.
+"""Constraints as VRMC_node_constraint: which ones VRM can hold exactly, and as which kind.
 
 It knows one source and no offset; rotation compares turns from rest in the nodes' own axes,
 roll those that the parents see, aim turns the shortest way from rest.

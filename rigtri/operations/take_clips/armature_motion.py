@@ -1,4 +1,4 @@
-"""Armatures that somebody has moved in Blender while controls drove: there the bones stayed with these.
+"""Armatures moved in Blender while controls drove the bones, which stayed with the controls.
 
 An armature object is a node above the first joints. Its constraints, which the script of ``export-blender``
 makes, hold the bones where controls are in the world; in a file, joints go wherever the node above goes.

@@ -1,4 +1,4 @@
-"""Nodes of two files that are one node, and how the axes of the one turn into those of the other.
+"""Nodes of two files that correspond, and how the axes of one map to those of the other.
 
 C of a node and G of the two worlds are such that, at all times of the same motion,
 ``world = C · other world · G`` (row matrices). Of a joint, C comes from the inverse bind matrices of

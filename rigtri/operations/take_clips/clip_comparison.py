@@ -1,4 +1,4 @@
-"""A clip of the edited file beside that of the rig: track by track, and where it lies in time."""
+"""A clip of the edited file compared with that of the rig, track by track, and its place in time."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Which clip of the rig a clip of the edited file is, also where a DCC has split it per object.
 
-In this order: what the user said; the same name; ``Object|clip`` and ``clip_Object``; a name that the DCC
+In this order: what the user names; the same name; ``Object|clip`` and ``clip_Object``; a name that the DCC
 made up (`take_clips.generated_names`), which is the clip of the same times; without a name, the one clip
 that is left, of the same length. A clip that is none of these is a new one; so are all made-up ones
 of the same times together.
@@ -40,7 +40,7 @@ class Taken:
 
 
 class ClipNames:
-    """The clips of two files. said: what the user calls clips of the edited file, by their names there or
+    """The clips of two files. said: the user's names for clips of the edited file, by their names there or
     globs: a name, ``#2`` for a clip by its number, "" for the one without a name.
     """
 
@@ -55,12 +55,12 @@ class ClipNames:
         self.user_names = self._named_by_user(user_names)
         self.made = MadeNames(edited, self.theirs, {*rig.names, *edited.names} - {""})
         self.unclear: dict[str, str] = {}  # of parts of some clip: why it is not known of which
-        self.paired: dict[str, str] = {}  # of clips that were told by something else than a name: why
+        self.paired: dict[str, str] = {}  # of clips that were matched by something else than a name: why
         self.homes = {id(timeline): self._home_of(timeline) for timeline in self.theirs}
         self._gather()
         self._pair()
 
-    # --- what the user has said
+    # --- names that the user gives
 
     def _named_by_user(self, user_names: Mapping[str, str]) -> dict[str, str]:
         """The clips of the edited file that the user has named, and what they are known as here."""
@@ -74,7 +74,7 @@ class ClipNames:
         return found
 
     def _called(self, name: str, clip: str) -> str:
-        """The name by which a clip that the user has said is known here."""
+        """The name by which a clip that the user has given is known here."""
         if not clip:
             unnamed = [timeline.name for timeline in self.ours if not timeline.clip.name]
             if len(unnamed) == 1:
@@ -99,7 +99,7 @@ class ClipNames:
         if name in self.known:
             return name
         if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
-            return self.ours[0].name  # a USD file has one clip, whose name tells nothing
+            return self.ours[0].name  # a USD file has one clip, whose name means nothing
         spelled = [known for known in self.known if _as_usd(known) == _as_usd(name)]
         if len(spelled) == 1:
             return spelled[0]
@@ -119,7 +119,7 @@ class ClipNames:
             why = "several clips have" if found else "no clip has"
             self.unclear[timeline.name] = (
                 f"'{timeline.name}' may be a part of another clip, but {why} its times; it is taken as a "
-                f"clip of its own. Say which it is with --as '{timeline.name}=CLIP'"
+                f"clip of its own. Name the clip with --as '{timeline.name}=CLIP'"
             )
         return None
 
@@ -129,7 +129,7 @@ class ClipNames:
         return self.rig.rules.per_second / self.edited.rules.per_second
 
     def _gather(self) -> None:
-        """Parts that fit no clip, but each other, as one: what was said of any of them, or a new one.
+        """Parts that fit no clip, but each other, as one: the one that the user named, or a new one.
 
         A part of no length goes with those that have one, where these are one clip.
         """
@@ -150,7 +150,7 @@ class ClipNames:
             if first.name in self.unclear and first is not timeline:
                 self.unclear[first.name] = (
                     f"'{first.name}' and others of its times, each named after what it moves, fit no one "
-                    f"clip; they are taken as one new clip. Say which it is with --as '{first.name}=CLIP'"
+                    f"clip; they are taken as one new clip. Name the clip with --as '{first.name}=CLIP'"
                 )
 
     def _pair(self) -> None:
@@ -174,16 +174,16 @@ class ClipNames:
                 self.homes[id(timeline)] = left[0].name
                 self.paired[timeline.name] = "the only one that is left, and of the same length"
 
-    # --- what a user is told
+    # --- warnings
 
     def warn_unsure(self, name: str, parts: Sequence[Timeline]) -> bool:
-        """Tell of parts of a clip that were told by something else than a name; False where none was."""
+        """Warn of parts of a clip that were matched by something else than a name; False where none was."""
         called = parts[0].name
         if called in self.paired:
             self.report.warn(
                 "clip-paired",
                 f"Clip '{called}' was taken as '{name}', {self.paired[called]}. "
-                f"If it is a new one, say --as '{called}={called}'",
+                f"If it is a new one, use --as '{called}={called}'",
             )
             return True
         unclear = [self.unclear[part.name] for part in parts if part.name in self.unclear]
@@ -192,7 +192,7 @@ class ClipNames:
         return bool(unclear)
 
     def _warn_unmatched(self, together: Mapping[str, Sequence[Timeline]]) -> None:
-        """Tell of clips that were not known by name."""
+        """Warn of clips that were not matched by name."""
         left = [name for name in self.known if name not in together]
         # What has no motion at all gets its one clip, whatever that is called.
         motionless = self.one_timeline and not self.ours
@@ -206,7 +206,7 @@ class ClipNames:
                 self.report.warn(
                     "new-clip",
                     f"RIG has no clip '{name}', so it gets a new one.{hint} "
-                    f"Say which of RIG's it is with --as '{called}=CLIP'",
+                    f"Name the clip of RIG with --as '{called}=CLIP'",
                 )
 
     # --- clips together

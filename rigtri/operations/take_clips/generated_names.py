@@ -1,4 +1,4 @@
-"""Names that a DCC makes up for clips: they tell of objects, and hardly which clip it is.
+"""Names that a DCC generates for clips: of objects, hardly of the clip.
 
 Clips that are split per object are ``Object|clip`` or ``clip_Object``. Blender names an action after its
 object (``hand_ctlAction``), an animation of each object as the object (Animation Mode "Scene"), and what it

@@ -1,4 +1,4 @@
-"""Limbs that IK holds in Blender without keys, as the script of ``export-blender`` tells it.
+"""Limbs whose IK is switched on in Blender without keys, as the script of ``export-blender`` stores it.
 
 Below each IK end the script puts an empty node, whose scale is that of a switch: half where IK is off, one
 and a half where it is on, one where nothing drives. A scale comes through every exporter, as custom

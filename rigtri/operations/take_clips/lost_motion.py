@@ -1,4 +1,4 @@
-"""What a DCC's frames have lost of the motion of controls that nobody has edited: keys between them."""
+"""Motion of unedited controls that a DCC has lost by sampling at frames: keys between them."""
 
 from __future__ import annotations
 

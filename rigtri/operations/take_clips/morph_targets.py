@@ -1,4 +1,4 @@
-"""Which morph target of one file is which of another, by name."""
+"""Morph targets of two files that correspond, by name."""
 
 from __future__ import annotations
 

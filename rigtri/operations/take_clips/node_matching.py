@@ -1,4 +1,4 @@
-"""Nodes of two files that are one node: by name, and by their place where they have none."""
+"""Nodes of two files that correspond: by name, and by position in the hierarchy where they have none."""
 
 from __future__ import annotations
 

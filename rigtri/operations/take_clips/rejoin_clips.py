@@ -1,4 +1,4 @@
-"""The clips of a file that an exporter has split, renamed or moved in time as another file has them."""
+"""Clips that an exporter has split, renamed or moved in time, joined as the other file has them."""
 
 from __future__ import annotations
 

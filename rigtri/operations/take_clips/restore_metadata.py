@@ -1,4 +1,4 @@
-"""What is a control of what, read from another file: exporters drop what rigtri stores.
+"""rigtri's metadata restored from another file, because exporters drop it.
 
 They also store as rest what the current frame shows. So where controls, offsets and poles stand while
 nobody has moved them is read from the other file, too; only the motion is this file's.
@@ -42,7 +42,7 @@ _SAME_PLACE = 1e-5
 def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     """The rig with the notes of ``described`` on its nodes of the same names, at rest where they are there.
 
-    A node that is not there is told of, and so are joints that are bound otherwise, whose controls keep
+    A warning names nodes that are not there, and joints that are bound otherwise, whose controls keep
     their own rest. GeometryError where no node is there, or no control finds its joint.
     """
     notes = {node: note for node, note in described.metadata.items() if note.get("type") in ADDED}
@@ -87,17 +87,17 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
 
 
 def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
-    """A notice where the file has a description of its own that says something else."""
+    """A warning where the file has other metadata of its own."""
     names = [rig.title(node) for node, note in found.items() if rig.metadata.get(node, note) != note]
     if names:
-        text = f"What this file says of {list_names(names)} is replaced by what the file of --rig says"
+        text = f"The metadata of {list_names(names)} in this file is replaced by that of the file of --rig"
         report.warn("described-anew", text)
 
 
 def _refuse_strange_joints(
     rig: Rig, found: Mapping[int, Mapping[str, Any]], described: Rig, report: Report
 ) -> None:
-    """Tell of controls whose joint is none of this file; GeometryError where all are such."""
+    """Warn of controls whose joint is none of this file; GeometryError where all are such."""
     controls = [note for note in found.values() if note.get("type") == "control"]
     lost = {str(note.get("joint")): None for note in controls if rig.known(note.get("joint")) is None}
     if not lost:
@@ -110,7 +110,7 @@ def _refuse_strange_joints(
     if there > 1:
         reason = f"{there} nodes of that file are called '{called}', so it means each by its path"
     elif here > 1:
-        reason = f"{here} nodes of this file are called '{called}', so the name does not say which"
+        reason = f"{here} nodes of this file are called '{called}', so the name is ambiguous"
     more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
     text = f"'{name}'{more}, which controls of the file of --rig move, is not found in this file: {reason}"
     if all(str(note.get("joint")) in lost for note in controls):

@@ -1,4 +1,4 @@
-"""The tracks of a node of another file as tracks of ours.
+"""Tracks of a node of another file as tracks of the rig's node, in its axes.
 
 ``local = C · other local · D``. Where C and D are turns of one size, keys are mapped one by one and
 stay what they were: times, interpolation, tangents (`rigtri.frames.reframe` has the same mathematics).

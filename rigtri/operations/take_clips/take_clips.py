@@ -1,4 +1,4 @@
-"""take-clips: the motion of an edited file, by names and through both bind poses, and nothing else of it.
+"""take-clips: the motion of an edited file transferred by names and bind poses, and nothing else of it.
 
 Source: docs/take-clips.md.
 """

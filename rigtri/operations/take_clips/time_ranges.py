@@ -1,4 +1,4 @@
-"""Where a clip lies in time that is longer or shorter in EDITED than in RIG, and RIG's keys in its range."""
+"""The time range of a clip that is longer or shorter in EDITED than in RIG, and RIG's keys in its range."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a track of an edited file may be from the rig's and still say the same.
+"""How far a track of an edited file may be from the rig's and still count as the same.
 
 Each bound has a reason: what can be seen, how well the axes of the two files are known, and what a
 format keeps of the numbers. docs/take-clips.md has the measurements.

@@ -1,4 +1,4 @@
-"""Whether a track says what another says, as far as a DCC's arithmetic and sampling let one tell.
+"""Whether two tracks give the same motion, within what a DCC's arithmetic and sampling change.
 
 A DCC writes its own keys: one a frame, with quaternions that it has interpolated number by number.
 So two tracks are compared at the keys of the edited one.

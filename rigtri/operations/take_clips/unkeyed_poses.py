@@ -1,4 +1,4 @@
-"""Controls that somebody has posed without keys, or whose keys an exporter dropped as they are all alike.
+"""Controls posed without keys, or whose keys an exporter dropped because they are all equal.
 
 Where a clip has keys of a node, a DCC stores as the node's rest what the current frame shows. What no clip
 has keys of stands as it stood all the time.
