@@ -186,7 +186,7 @@ def check_side_files(values: dict[str, Any]) -> None:
     from rigtri.files.atomic_write import same_file
     from rigtri.files.staged_output import destination
 
-    names = {"like": "--like", "frames": "--frames", "edited": "--from", "described": "--rig"}
+    names = {"like": "--like", "frames": "--frames", "from_": "--from", "described": "--rig"}
     read = {"IN": values["source"], **{flag: values.get(name) for name, flag in names.items()}}
     known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
     if str(values["target"]) != "-":

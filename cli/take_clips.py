@@ -1,4 +1,16 @@
-"""rigtri take-clips"""
+"""Transfer the animation of an edited file back to the rig that it was made from.
+
+Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
+axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
+bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
+as say the same, within --tolerance. Clips that were split per object are joined.
+
+\b
+Examples:
+    rigtri take-clips rigged.glb --from edited.glb -o home.glb
+    rigtri take-clips rigged.glb --from edited.usda -o home.glb --clip 'walk*'
+    rigtri take-clips rigged.glb --from edited.glb -o home.glb --as hand_ctlAction=walk
+"""
 
 from __future__ import annotations
 
@@ -6,7 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .asked import check_streams, given_options, request
+from rigtri.operations.options.take_clips import TakeClipsOptions
+
+from .asked import check_streams, given_options
+from .edit_command import declared_options, step_of
 from .editing import run_edit
 from .options import edit_options, output_options, reading_options, says_more, target_option
 from .words import grown
@@ -19,48 +34,19 @@ if TYPE_CHECKING:
     "tolerance",
     "Also how far what counts as unchanged, and keys that are left out, may be off, of the rig's size.",
 )
-@click.command("take-clips")
+@click.command("take-clips", help=__doc__)
 @click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))
 @target_option
-@click.option(
-    "--from",
-    "edited",
-    metavar="EDITED",
-    required=True,
-    type=click.Path(dir_okay=False),
-    help="The file with the motion, of any format; nothing else of it is taken.",
-)
-@click.option("--clip", "clips", multiple=True, metavar="GLOB", help="Only these clips. Repeatable.")
-@click.option(
-    "--as",
-    "names",
-    multiple=True,
-    metavar="NAME=CLIP",
-    help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "
-    "number, and NAME= the one without a name. Repeatable.",
-)
+@declared_options(TakeClipsOptions)
 @reading_options
 @edit_options
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
-    """Take the motion of an edited file home into the rig that it was made of.
-
-    Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
-    axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
-    bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
-    as say the same, within --tolerance. Clips that were split per object are put together again.
-
-    \b
-    Examples:
-        rigtri take-clips rigged.glb --from edited.glb -o home.glb
-        rigtri take-clips rigged.glb --from edited.usda -o home.glb --clip 'walk*'
-        rigtri take-clips rigged.glb --from edited.glb -o home.glb --as hand_ctlAction=walk
-    """
-    check_streams(str(values["source"]), str(values["edited"]))
-    from rigtri.pipeline.steps.take_clips import step
-
-    run_edit("take-clips", values, step(request(values)), given_options(ctx), summary)
+    check_streams(str(values["source"]), str(values["from_"]))
+    run_edit(
+        "take-clips", values, step_of("take-clips", TakeClipsOptions, values), given_options(ctx), summary
+    )
 
 
 def summary(report: Report) -> str:

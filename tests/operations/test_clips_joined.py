@@ -47,7 +47,7 @@ def known(edited: Rig, rig: Rig = RIG, **names: str) -> tuple[dict[str, int], di
     done = joined(edited, rig, names=names, report=report)
     notices = {notice.code: notice.text for notice in report.warnings}
     taken = Report()
-    take_clips(rig, edited, options=TakeClipsOptions(names=names), report=taken)
+    take_clips(rig, options=TakeClipsOptions(from_=edited, as_=names), report=taken)
     assert {clip.name for clip in done.clips} == {entry["clip"] for entry in taken.added}
     for code in ("split-clip", "clip-paired"):
         assert notices.get(code) == next((n.text for n in taken.warnings if n.code == code), None)
@@ -93,9 +93,9 @@ def test_an_unedited_clip_that_came_back_a_frame_late_has_not_changed() -> None:
     """Blender's Animation Mode "NLA Tracks" begins at frame 1."""
     clip = playing()
     late = tuple(replace(track, times=track.times + 1 / 24) for track in clip.tracks)
-    assert take_clips(RIG, rig_with(replace(clip, tracks=late))) is RIG
+    assert take_clips(RIG, from_=rig_with(replace(clip, tracks=late))) is RIG
     moved = replace(late[1], values=late[1].values + np.array([0.0, 0.5, 0.0]))
-    home = take_clips(RIG, rig_with(replace(clip, tracks=(late[0], moved, late[2]))))
+    home = take_clips(RIG, from_=rig_with(replace(clip, tracks=(late[0], moved, late[2]))))
     now = home.clips[0].tracks[1]
     assert now.times[[0, -1]] == pytest.approx([0.0, 1.0])
     assert now.values[0, 1] == pytest.approx(1.5)
@@ -165,17 +165,17 @@ def test_keys_between_frames_that_an_exporter_lost_are_told_by_what_joints_miss(
 @pytest.mark.parametrize("said", ["#2", "#9"])
 def test_a_number_that_no_clip_has_is_an_error(said: str) -> None:
     with pytest.raises(NameNotFoundError, match=f"'{said}'.*'#0', 'walk', '#1', 'run'"):
-        take_clips(RIG, RIG, options=TakeClipsOptions(names={"walk": said}))
+        take_clips(RIG, options=TakeClipsOptions(from_=RIG, as_={"walk": said}))
     with pytest.raises(NameNotFoundError, match=f"'{said}'"):
-        take_clips(RIG, RIG, options=TakeClipsOptions(clips=(said,)))
+        take_clips(RIG, options=TakeClipsOptions(from_=RIG, clip=(said,)))
     with pytest.raises(NameNotFoundError):
-        take_clips(RIG, RIG, options=TakeClipsOptions(names={said: "walk"}))
+        take_clips(RIG, options=TakeClipsOptions(from_=RIG, as_={said: "walk"}))
 
 
 def test_numbers_choose_clips_of_edited() -> None:
     edited = rig_with(playing(far=0.5), playing("run", 2.0, 0.5))
-    assert take_clips(RIG, edited, options=TakeClipsOptions(clips=("#1",))).clips[0] is RIG.clips[0]
-    home = take_clips(RIG, edited, options=TakeClipsOptions(names={"#0": "new"}))
+    assert take_clips(RIG, options=TakeClipsOptions(from_=edited, clip=("#1",))).clips[0] is RIG.clips[0]
+    home = take_clips(RIG, options=TakeClipsOptions(from_=edited, as_={"#0": "new"}))
     assert [clip.name for clip in home.clips] == ["walk", "run", "new"]
 
 
@@ -226,9 +226,9 @@ def test_modes_of_blenders_exporter_bake_to_the_same_motion(up: Path, tmp_path: 
         out = tmp_path / f"baked-{mode}.glb"
         done = cli("bake", file, "-o", out, "--to", "joints", "--rig", up, "--clip", "walk", *said, code=0)
         assert ("known as 'walk'" in done.output) == (mode in ("split", "ACTIVE_ACTIONS", "SCENE"))
-        names = TakeClipsOptions(names={"biped": "walk"} if said else {})
+        names = {"biped": "walk"} if said else {}
         if mode != "SCENE":  # it has the scene's frames, from the second on
-            assert take_clips(rig, read(file).rig, options=names) is rig
+            assert take_clips(rig, from_=read(file).rig, as_=names) is rig
         baked = read(out).rig
         times = np.arange(1, 25) / 24
         moved = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("walk"), times))

@@ -98,7 +98,7 @@ def test_take_clips_tells_how_far_what_it_took_moves(name: str, tmp_path: Path) 
     home = edit(
         SAMPLES / name,
         tmp_path / name,
-        lambda rig, report: take_clips(rig, read(edited).rig, report=report),
+        lambda rig, report: take_clips(rig, from_=read(edited).rig, report=report),
     ).verification
     assert home is not None
     assert home.motion is not None

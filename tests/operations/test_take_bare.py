@@ -40,8 +40,8 @@ def bare(path: Path) -> Path:
     return path
 
 
-def taking(edited: Rig, options: TakeClipsOptions, rig: Rig, report: Report) -> Rig:
-    return take_clips(rig, edited, options=options, report=report)
+def taking(options: TakeClipsOptions, rig: Rig, report: Report) -> Rig:
+    return take_clips(rig, options=options, report=report)
 
 
 def far(a: Rig, b: Rig) -> float:
@@ -58,7 +58,7 @@ def far(a: Rig, b: Rig) -> float:
 def test_a_skeleton_without_an_animation_gets_one_with_the_motion(edited: str, tmp_path: Path) -> None:
     source, out, again = bare(tmp_path / "bare.usda"), tmp_path / "out.usda", tmp_path / "again.usda"
     theirs = rig_of(SAMPLES / edited)
-    step = partial(taking, theirs, TakeClipsOptions(clips=("walk",)))
+    step = partial(taking, TakeClipsOptions(from_=theirs, clip=("walk",)))
     report = edit(source, out, step).report
     assert "new-clip" not in notices(report)
     assert report.added[0]["new"]
@@ -73,7 +73,7 @@ def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -
     edit(source, rigged, lambda rig, report: add_controls(rig, options=CONTROLS, report=report))
     plain = rig_of(SAMPLES / "biped.usda")
     animated = bake(add_controls(plain, options=CONTROLS), options=BakeOptions(to="controls"))
-    edit(rigged, out, partial(taking, animated, TakeClipsOptions()))
+    edit(rigged, out, partial(taking, TakeClipsOptions(from_=animated)))
     home = rig_of(out)
     controls = {n for n, note in home.metadata.items() if note["type"] == "control"}
     assert {t.node for clip in home.clips for t in clip.tracks} & controls
@@ -84,5 +84,5 @@ def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -
 def test_several_clips_for_a_file_without_any_are_refused_before_anything_is_told(tmp_path: Path) -> None:
     rig, report = rig_of(bare(tmp_path / "bare.usda")), Report()
     with pytest.raises(UsageError, match="A USD file has one clip, EDITED has 'walk', 'wave'"):
-        take_clips(rig, rig_of(BIPED), report=report)
+        take_clips(rig, from_=rig_of(BIPED), report=report)
     assert not report.warnings

@@ -72,11 +72,11 @@ def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: 
         leave_out_refused(path, error)
     if not rig.clips:
         with pytest.raises(GeometryError):
-            take_clips(rig, turned)
+            take_clips(rig, from_=turned)
         return
     for edited in (rig, turned):
         report = Report()
-        assert take_clips(rig, edited, report=report) is rig
+        assert take_clips(rig, from_=edited, report=report) is rig
         assert not report.reposed
         assert not {"sampled", "other-proportions", "no-such-node"} & set(notices(report))
 
@@ -85,7 +85,7 @@ def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: 
 def test_a_key_that_was_moved_under_other_axes_comes_home_alone(name: str) -> None:
     rig = rig_of(SAMPLES / name)
     edited = turned_key(orient_joints(rig), "forearm_L")
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     assert apart(home, edited, "walk") < CLOSE
     assert apart(home, rig, "walk") > 0.01
     changed = [
@@ -101,7 +101,7 @@ def test_lines_and_splines_stay_what_they_are() -> None:
     rig = rig_of()
     for clip, joint, way in (("walk", "thigh_L", "LINEAR"), ("wave", "forearm_R", "CUBICSPLINE")):
         edited = turned_key(orient_joints(rig), joint, clip)
-        home = take_clips(rig, edited)
+        home = take_clips(rig, from_=edited)
         node = rig.find(joint)
         (now,) = (t for t in home.clip(clip).tracks if (t.node, t.path) == (node, "rotation"))
         (was,) = (t for t in rig.clip(clip).tracks if (t.node, t.path) == (node, "rotation"))
@@ -115,16 +115,16 @@ def test_lines_and_splines_stay_what_they_are() -> None:
 def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
     rig = rig_of()
     report = Report()
-    assert take_clips(rig, in_metal(rig), report=report) is rig
+    assert take_clips(rig, from_=in_metal(rig), report=report) is rig
     assert notices(report) == []
     edited = in_metal(turned_key(rig, "thigh_L"))
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     wanted = turned_key(rig, "thigh_L")
     assert apart(home, wanted, "walk") < CLOSE
     # And the other way round: a rig in centimetres takes from one in metres.
     large = in_metal(rig)
-    assert take_clips(large, rig) is large
-    assert apart(take_clips(large, wanted), edited, "walk") < 100.0 * CLOSE
+    assert take_clips(large, from_=rig) is large
+    assert apart(take_clips(large, from_=wanted), edited, "walk") < 100.0 * CLOSE
 
 
 def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
@@ -135,13 +135,13 @@ def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
     posed[arm] = multiply(posed[arm], from_axis_angle([0.0, 0.0, 1.0], 1.0))
     ours = replace(rig, rotation=posed)
     assert np.abs(ours.world[arm] - bind[arm]).max() > 0.1
-    assert take_clips(ours, rig) is ours
+    assert take_clips(ours, from_=rig) is ours
     # A new clip that leaves the arm at EDITED's rest must not leave it at ours.
     hips = rig.find("hips")
     track = Track(
         hips, "translation", "LINEAR", np.array([0.0, 1.0]), rig.translation[[hips, hips]] + [[0], [1]]
     )
-    home = take_clips(ours, replace(rig, clips=(Clip("jump", (track,)),)))
+    home = take_clips(ours, from_=replace(rig, clips=(Clip("jump", (track,)),)))
     made = replace(rig, clips=(Clip("jump", (track,)),))
     assert apart(home, made, "jump") < CLOSE
 
@@ -160,9 +160,9 @@ def test_frames_of_a_dcc_are_no_change_where_it_interpolates_number_by_number() 
 
     framed_rig = with_tracks(rig, "walk", framed)
     assert max(len(t.times) for t in framed_rig.clip("walk").tracks) == 25
-    assert take_clips(rig, framed_rig) is rig
+    assert take_clips(rig, from_=framed_rig) is rig
     edited = turned_key(framed_rig, "shin_R", key=10)
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     changed = [t for t in home.clip("walk").tracks if all(t is not was for was in rig.clip("walk").tracks)]
     # Eight of RIG's nine keys, one of EDITED's, and two where the one meets the other.
     assert [(rig.names[t.node], len(t.times)) for t in changed] == [("shin_R", 11)]
@@ -178,7 +178,7 @@ def test_a_key_that_was_taken_out_is_seen() -> None:
         return replace(track, times=np.delete(track.times, 2), values=np.delete(track.values, 2, axis=0))
 
     edited = with_tracks(rig, "walk", thinner)
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     (now,) = (t for t in home.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
     assert len(now.times) == 8
     assert apart(home, edited, "walk") < CLOSE
@@ -201,9 +201,9 @@ def test_splines_that_came_back_as_frames_stay_unless_their_keys_moved() -> None
         return with_tracks(rig, "wave", changed)
 
     report = Report()
-    assert take_clips(rig, framed(0.0), report=report) is rig
+    assert take_clips(rig, from_=framed(0.0), report=report) is rig
     assert notices(report) == ["splines-kept"]
-    assert apart(take_clips(rig, framed(1.5)), framed(1.5), "wave") < CLOSE
+    assert apart(take_clips(rig, from_=framed(1.5)), framed(1.5), "wave") < CLOSE
 
 
 @pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "walk_{}.001", "{}Action"])
@@ -211,7 +211,7 @@ def test_clips_that_were_split_per_object_are_one_again(pattern: str) -> None:
     rig = rig_of()
     edited = split(turned_key(rig, "shin_L"), "walk", pattern.format)
     report = Report()
-    home = take_clips(rig, edited, report=report)
+    home = take_clips(rig, from_=edited, report=report)
     assert [clip.name for clip in home.clips] == [clip.name for clip in rig.clips]
     assert apart(home, turned_key(rig, "shin_L"), "walk") < CLOSE
     assert notices(report) == []
@@ -224,14 +224,18 @@ def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_said_to_be_an
     track = Track(head, "rotation", "LINEAR", np.array([0.0, 0.4]), turns)
     edited = replace(rig, clips=(Clip("headAction", (track,)),))
     report = Report()
-    assert [c.name for c in take_clips(rig, edited, report=report).clips] == ["walk", "wave", "headAction"]
+    assert [c.name for c in take_clips(rig, from_=edited, report=report).clips] == [
+        "walk",
+        "wave",
+        "headAction",
+    ]
     assert notices(report) == ["split-clip"]
-    home = take_clips(rig, edited, options=TakeClipsOptions(names={"headAction": "wave"}))
+    home = take_clips(rig, options=TakeClipsOptions(from_=edited, as_={"headAction": "wave"}))
     assert [c.name for c in home.clips] == ["walk", "wave"]
     now = [t for t in home.clip("wave").tracks if (t.node, t.path) == (head, "rotation")]
     np.testing.assert_array_equal(now[0].values, turns)
     with pytest.raises(NameNotFoundError):
-        take_clips(rig, edited, options=TakeClipsOptions(names={"armAction": "wave"}))
+        take_clips(rig, options=TakeClipsOptions(from_=edited, as_={"armAction": "wave"}))
 
 
 def test_new_clips_are_added_missing_ones_stay_and_only_those_asked_for_are_taken() -> None:
@@ -239,15 +243,15 @@ def test_new_clips_are_added_missing_ones_stay_and_only_those_asked_for_are_take
     edited = turned_key(turned_key(rig, "shin_L"), "forearm_R", "wave")
     walk = replace(edited.clip("walk"), name="limp", key=None)
     edited = replace(edited, clips=(walk, edited.clip("wave")))
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     assert [clip.name for clip in home.clips] == ["walk", "wave", "limp"]
     assert home.clips[0] is rig.clips[0]
     assert apart(replace(home, clips=home.clips[2:]), edited, "limp") < CLOSE
-    only = take_clips(rig, edited, options=TakeClipsOptions(clips=("lim*",)))
+    only = take_clips(rig, options=TakeClipsOptions(from_=edited, clip=("lim*",)))
     assert only.clips[:2] == rig.clips
     assert len(only.clips) == 3
     with pytest.raises(NameNotFoundError):
-        take_clips(rig, edited, options=TakeClipsOptions(clips=("run",)))
+        take_clips(rig, options=TakeClipsOptions(from_=edited, clip=("run",)))
 
 
 def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown() -> None:
@@ -264,7 +268,7 @@ def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown()
     rotation[node] = from_axis_angle([1.0, 1.0, 0.0], 1.0)
     turning = Track(node, "rotation", "STEP", times[:1], ours.rotation[[node]])
     edited = replace(ours, translation=shown, rotation=rotation, clips=(Clip("walk", (track, turning)),))
-    assert take_clips(ours, edited) is ours
+    assert take_clips(ours, from_=edited) is ours
 
 
 def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
@@ -288,7 +292,7 @@ def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
         rig, parents=parents, translation=translation, rotation=rotation, clips=(Clip("walk", tracks),)
     )
     report = Report()
-    home = take_clips(rig_of(), edited, report=report)
+    home = take_clips(rig_of(), from_=edited, report=report)
     assert "other-parents" in notices(report)
     mine, its = places(home, "walk", times), places(edited, "walk", times)
     assert np.abs(mine["head"] - its["head"]).max() < 1e-5
@@ -304,7 +308,7 @@ def test_a_joint_that_edited_lets_rest_stays_there_where_rig_has_a_moving_one_ab
     walk = (Track(1, "rotation", "LINEAR", times, turns), Track(0, "rotation", "LINEAR", times, turns))
     rig = replace(ours, clips=(Clip("walk", walk),))
     edited = replace(theirs, clips=(Clip("walk", (Track(0, "rotation", "LINEAR", times, turns[::-1]),)),))
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     mine, its = places(home, "walk", times), places(edited, "walk", times)
     np.testing.assert_allclose(mine["c"], its["c"], atol=CLOSE)
     assert np.abs(places(rig, "walk", times)["c"] - its["c"]).max() > 0.1
@@ -316,7 +320,7 @@ def test_a_rig_of_other_proportions_keeps_its_size() -> None:
     other = chain((0, 0, 0), (0, 1.9, 0), (0, 1.9, 1.1))
     edited = replace(other, clips=(Clip("walk", (Track(0, "rotation", "LINEAR", times, turns),)),))
     report = Report()
-    home = take_clips(rig, edited, report=report)
+    home = take_clips(rig, from_=edited, report=report)
     assert "other-proportions" in notices(report)
     world = sampling.worlds(home, sampling.locals_at(home, home.clip("walk"), times))
     np.testing.assert_allclose(np.linalg.norm(world[..., :3, :3], axis=-1), 1.0, atol=CLOSE)
@@ -330,42 +334,42 @@ def test_morph_weights_go_by_the_names_of_their_targets(tmp_path: Path) -> None:
     other.gltf["meshes"][0]["extras"]["targetNames"] = ["other", "bulge"]
     edited = rig_of(other.glb(tmp_path / "other.glb"))
     clip = edited.clips[0]
-    assert take_clips(rig, rig) is rig
-    home = take_clips(rig, edited)
+    assert take_clips(rig, from_=rig) is rig
+    home = take_clips(rig, from_=edited)
     (was,) = (t for t in clip.tracks if t.path == "weights")
     (now,) = (t for t in home.clips[0].tracks if t.path == "weights")
     np.testing.assert_array_equal(now.values, was.values[:, ::-1])
     fewer = arm()
     fewer.gltf["meshes"][0]["extras"]["targetNames"] = ["bulge", "smile"]
-    half = take_clips(rig, rig_of(fewer.glb(tmp_path / "fewer.glb")))
+    half = take_clips(rig, from_=rig_of(fewer.glb(tmp_path / "fewer.glb")))
     assert half is rig  # bulge moves as before, and other as ours
     nameless = arm()
     del nameless.gltf["meshes"][0]["extras"]
     report = Report()
-    assert take_clips(rig, rig_of(nameless.glb(tmp_path / "nameless.glb")), report=report) is rig
+    assert take_clips(rig, from_=rig_of(nameless.glb(tmp_path / "nameless.glb")), report=report) is rig
     assert notices(report) == []
 
 
 def test_one_name_in_place_of_a_list_is_refused() -> None:
     with pytest.raises(UsageError, match=r"\('walk',\)"):
-        take_clips(rig_of(), rig_of(), options=TakeClipsOptions(clips="walk"))  # type: ignore[arg-type]
+        take_clips(rig_of(), options=TakeClipsOptions(from_=rig_of(), clip="walk"))  # type: ignore[arg-type]
 
 
 def test_no_rig_to_take_from_is_an_error_that_says_what_is_missing() -> None:
-    with pytest.raises(TypeError, match=r"edited is to be a Rig.*not NoneType"):
-        take_clips(rig_of(), None)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"from_ is to be a Rig.*not NoneType"):
+        take_clips(rig_of(), from_=None)  # type: ignore[arg-type]
 
 
 def test_what_has_no_motion_or_no_common_name_is_an_error() -> None:
     rig = rig_of()
     with pytest.raises(GeometryError, match="no clips"):
-        take_clips(rig, replace(rig, clips=()))
+        take_clips(rig, from_=replace(rig, clips=()))
     other = replace(rig, names=tuple(f"x{k}" for k in range(len(rig))))
     with pytest.raises(GeometryError, match=r"'x0', 'x1'.*'biped', 'hips'"):
-        take_clips(rig, other)
+        take_clips(rig, from_=other)
     twice = replace(rig, clips=(rig.clips[0], rig.clips[0]))
     with pytest.raises(AmbiguousNameError):
-        take_clips(twice, rig)
+        take_clips(twice, from_=rig)
 
 
 def test_a_clip_of_no_length_changes_none_that_has_one() -> None:
@@ -376,7 +380,7 @@ def test_a_clip_of_no_length_changes_none_that_has_one() -> None:
 
     report = Report()
     edited = with_tracks(rig, "walk", first)
-    assert take_clips(rig, edited, options=TakeClipsOptions(clips=("walk",)), report=report) is rig
+    assert take_clips(rig, options=TakeClipsOptions(from_=edited, clip=("walk",)), report=report) is rig
     assert notices(report) == ["no-length"]
 
 
@@ -388,14 +392,14 @@ def test_nodes_of_one_name_are_told_apart_by_their_paths_or_left_out_by_name() -
     edited = turned_key(rig, "shin_L")
     edited = replace(edited, names=tuple(names))
     report = Report()
-    home = take_clips(ours, edited, report=report)
+    home = take_clips(ours, from_=edited, report=report)
     assert apart(replace(home, names=rig.names), turned_key(rig, "shin_L"), "walk") < CLOSE
     assert notices(report) == []
     # With another name above both, no path tells.
     names[0] = "Scene"
     others = tuple(names)
-    assert take_clips(ours, replace(rig, names=others)) is ours
-    home = take_clips(ours, replace(edited, names=others), report=report)
+    assert take_clips(ours, from_=replace(rig, names=others)) is ours
+    home = take_clips(ours, from_=replace(edited, names=others), report=report)
     assert "unclear-names" in notices(report)
     shins = [node for node, name in enumerate(ours.names) if name == "hand_L"]
     assert all(now is was for now, was in zip(_of(home, shins), _of(ours, shins), strict=True))
@@ -410,7 +414,7 @@ def test_keys_that_were_left_out_stay_with_a_notice() -> None:
     node = rig.find("shin_L")
     report = Report()
     edited = with_tracks(rig, "walk", lambda t: None if t.node == node else t)
-    assert take_clips(rig, edited, report=report) is rig
+    assert take_clips(rig, from_=edited, report=report) is rig
     assert notices(report) == ["kept-keys"]
 
 
@@ -418,13 +422,15 @@ def test_keys_that_were_left_out_stay_with_a_notice() -> None:
 def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Path) -> None:
     document = read(SAMPLES / theirs)
     assert (
-        take_clips(rig := rig_of(SAMPLES / ours), document.rig, options=TakeClipsOptions(clips=("walk",)))
+        take_clips(
+            rig := rig_of(SAMPLES / ours), options=TakeClipsOptions(from_=document.rig, clip=("walk",))
+        )
         is rig
     )
     edited = turned_key(document.rig, "shin_L")
 
     def step(rig: Rig, report: Report) -> Rig:
-        return take_clips(rig, edited, options=TakeClipsOptions(clips=("walk",)), report=report)
+        return take_clips(rig, options=TakeClipsOptions(from_=edited, clip=("walk",)), report=report)
 
     target = tmp_path / ours
     outcome = edit(SAMPLES / ours, target, step)
@@ -441,12 +447,15 @@ def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Pat
 def test_several_clips_for_a_usd_file_are_chosen_or_refused() -> None:
     rig, edited = rig_of(SAMPLES / "biped.usda"), rig_of()
     report = Report()
-    take_clips(rig, edited, report=report)
+    take_clips(rig, from_=edited, report=report)
     assert notices(report) == ["one-clip"]
     others = tuple(replace(clip, name=f"my {clip.name}") for clip in edited.clips)
     with pytest.raises(UsageError, match="--clip"):
-        take_clips(rig, replace(edited, clips=others))
-    assert take_clips(rig, replace(edited, clips=others), options=TakeClipsOptions(clips=("my walk",))) is rig
+        take_clips(rig, from_=replace(edited, clips=others))
+    assert (
+        take_clips(rig, options=TakeClipsOptions(from_=replace(edited, clips=others), clip=("my walk",)))
+        is rig
+    )
 
 
 def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(tmp_path: Path) -> None:
@@ -488,13 +497,13 @@ def test_a_usd_mesh_below_a_prim_of_its_name_and_names_that_begin_with_digits_ar
     still = np.array([[0.0, 0.0, 0.0, 1.0]])
     edited = replace(ours, names=spelled).with_nodes(["eyes"], [eyes], np.zeros((1, 3)), still)
     report = Report()
-    assert take_clips(ours, edited, report=report) is ours
+    assert take_clips(ours, from_=edited, report=report) is ours
     assert notices(report) == []
     turned = replace(edited, names=(*rig.names, "eyes"))
     turned = turned_key(turned_key(turned, "hand_L"), "thigh_L")
     turned = replace(turned, names=(*spelled, "eyes"))
     report = Report()
-    take_clips(ours, turned, report=report)
+    take_clips(ours, from_=turned, report=report)
     assert {name for entry in report.added for name in entry["changed"]} == {"2hand_L", "thigh_L"}
 
 
@@ -504,14 +513,14 @@ def test_nodes_without_names_are_known_by_their_place_where_both_files_are_built
     edited = turned_key(orient_joints(rig), "shin_L")
     for theirs in (("",) * len(rig), edited.names):
         report = Report()
-        home = take_clips(ours, replace(edited, names=theirs), report=report)
+        home = take_clips(ours, from_=replace(edited, names=theirs), report=report)
         named = replace(home, names=rig.names)
         assert apart(named, edited, "walk") < CLOSE
         assert apart(named, rig, "walk") > 0.01
         assert notices(report).count("by-place") == 1
     # Some alone: the others say whether the order is one.
     some = tuple("" if name == "shin_L" else name for name in rig.names)
-    home = take_clips(replace(rig, names=some), replace(edited, names=some))
+    home = take_clips(replace(rig, names=some), from_=replace(edited, names=some))
     assert apart(replace(home, names=rig.names), edited, "walk") < CLOSE
 
 
@@ -520,16 +529,16 @@ def test_nodes_without_names_are_refused_where_a_place_does_not_tell() -> None:
     ours = replace(rig, names=("",) * len(rig))
     nameless = replace(in_metal(rig), names=("",) * (len(rig) + 1))
     with pytest.raises(GeometryError, match=f"RIG and EDITED have no names.*{len(rig)} nodes and EDITED"):
-        take_clips(ours, nameless)
+        take_clips(ours, from_=nameless)
     twisted = rig.parents.copy()
     twisted[rig.find("hand_L")] = rig.find("chest")
     with pytest.raises(GeometryError, match="other parents"):
-        take_clips(ours, replace(ours, parents=twisted))
+        take_clips(ours, from_=replace(ours, parents=twisted))
     skin = rig.skins[0]
     bind = skin.inverse_bind.copy()
     bind[3, 3, :3] += 0.2
     with pytest.raises(GeometryError, match="bind poses differ"):
-        take_clips(ours, replace(ours, skins=(replace(skin, inverse_bind=bind), *ours.skins[1:])))
+        take_clips(ours, from_=replace(ours, skins=(replace(skin, inverse_bind=bind), *ours.skins[1:])))
 
 
 # --- what exporters lose
@@ -562,7 +571,7 @@ def test_keys_that_an_exporter_left_out_as_nothing_hardly_moves_are_no_edit(by: 
     swing = waved(rig, "neck", by)
     ours = with_path(rig, "neck", swing)
     edited = with_path(rig, "neck", ends(swing))
-    assert (take_clips(ours, edited) is ours) == same
+    assert (take_clips(ours, from_=edited) is ours) == same
 
 
 def test_a_world_of_another_up_is_of_one_size_with_ours_whatever_pose_it_rests_in() -> None:
@@ -577,7 +586,7 @@ def test_a_world_of_another_up_is_of_one_size_with_ours_whatever_pose_it_rests_i
         if name in rig.names:
             folded[node] = lower[rig.find(name)]
     edited = replace(edited, rotation=folded)
-    assert take_clips(rig, edited) is rig
+    assert take_clips(rig, from_=edited) is rig
 
 
 def beside(angle: float) -> tuple[Floats, Floats]:
@@ -601,13 +610,13 @@ def test_angles_of_usd_prims_tell_turns_badly_where_two_axes_nearly_meet(raw: bo
     times = np.array([0.0, 1.0])
     ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, told))
     edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, noisy))
-    assert (take_clips(ours, with_raw(edited, raw)) is ours) == same
+    assert (take_clips(ours, from_=with_raw(edited, raw)) is ours) == same
     # Noise of that size is an edit where the axes are far apart.
     far, _ = beside(0.5)
     turned = np.stack([far[0], multiply(from_axis_angle([1.0, 0.0, 0.0], 1e-3), far[0])])
     ours = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, far))
     edited = with_path(rig, "locator", Track(0, "rotation", "LINEAR", times, turned))
-    assert take_clips(ours, with_raw(edited)) is not ours
+    assert take_clips(ours, from_=with_raw(edited)) is not ours
 
 
 def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() -> None:
@@ -620,18 +629,18 @@ def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() 
         halves = values.astype(np.float16).astype(np.float64)
         return with_path(rig, "neck", Track(0, "scale", "LINEAR", times[:count], halves[:count]))
 
-    assert take_clips(ours, with_raw(told(grown, 9))) is ours
-    assert take_clips(ours, told(grown, 9)) is not ours
+    assert take_clips(ours, from_=with_raw(told(grown, 9))) is ours
+    assert take_clips(ours, from_=told(grown, 9)) is not ours
     # The last four samples are within 0.01 of the fifth.
-    assert take_clips(ours, with_raw(told(grown, 5))) is ours
-    assert take_clips(ours, with_raw(told(grown + 0.02, 5))) is not ours
-    assert take_clips(ours, with_raw(told(grown + 0.005, 9))) is not ours
+    assert take_clips(ours, from_=with_raw(told(grown, 5))) is ours
+    assert take_clips(ours, from_=with_raw(told(grown + 0.02, 5))) is not ours
+    assert take_clips(ours, from_=with_raw(told(grown + 0.005, 9))) is not ours
 
 
 def test_a_turn_is_an_edit_where_what_hangs_on_it_moves_by_more_than_can_be_lost() -> None:
     rig = rig_of()
     for angle, same in ((2e-6, True), (2e-4, False)):
-        assert (take_clips(rig, turned_key(rig, "thigh_L", angle=angle)) is rig) == same
+        assert (take_clips(rig, from_=turned_key(rig, "thigh_L", angle=angle)) is rig) == same
 
 
 # --- what is taken of a track
@@ -649,7 +658,7 @@ def test_tangents_that_were_moved_are_an_edit() -> None:
         return replace(track, values=values)
 
     edited = with_tracks(rig, "wave", bent)
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     assert apart(home, edited, "wave") < CLOSE
     (now,) = (t for t in home.clip("wave").tracks if (t.node, t.path) == (node, "rotation"))
     (was,) = (t for t in rig.clip("wave").tracks if (t.node, t.path) == (node, "rotation"))
@@ -682,7 +691,7 @@ def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_ar
         return values
 
     edited = frames(rig, "thigh_L", 96.0, ramp)
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     (now,) = (t for t in home.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
     (was,) = (t for t in rig.clip("walk").tracks if (t.node, t.path) == (node, "rotation"))
     outside = (was.times <= 30 / 96) | (was.times >= 61 / 96)
@@ -691,9 +700,9 @@ def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_ar
     # 30 more frames are told by one arc: its two ends, and the frame after it.
     assert outside.sum() < len(now.times) <= outside.sum() + 3
     assert apart(home, edited, "walk") < 1e-5
-    assert take_clips(home, edited) is home
+    assert take_clips(home, from_=edited) is home
     # And all of it where nothing may be left out.
-    full = take_clips(rig, edited, options=TakeClipsOptions(tolerance=0.0))
+    full = take_clips(rig, options=TakeClipsOptions(from_=edited, tolerance=0.0))
     assert sum(len(t.times) for t in full.clip("walk").tracks) > sum(
         len(t.times) for t in home.clip("walk").tracks
     )
@@ -703,14 +712,14 @@ def test_a_new_clip_of_a_key_a_frame_has_as_few_keys_as_it_needs_and_its_length(
     rig = rig_of()
     edited = frames(rig, "thigh_L", 96.0, lambda times, values: values)
     edited = replace(edited, clips=(replace(edited.clip("walk"), name="stroll"),))
-    home = take_clips(rig, edited)
+    home = take_clips(rig, from_=edited)
     (now,) = (t for t in home.clip("stroll").tracks if (t.node, t.path) == (rig.find("thigh_L"), "rotation"))
     (was,) = (t for t in rig.clip("walk").tracks if (t.node, t.path) == (rig.find("thigh_L"), "rotation"))
     assert len(now.times) <= len(was.times)
     assert now.times[-1] == 1.0
     assert apart(replace(home, clips=home.clips[2:]), edited, "stroll") < 1e-5
     with pytest.raises(UsageError, match="--tolerance"):
-        take_clips(rig, edited, options=TakeClipsOptions(tolerance=-1.0))
+        take_clips(rig, options=TakeClipsOptions(from_=edited, tolerance=-1.0))
 
 
 def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Path) -> None:
@@ -743,14 +752,14 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
 
     edit(SAMPLES / "biped.usda", rigged, controls)
     Usd.Stage.Open(str(rigged)).Flatten().Export(str(flat))
-    edit(rigged, home, lambda rig, report: take_clips(rig, rig_of(flat), report=report))
+    edit(rigged, home, lambda rig, report: take_clips(rig, from_=rig_of(flat), report=report))
     assert home.read_bytes() == rigged.read_bytes()
     edit(flat, moved, lifted)
     reports: list[Report] = []
 
     def taken(rig: Rig, report: Report) -> Rig:
         reports.append(report)
-        return take_clips(rig, rig_of(moved), report=report)
+        return take_clips(rig, from_=rig_of(moved), report=report)
 
     home.unlink()
     edit(rigged, home, taken)

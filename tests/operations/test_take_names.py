@@ -34,7 +34,7 @@ def playing(**clips: tuple[float, float]) -> Rig:
 def taken(rig: Rig, edited: Rig, **names: str) -> tuple[dict[str, float], dict[str, str]]:
     """How far the joint goes in each clip of the result, and the notices."""
     report = Report()
-    done = take_clips(rig, edited, options=TakeClipsOptions(names=names), report=report)
+    done = take_clips(rig, options=TakeClipsOptions(from_=edited, as_=names), report=report)
     far = {clip.name: float(clip.tracks[0].values[-1, 0]) for clip in done.clips}
     return far, {notice.code: notice.text for notice in report.warnings}
 

@@ -58,14 +58,14 @@ def test_unchanged_tracks_tell_where_a_longer_clip_that_starts_elsewhere_lies(na
     rig = retimed(plain, lambda times: times + late)
     report = Report()
     edited = longer(plain, "shin_L", 1.2 * last)
-    home = take_clips(rig, edited, report=report)
+    home = take_clips(rig, from_=edited, report=report)
     changed = [t for t in home.clip("walk").tracks if not any(t is was for was in rig.clip("walk").tracks)]
     assert [(plain.names[t.node], t.path) for t in changed] == [("shin_L", "rotation")]
     assert changed[0].times[[0, -1]] == pytest.approx([late, late + 1.2 * last])
     assert notices(report) == ["other-range"]
     assert f"0 to {1.2 * last:g} in EDITED and from {late:g} to" in report.warnings[0].text
     assert apart(home, retimed(edited, lambda times: times + late), "walk") < NEAR
-    assert take_clips(home, edited) is home
+    assert take_clips(home, from_=edited) is home
 
 
 def test_a_key_put_before_a_clip_that_starts_elsewhere_does_not_move_it() -> None:
@@ -81,7 +81,7 @@ def test_a_key_put_before_a_clip_that_starts_elsewhere_does_not_move_it() -> Non
         return replace(track, times=times, values=values)
 
     rig = retimed(plain, lambda times: times + 5.0)
-    home = take_clips(rig, with_tracks(plain, "walk", earlier))
+    home = take_clips(rig, from_=with_tracks(plain, "walk", earlier))
     changed = [t for t in home.clip("walk").tracks if not any(t is was for was in rig.clip("walk").tracks)]
     assert [t.node for t in changed] == [node]
     assert changed[0].times[[0, 1, -1]] == pytest.approx([4.75, 5.0, 6.0])
@@ -94,19 +94,19 @@ def test_a_retimed_clip_that_starts_elsewhere_is_taken_as_a_whole_from_the_start
     rig = rig_of()
     edited = retimed(rig, lambda times: stretch * times + 5.0)
     report = Report()
-    home = take_clips(rig, edited, report=report)
+    home = take_clips(rig, from_=edited, report=report)
     assert walks(home, 0.0, stretch) == pytest.approx(stretch)
     assert {(round(a, 6), round(b, 6)) for a, b in ends(home)} == {(0.0, stretch)}
     assert apart(home, retimed(rig, lambda times: stretch * times), "walk") < NEAR
     assert notices(report) == ["other-range"]
-    assert take_clips(home, edited) is home
+    assert take_clips(home, from_=edited) is home
 
 
 def test_of_a_shorter_clip_the_keys_inside_stay_bit_for_bit_and_all_tracks_end_with_it() -> None:
     rig = rig_of()
     edited = with_tracks(rig, "walk", lambda track: cut(track, 0.0, 0.55))
     report = Report()
-    home = take_clips(rig, edited, report=report)
+    home = take_clips(rig, from_=edited, report=report)
     assert walks(home, 0.0, 0.55) == 0.55
     assert notices(report) == ["other-range"]
     for was, now in zip(rig.clip("walk").tracks, home.clip("walk").tracks, strict=True):
@@ -116,7 +116,7 @@ def test_of_a_shorter_clip_the_keys_inside_stay_bit_for_bit_and_all_tracks_end_w
     # And what EDITED has no keys of ends with the others.
     node = rig.find("shin_L")
     fewer = with_tracks(edited, "walk", lambda track: None if track.node == node else track)
-    assert walks(take_clips(rig, fewer), 0.0, 0.55) == 0.55
+    assert walks(take_clips(rig, from_=fewer), 0.0, 0.55) == 0.55
 
 
 def test_a_few_tracks_that_fit_nowhere_are_an_error_that_says_both_ranges() -> None:
@@ -128,7 +128,7 @@ def test_a_few_tracks_that_fit_nowhere_are_an_error_that_says_both_ranges() -> N
 
     edited = with_tracks(turned_key(rig, "shin_L"), "walk", only)
     with pytest.raises(GeometryError, match=r"'walk', from 7 to 8\.7, where RIG has 0 to 1"):
-        take_clips(rig, edited)
+        take_clips(rig, from_=edited)
 
 
 def test_few_tracks_that_are_shorter_cut_nothing_else() -> None:
@@ -136,7 +136,7 @@ def test_few_tracks_that_are_shorter_cut_nothing_else() -> None:
     rig = rig_of()
     node = rig.find("shin_L")
     edited = with_tracks(rig, "walk", lambda track: cut(track, 0.0, 0.5) if track.node == node else None)
-    home = take_clips(turned_key(rig, "shin_L"), edited)
+    home = take_clips(turned_key(rig, "shin_L"), from_=edited)
     assert {b for _, b in ends(home)} >= {1.0}
 
 

@@ -61,7 +61,7 @@ def test_the_smooth_curve_of_a_dcc_through_the_keys_is_no_edit(path: TrackPath, 
     now = framed(smooth)
     assert np.abs(now.values - sample(flat, FRAMES)).max() > 1e-3
     rig, report = playing(RIG, flat), Report()
-    assert take_clips(rig, playing(RIG, now), report=report) is rig
+    assert take_clips(rig, from_=playing(RIG, now), report=report) is rig
     assert "splines-kept" in {notice.code for notice in report.warnings}
 
 
@@ -71,7 +71,7 @@ def test_a_frame_that_is_moved_away_from_the_curve_is_one(path: TrackPath, value
     now = framed(spline(1, path, values, natural(values)))
     moved = now.values.copy()
     moved[8] = moved[8] + [0.1, 0, 0] if path == "translation" else from_axis_angle([0.0, 0.0, 1.0], 0.5)
-    assert take_clips(rig, playing(RIG, replace(now, values=moved))) is not rig
+    assert take_clips(rig, from_=playing(RIG, replace(now, values=moved))) is not rig
 
 
 def respline(track: Track, slopes: Floats) -> Track:
@@ -84,9 +84,9 @@ def test_tangents_that_a_dcc_has_dropped_and_made_anew_are_no_edit() -> None:
     had = spline(1, "rotation", TURNS, slopes - TURNS * np.sum(slopes * TURNS, axis=1, keepdims=True))
     rig, report = playing(RIG, had), Report()
     now = respline(had, natural(TURNS))
-    assert take_clips(rig, playing(RIG, now), report=report) is rig
+    assert take_clips(rig, from_=playing(RIG, now), report=report) is rig
     now.values[[0, -1]] *= -1.0  # as Blender does; q and −q are one key
-    assert take_clips(rig, playing(RIG, now)) is rig
+    assert take_clips(rig, from_=playing(RIG, now)) is rig
     assert "splines-kept" in {notice.code for notice in report.warnings}
 
 
@@ -96,11 +96,11 @@ def test_they_are_one_where_others_of_the_clip_are_still_the_rigs(kept: int) -> 
     had = spline(1, "rotation", TURNS, slopes)
     now = np.where(np.arange(20)[:, np.newaxis] <= kept, slopes, natural(TURNS))
     rig = playing(RIG, had)
-    assert take_clips(rig, playing(RIG, respline(had, now))) is not rig
+    assert take_clips(rig, from_=playing(RIG, respline(had, now))) is not rig
 
 
 def test_a_key_that_was_moved_is_an_edit_whatever_became_of_tangents() -> None:
     rig = playing(RIG, spline(1, "translation", PLACES, np.zeros_like(PLACES) + 0.01))
     moved = PLACES.copy()
     moved[8, 0] += 0.01
-    assert take_clips(rig, playing(RIG, spline(1, "translation", moved, natural(moved)))) is not rig
+    assert take_clips(rig, from_=playing(RIG, spline(1, "translation", moved, natural(moved)))) is not rig

@@ -124,7 +124,7 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     rigtri.write(rig, two[0] / "out.glb")
     commanded(f"snap --to ik --at walk@0.5 --limb {' '.join(ARM)}", moved, tmp_path / "snapped.glb")
     assert (two[0] / "out.glb").read_bytes() == (tmp_path / "snapped.glb").read_bytes()
-    home = rigtri.take_clips(rigtri.read(built), rigtri.read(moved), clips=["walk"])
+    home = rigtri.take_clips(rigtri.read(built), from_=rigtri.read(moved), clip=["walk"])
     rigtri.write(home, two[0] / "home.glb")
     commanded(f"take-clips --from {moved} --clip walk", built, tmp_path / "home.glb")
     assert (two[0] / "home.glb").read_bytes() == (tmp_path / "home.glb").read_bytes()

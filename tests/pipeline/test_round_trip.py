@@ -90,7 +90,7 @@ def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
 
     def step(rig: Rig, report: Report) -> Rig:
         reports.append(report)
-        return take_clips(rig, read(edited).rig, options=TakeClipsOptions(clips=(clip,)), report=report)
+        return take_clips(rig, options=TakeClipsOptions(from_=read(edited).rig, clip=(clip,)), report=report)
 
     edit(rigged, home, step)
     taken = {name for entry in reports[0].added for name in entry["changed"]}
@@ -123,7 +123,7 @@ def test_nothing_is_taken_of_a_loop_in_which_nobody_has_moved_a_key(
     job = {"source": str(path), "target": str(edited), "clip": rig.clips[0].name, "moves": {}, "keys": []}
     blender_edit(job, folder=tmp_path)
     report = Report()
-    assert take_clips(rig, read(edited).rig, report=report) is rig
+    assert take_clips(rig, from_=read(edited).rig, report=report) is rig
     assert report.added[0]["same"] > 60
     assert not {"other-proportions", "unclear-names", "no-such-node"} & {n.code for n in report.warnings}
 

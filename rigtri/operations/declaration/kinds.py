@@ -57,6 +57,17 @@ def _bends(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
     return found
 
 
+def _clip_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
+    """By the name of a clip, or its glob, the clip of the rig: ``NAME=CLIP``."""
+    names = {}
+    for text in texts:
+        name, mark, clip = text.rpartition("=")
+        if not mark or not name:
+            raise UsageError(f"{flag} {text}: give NAME=CLIP, a clip and what it is called in the rig")
+        names[name] = clip
+    return names
+
+
 # Names of nodes, joints mostly: specs look for them in the rig.
 Node = Annotated[str, Kind("node", "NODE")]
 Nodes = Annotated[tuple[str, ...], Kind("nodes", "GLOB")]
@@ -73,6 +84,8 @@ Above = Annotated[float, Kind("number", low=0, low_open=True)]
 Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
 Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]
 Bends = Annotated[Mapping[str, Direction], Kind("of nodes", "JOINT=X,Y,Z", read=_bends)]
+
+ClipNames = Annotated[Mapping[str, str], Kind("assignments", "NAME=CLIP", read=_clip_names)]
 
 # Other files, which Python may have as rigs or values already. The last is edited outside: it may have a
 # stream for its source, and need no skeleton.

@@ -6,21 +6,21 @@ Source: docs/take-clips.md.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.timelines import put_tracks, timelines
-from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
+from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
 from rigtri.operations.take_clips.armature_motion import put_back
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
@@ -49,42 +49,20 @@ from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
 from rigtri.report import Report
 
 
-@dataclass(frozen=True)
-class TakeClipsOptions:
-    """The options of `take_clips`; the defaults are the command's.
-
-    clips: globs of the clips, by their names in either file; all where there is none. names: the clip
-    of the rig that a clip of the edited file is, where the names do not say it. tolerance: how far what
-    counts as unchanged, and keys left out of what is taken, may be off, as a share of the rig's size.
-    """
-
-    clips: tuple[str, ...] = ()
-    names: Mapping[str, str] = field(default_factory=dict)
-    tolerance: float = 1e-5
-
-    def checked(self) -> TakeClipsOptions:
-        """These options. UsageError for what cannot be."""
-        refuse_single_name("--clip", self.clips)
-        refuse_unworkable("--tolerance", self.tolerance)
-        if not self.tolerance >= 0:
-            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
-        return self
-
-
 @operation(TakeClipsOptions)
-def take_clips(rig: Rig, edited: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
-    """Put the motion of ``edited`` into the clips of ``rig``; a track that it has not changed stays as it is.
+def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
+    """Put the motion of the rig ``from_`` into the clips of ``rig``; a track that it has not changed stays.
 
     What was taken of each clip goes to ``report.added``.
     Raises GeometryError (no common names, no clips), NameNotFoundError (a clip), AmbiguousNameError,
-    UsageError (several clips for a format that has one), TypeError (``edited`` is no rig).
+    UsageError (several clips for a format that has one), TypeError (``from_`` is no rig).
     """
+    edited = options.from_
     if not isinstance(edited, Rig):
         raise TypeError(
-            f"edited is to be a Rig, the one with the motion, not {type(edited).__name__}; "
+            f"from_ is to be a Rig, the one with the motion, not {type(edited).__name__}; "
             "read(path).rig is that of a file"
         )
-    options = options.checked()
     # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
     of = pairs(rig, edited).of
     switched = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
@@ -94,12 +72,12 @@ def take_clips(rig: Rig, edited: Rig, *, options: TakeClipsOptions, report: Repo
     both = Counterparts(rig, edited)
     if not both.of:
         raise GeometryError(why_nothing_matches(rig, edited))
-    names = ClipNames(rig, edited, options.names, report)
+    names = ClipNames(rig, edited, options.as_, report)
     if not names.theirs:
         raise GeometryError(
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
-    every = names.taken(options.clips)
+    every = names.taken(options.clip)
     warn_differences(both, report)
     taken_all, changed = set[str](), set[str]()
     for taken in every:

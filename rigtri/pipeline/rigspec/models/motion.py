@@ -16,15 +16,6 @@ from rigtri.pipeline.rigspec.models.values import (
 )
 
 
-class TakeClips(StepModel):
-    """Take the motion of an edited file home into the rig that it was made of."""
-
-    do: Literal["take-clips"]
-    edited: File = option("from")
-    clips: Names = option("clip", ())
-    names: Assignments = option("as", ())
-
-
 class Bake(StepModel):
     """Work controls and constraints out into joint keys, or joints' motion into controls."""
 

@@ -1,0 +1,38 @@
+"""What take-clips can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_single_name, refuse_unworkable
+from rigtri.operations.declaration.kinds import ClipNames, EditedFile, Names
+from rigtri.operations.declaration.option import option
+
+
+@dataclass(frozen=True)
+class TakeClipsOptions:
+    """Transfer the animation of an edited file back to the rig that it was made from.
+
+    as_: by the name of a clip of the edited file, or its glob, the clip of the rig. tolerance: how far what
+    counts as unchanged, and keys that are left out, may be off, as a share of the rig's size.
+    """
+
+    from_: EditedFile = option(
+        metavar="EDITED", help="The file with the motion, of any format; nothing else of it is taken."
+    )
+    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.")
+    as_: ClipNames = option(
+        {},
+        help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "
+        "number, and NAME= the one without a name. Repeatable.",
+    )
+    tolerance: float = option(1e-5, where="shared")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for what cannot be."""
+        refuse_single_name("--clip", self.clip)
+        refuse_unworkable("--tolerance", self.tolerance)
+        if not self.tolerance >= 0:
+            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
