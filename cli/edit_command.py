@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rigtri.report import Report
 
 Step = Callable[[Any, "Report"], Any]
+Decorator = Callable[[Any], Any]
 
 
 def edit_command(
@@ -26,27 +27,47 @@ def edit_command(
     summary: Callable[[Report], str],
     words: str,
     *,
-    more: Sequence[click.Option] = (),
     besides: Callable[[dict[str, Any], Report], None] = lambda values, report: None,
-    cls: type[click.Command] = click.Command,
+    **about: Any,
 ) -> click.Command:
-    """The command of an operation.
+    """The command of an operation on a file; about: as `command_of` takes it.
 
-    declared: the dataclass of its options. summary: what was done, in a line or a few. words: the help, with
-    an example. more: options that only this command has. besides: writes what it writes besides OUT.
+    summary: what was done, in a line or a few. besides: writes what it writes besides OUT.
     """
 
-    @click.pass_context
-    def run(ctx: click.Context, /, **values: Any) -> None:
+    def run(ctx: click.Context, values: dict[str, Any]) -> None:
         copy_ahead(ctx, values)
         step = step_of(name, declared, values)
         run_edit(name, values, step, given_options(ctx), summary, lambda report: besides(values, report))
 
-    run = output_options(edit_options(reading_options(run)))
+    return command_of(name, declared, words, run, **about)
+
+
+def command_of(
+    name: str,
+    declared: type,
+    words: str,
+    run: Callable[[click.Context, dict[str, Any]], None],
+    *,
+    more: Sequence[click.Option] = (),
+    source: Decorator = source_argument,
+    target: Decorator = target_option,
+    cls: type[click.Command] = click.Command,
+) -> click.Command:
+    """A command with the options of an operation and those of all edits.
+
+    declared: the dataclass of its options. words: the help, with an example. more: options that only this
+    command has. source, target: IN and OUT.
+    """
+
+    @click.pass_context
+    def called(ctx: click.Context, /, **values: Any) -> None:
+        run(ctx, values)
+
+    called = output_options(edit_options(reading_options(called)))
     for option in reversed(more):
-        _add(run, option)
-    run = declared_options(declared)(run)
-    return click.command(name, cls=cls, help=words)(source_argument(target_option(run)))
+        _add(called, option)
+    return click.command(name, cls=cls, help=words)(source(target(declared_options(declared)(called))))
 
 
 def declared_options(declared: type) -> Callable[[Any], Any]:

@@ -1,4 +1,14 @@
-"""rigtri make-limb"""
+"""Make an oriented chain of joints and its pole vector from three locators or points.
+
+Each joint aims at the next, all have the limb's hinge for their up axis, and the end has the
+axes of the joint before. A second run finds the limb by its name and moves it.
+
+\b
+Examples:
+    rigtri make-limb scene.glb -o out.glb --locators shoulder_loc elbow_loc wrist_loc --name arm
+    rigtri make-limb -o arm.usda --points 0,140,0 25,140,-5 50,140,0 --name arm --side left
+    rigtri make-limb hero.glb -o out.glb --points 0,1,0 0,.5,.1 0,0,0 --parent hips --name tail
+"""
 
 from __future__ import annotations
 
@@ -9,19 +19,13 @@ import click
 
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
+from rigtri.operations.options.make_limb import MakeLimbOptions
 
-from .asked import given_options, refuse_given, request
+from .asked import given_options, refuse_given
+from .edit_command import command_of, step_of
 from .editing import run_edit
-from .options import (
-    edit_options,
-    needed_output,
-    output_option,
-    output_options,
-    pole_options,
-    preset_option,
-    reading_options,
-)
-from .values import Number, points
+from .options import needed_output, output_option
+from .values import Number
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -56,91 +60,8 @@ def spread(args: list[str]) -> list[str]:
     return found
 
 
-@click.command("make-limb", cls=_Listing)
-@click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
-@output_option(
-    "The file to write, in the format of IN, or a new file; - for standard output. Needed but for "
-    "--dry-run with IN.",
-    callback=needed_output,
-)
-@click.option("--locators", multiple=True, metavar="A B C", help="Nodes that stand where the joints shall.")
-@click.option(
-    "--points",
-    multiple=True,
-    callback=points,
-    metavar="X,Y,Z X,Y,Z X,Y,Z",
-    help="The places themselves, in the world; without IN they make a new file.",
-)
-@click.option("--planar", is_flag=True, help="More than three: lay the inner joints into the limb's plane.")
-@preset_option("The axes of another program.")
-@click.option("--aim", metavar="AXIS", help="Axis that aims at the next joint. [x]")
-@click.option("--up", metavar="AXIS", help="Axis that goes up. [y]")
-@click.option(
-    "--up-from",
-    metavar="SOURCE",
-    help="plane (the hinge), pole (the side it bends to), world:AXIS or vector:X,Y,Z. [plane]",
-)
-@click.option(
-    "--end-aim",
-    metavar="NODE|X,Y,Z",
-    help="What the end joint aims at; else it has the axes of the joint before.",
-)
-@click.option(
-    "--bend",
-    callback=points,
-    metavar="X,Y,Z",
-    help="The side that points on a line bend to; for no others.",
-)
-@click.option("--name", default="limb", show_default=True, help="The limb's name; its joints are NAME_1 …")
-@click.option("--side", type=click.Choice(["left", "right"]), help="Put _L or _R behind the names.")
-@click.option("--names", multiple=True, metavar="A B C", help="Names of the joints.")
-@click.option("--parent", metavar="NODE", help="What the limb hangs below; of a joint it joins the skins.")
-@click.option("--skin/--no-skin", default=True, show_default=True, help="Make the joints joints of a skin.")
-@click.option("--pole/--no-pole", default=True, show_default=True, help="Add the limb's pole vector.")
-@pole_options
-@click.option(
-    "--as",
-    "kind",
-    type=click.Choice(["locator", "joint"]),
-    help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]",
-)
-@click.option(
-    "--pose",
-    default="nodes",
-    show_default=True,
-    metavar="POSE",
-    help="Where the locators are read: nodes (at rest), bind or CLIP@TIME.",
-)
-@click.option("--pole-name", help="Name of the pole vector. [MIDDLE_pole]")
-@click.option(
-    "--up-axis", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Of a new USD file."
-)
-@click.option(
-    "--meters-per-unit",
-    type=Number(min=0, min_open=True),
-    default=0.01,
-    show_default=True,
-    help="Of a new USD file.",
-)
-@reading_options
-@edit_options
-@output_options
-@click.pass_context
-def command(ctx: click.Context, /, **values: Any) -> None:
-    """Make an oriented chain of joints and its pole vector from three locators or points.
-
-    Each joint aims at the next, all have the limb's hinge for their up axis, and the end has the
-    axes of the joint before. A second run finds the limb by its name and moves it.
-
-    \b
-    Examples:
-        rigtri make-limb scene.glb -o out.glb --locators shoulder_loc elbow_loc wrist_loc --name arm
-        rigtri make-limb -o arm.usda --points 0,140,0 25,140,-5 50,140,0 --name arm --side left
-        rigtri make-limb hero.glb -o out.glb --points 0,1,0 0,.5,.1 0,0,0 --parent hips --name tail
-    """
-    from rigtri.pipeline.steps.make_limb import step
-
-    asked = step(request(values))
+def _run(ctx: click.Context, values: dict[str, Any]) -> None:
+    step = step_of("make-limb", MakeLimbOptions, values)
     given = given_options(ctx)
     with temp_dirs.folder() as folder:
         if values["source"] is None:
@@ -148,8 +69,7 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         else:
             new = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
             refuse_given(new, "is for new files, without IN")
-
-        run_edit("make-limb", values | {"empty": True}, asked, given, summary)
+        run_edit("make-limb", values | {"empty": True}, step, given, summary)
 
 
 def _blank(folder: Path, values: dict[str, Any]) -> str:
@@ -179,3 +99,35 @@ def summary(report: Report) -> str:
     planar = f"; laid into the plane: {', '.join(moved)}" if moved else ""
     pole = f"; pole vector {report.limbs[0]['polevector']}" if report.limbs else ""
     return f"{len(joints)} joints, {', '.join(entry['node'] for entry in joints)}, {new}{planar}{pole}"
+
+
+_MORE = [
+    click.Option(
+        ["--up-axis"],
+        type=click.Choice(["y", "z"]),
+        default="y",
+        show_default=True,
+        help="Of a new USD file.",
+    ),
+    click.Option(
+        ["--meters-per-unit"],
+        type=Number(min=0, min_open=True),
+        default=0.01,
+        show_default=True,
+        help="Of a new USD file.",
+    ),
+]
+command = command_of(
+    "make-limb",
+    MakeLimbOptions,
+    __doc__,
+    _run,
+    more=_MORE,
+    source=click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True)),
+    target=output_option(
+        "The file to write, in the format of IN, or a new file; - for standard output. Needed but for "
+        "--dry-run with IN.",
+        callback=needed_output,
+    ),
+    cls=_Listing,
+)

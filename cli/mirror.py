@@ -1,4 +1,16 @@
-"""rigtri mirror"""
+"""Give one side of a character what the other has: joint axes, and what rigtri has built.
+
+Joints stay in place and all that can be seen stays as it is; axes turn as with
+orient-joints. Limbs, controls, pole vectors, twist joints, constraints, rivets and pose
+readers of one side are built, or brought up to date, on the other, with what an animator has
+set. What cannot be mirrored is named.
+
+\b
+Examples:
+    rigtri mirror hero.glb -o out.glb
+    rigtri mirror hero.usdz -o out.usdz --from-side right --mode orientation
+    rigtri mirror hero.glb --check
+"""
 
 from __future__ import annotations
 
@@ -9,123 +21,29 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
+from rigtri.operations.declaration.option import made
+from rigtri.operations.options.mirror import MirrorOptions
 
-from .asked import given_options, read_options, request
+from .asked import given, given_options, read_options
+from .edit_command import command_of, step_of
 from .editing import run_edit
-from .options import (
-    edit_options,
-    optional_target_option,
-    output_options,
-    reading_options,
-    source_argument,
-    turn_options,
-)
+from .options import allow_rename_option, optional_target_option
 from .values import Number
 from .words import counted, plain
 
 if TYPE_CHECKING:
-    from rigtri.operations.mirror.mirror import MirrorOptions
     from rigtri.report import Report
 
 MOST = 20
 
 
-@click.command("mirror")
-@source_argument
-@optional_target_option
-@click.option(
-    "--check",
-    is_flag=True,
-    help="Write nothing: report what is not symmetric (exit code 1 where there is any).",
-)
-@click.option(
-    "--mode",
-    type=click.Choice(["behavior", "orientation", "blender"]),
-    default="behavior",
-    show_default=True,
-    help="What mirrored axes are: equal rotations mirror the motion, equal axes, or Blender's X mirror.",
-)
-@click.option(
-    "--from-side",
-    type=click.Choice(["left", "right"]),
-    default="left",
-    show_default=True,
-    help="The side that is copied onto the other.",
-)
-@click.option(
-    "--plane",
-    type=click.Choice(["yz", "xz", "xy"]),
-    default="yz",
-    show_default=True,
-    help="The plane between the sides, of the space that the joints are in.",
-)
-@click.option(
-    "--plane-at",
-    type=Number(),
-    help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
-)
-@click.option(
-    "--what",
-    type=click.Choice(
-        [
-            "limbs",
-            "joints",
-            "controls",
-            "polevectors",
-            "twists",
-            "constraints",
-            "rivets",
-            "posereaders",
-        ]
-    ),
-    multiple=True,
-    help="Mirror only these; repeatable. [all]",
-)
-@click.option("--joints", multiple=True, metavar="GLOB", help="Only these joints and their twins.")
-@click.option("--below", multiple=True, metavar="NAME", help="Only this joint, all below, and their twins.")
-@click.option("--exclude", multiple=True, metavar="GLOB", help="Not these joints.")
-@click.option("--pose", metavar="POSE", help="The pose that tells axes: bind, nodes or CLIP@TIME.  [bind]")
-@click.option(
-    "--tolerance-distance",
-    type=Number(min=0),
-    default=1e-4,
-    show_default=True,
-    help="With --check: places this far off, as a share of the size, pass.",
-)
-@click.option(
-    "--tolerance-degrees",
-    type=Number(min=0),
-    default=0.1,
-    show_default=True,
-    help="With --check: axes this far off pass.",
-)
-@turn_options
-@reading_options
-@edit_options
-@output_options
-@click.pass_context
-def command(ctx: click.Context, /, **values: Any) -> None:
-    """Give one side of a character what the other has: joint axes, and what rigtri has built.
-
-    Joints stay in place and all that can be seen stays as it is; axes turn as with
-    orient-joints. Limbs, controls, pole vectors, twist joints, constraints, rivets and pose
-    readers of one side are built, or brought up to date, on the other, with what an animator has
-    set. What cannot be mirrored is named.
-
-    \b
-    Examples:
-        rigtri mirror hero.glb -o out.glb
-        rigtri mirror hero.usdz -o out.usdz --from-side right --mode orientation
-        rigtri mirror hero.glb --check
-    """
-    from rigtri.pipeline.steps.mirror import asked, step
-
+def _run(ctx: click.Context, values: dict[str, Any]) -> None:
     if values["check"]:
-        _check(values, asked(request(values)))
+        _check(values, made(MirrorOptions, values, given(ctx)))
         return
     if values["target"] is None and not values["dry_run"]:
         raise UsageError("give the file to write with -o OUT, or --check to write none")
-    run_edit("mirror", values, step(request(values)), given_options(ctx), summary)
+    run_edit("mirror", values, step_of("mirror", MirrorOptions, values), given_options(ctx), summary)
 
 
 def _check(values: dict[str, Any], options: MirrorOptions) -> None:
@@ -179,3 +97,28 @@ def summary(report: Report) -> str:
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)
     return f"{counted(turned, 'joint')} turned; {made} of what rigtri has built mirrored, {new} of them new"
+
+
+_MORE = [
+    click.Option(
+        ["--check"],
+        is_flag=True,
+        help="Write nothing: report what is not symmetric (exit code 1 where there is any).",
+    ),
+    click.Option(
+        ["--tolerance-distance"],
+        type=Number(min=0),
+        default=1e-4,
+        show_default=True,
+        help="With --check: places this far off, as a share of the size, pass.",
+    ),
+    click.Option(
+        ["--tolerance-degrees"],
+        type=Number(min=0),
+        default=0.1,
+        show_default=True,
+        help="With --check: axes this far off pass.",
+    ),
+    allow_rename_option,
+]
+command = command_of("mirror", MirrorOptions, __doc__, _run, more=_MORE, target=optional_target_option)

@@ -10,7 +10,7 @@ import click
 
 from rigtri.operations.declaration.option import Kind, Option, options_of
 
-from .values import Number, Parsed
+from .values import Number, Parsed, Tolerance
 
 
 def click_options(declared: type) -> list[click.Option]:
@@ -25,7 +25,10 @@ def _click_option(one: Option) -> click.Option:
     item, several = one.hint, typing.get_origin(one.hint) is collections.abc.Mapping
     if typing.get_origin(item) is tuple and typing.get_args(item)[-1] is Ellipsis:
         item, several = typing.get_args(item)[0], True
-    if several and not (one.kind and one.kind.name == "joined"):
+    if one.one_word:
+        about["type"] = str
+        return click.Option([one.flag, one.name], **about)
+    if several:
         about["multiple"] = True
     elif not one.required:
         about["default"] = one.default
@@ -45,8 +48,6 @@ def _flag(one: Option, about: dict[str, Any]) -> click.Option:
 def _value(item: Any, one: Option) -> dict[str, Any]:
     """What click calls the type of one value, and of how many words it is."""
     item, kind = _plain(item, one.kind)
-    if kind is not None and kind.name == "joined":
-        return {"type": str}
     if kind is not None and kind.parse is not None:
         return {"type": Parsed(kind.parse)}
     if kind is not None and kind.name.endswith("file"):
@@ -61,6 +62,8 @@ def _value(item: Any, one: Option) -> dict[str, Any]:
 
 
 def _number(item: type, kind: Kind | None) -> Any:
+    if kind is not None and kind.name == "tolerance":
+        return Tolerance()
     bounds: dict[str, Any] = {}
     if kind is not None:
         bounds = {"min": kind.low, "max": kind.high, "min_open": kind.low_open, "max_open": kind.high_open}

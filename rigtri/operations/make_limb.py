@@ -7,22 +7,22 @@ the limb, each aims at the next, the end has the axes of the one before.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.limits import refuse_points
 from rigtri.maths.matrices import determinant
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import NO_PLANE, SHAKY, AddPolevectorOptions, add_polevector, posed
+from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration.kinds import vector
 from rigtri.operations.operation import operation
+from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, group, noted, plain_name
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
@@ -40,62 +40,6 @@ _SIDES = {"": "", "left": "_L", "right": "_R"}
 Point = tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class MakeLimbOptions:
-    """Everything that `make_limb` can be told; the defaults are the command's.
-
-    locators: nodes that stand where the joints are to stand; or points: the places themselves, in
-    the world. end_aim: a node or point that the end joint aims at; None gives it the axes of the
-    joint before. bend: the side that points on a line bend to. names: of the joints; else
-    NAME_1, NAME_2 … with _L or _R of the side. skin: whether the joints are joints of a skin: the
-    parent's, else one of their own. poles: how the pole vector is placed. pose: in which locators are
-    read: nodes, bind or CLIP@TIME.
-    """
-
-    locators: tuple[str, ...] = ()
-    points: tuple[Point, ...] = ()
-    planar: bool = False
-    style: AxisStyle = field(default_factory=AxisStyle)
-    end_aim: str | Point | None = None
-    bend: Point | None = None
-    name: str = "limb"
-    side: str = ""
-    names: tuple[str, ...] = ()
-    parent: str | None = None
-    skin: bool = True
-    pole: bool = True
-    poles: AddPolevectorOptions = field(default_factory=AddPolevectorOptions)
-    pose: str = "nodes"
-
-    @property
-    def title(self) -> str:
-        """What the limb is called, by which a second run finds it."""
-        return plain_name(self.name) + _SIDES[self.side]
-
-    def checked(self) -> MakeLimbOptions:
-        """UsageError for a count that makes no limb, or options that contradict each other."""
-        if self.side not in _SIDES:
-            raise UsageError(f"--side {self.side}: give left or right")
-        if bool(self.locators) == bool(self.points):
-            raise UsageError("say where the joints stand: --locators A B C, or --points x,y,z x,y,z x,y,z")
-        count = len(self.locators or self.points)
-        what = "locators" if self.locators else "points"
-        if count < 3 or (count > 3 and not self.planar):
-            more = "; a longer chain needs --planar, which lays it into one plane" if count > 3 else ""
-            raise UsageError(f"a limb has three {what}, root, middle and end, and here are {count}{more}")
-        if len(set(self.locators)) < len(self.locators):
-            raise UsageError(f"--locators {' '.join(self.locators)}: one of them is named twice")
-        refuse_points("--points", self.points)
-        refuse_points("--end-aim", [self.end_aim] if isinstance(self.end_aim, tuple) else [])
-        refuse_points("--bend", [self.bend] if self.bend is not None else [])
-        if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
-            raise UsageError("--pose says where locators stand; points stand where they are")
-        if self.names and len(self.names) != count:
-            raise UsageError(f"--names: {len(self.names)} names for {count} joints")
-        self.style.checked()
-        return self
-
-
 @operation(MakeLimbOptions)
 def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     """Stand joints at three points, orient them, and add the pole vector; a second run moves them.
@@ -104,13 +48,12 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     Raises UsageError (another count than three, a name that is taken), NameNotFoundError, and
     GeometryError where points coincide, or lie on a line and ``bend`` does not say the side.
     """
-    options.checked()
     for name in (options.name, *options.names):
         if (plain := plain_name(name)) != name:
             text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
             report.warn("name-changed", f"{text} underscores that do not begin with a digit")
     shape = _shape(rig, options, report)
-    known = _known(rig, options.title)
+    known = _known(rig, _title(options))
     if known:
         rig, joints = _update(rig, known, shape, options, report)
     else:
@@ -123,9 +66,14 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
         limb = Limb(joints[0], joints[shape.middle], joints[-1])
         # Where the points themselves show no side, their joints, rounded, must not show one either.
         bends = {rig.address(limb.middle): _triple(shape.side)} if shape.source == "given" else {}
-        pole_options = replace(options.poles, limb=(limb,), chain=(), limbs=None, bend=bends)
+        pole_options = replace(options.placement, limb=(limb,), chain=(), limbs=None, bend=bends)
         rig = add_polevector(rig, options=pole_options, report=report)
     return rig
+
+
+def _title(options: MakeLimbOptions) -> str:
+    """What the limb is called, by which a second run finds it."""
+    return plain_name(options.name) + _SIDES[options.side or ""]
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,16 +150,18 @@ def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Fl
     sine, degrees = float(bend_sine(*triple)), float(np.degrees(bend_angle(*triple)))
     if sine >= NO_PLANE:
         if sine < SHAKY:
-            text = f"{options.title} is nearly straight ({degrees:.4f}°): the bend direction is not reliable."
-            report.warn("nearly-straight", text, joint=options.title, geometry=True)
+            text = (
+                f"{_title(options)} is nearly straight ({degrees:.4f}°): the bend direction is not reliable."
+            )
+            report.warn("nearly-straight", text, joint=_title(options), geometry=True)
         if options.bend is not None:
-            text = f"--bend is for points on a line; those of {options.title} bend by {degrees:.4g}°."
-            report.warn("bend-not-needed", text, joint=options.title)
+            text = f"--bend is for points on a line; those of {_title(options)} bend by {degrees:.4g}°."
+            report.warn("bend-not-needed", text, joint=_title(options))
         normal = hinge(*triple)
         return normal, cross(chord, normal), "pose"
     if options.bend is None:
         raise GeometryError(
-            f"The points of {options.title} lie on a line (bent {degrees:.3g}°), which leaves the bend "
+            f"The points of {_title(options)} lie on a line (bent {degrees:.3g}°), which leaves the bend "
             "direction open. Give it with --bend 0,0,1 or another direction across it"
         )
     side = perpendicular(normalise(np.array(options.bend, dtype=np.float64)), chord)
@@ -237,7 +187,7 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, re
     for part, aim in enumerate(aims):
         up = _up(aim, normal, style.up_from)
         if not crossing(up, aim):
-            text = f"Joint {part + 1} of {options.title} points along {style.up_from}; its plane says up."
+            text = f"Joint {part + 1} of {_title(options)} points along {style.up_from}; its plane says up."
             report.warn("up-along-bone", text, geometry=True)
             up = normal
         if not crossing(up, aim):
@@ -295,14 +245,14 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
     axes = _handed(rig, parent, shape.axes, options, report)
     joints: list[int] = []
     for part, (name, place) in enumerate(zip(names, shape.points, strict=True)):
-        note = {"v": 1, "type": "limb", "limb": options.title, "part": part}
+        note = {"v": 1, "type": "limb", "limb": _title(options), "part": part}
         rig, parent = add_joint(rig, name, parent, note, place, axes[part])
         joints.append(parent)
-    return (new_skin(rig, options.title, joints) if own else rig), joints
+    return (new_skin(rig, _title(options), joints) if own else rig), joints
 
 
 def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
-    suffix = _SIDES[options.side]
+    suffix = _SIDES[options.side or ""]
     names = [plain_name(f"{options.name}_{k + 1}{suffix}") for k in range(count)]
     if options.names:
         names = [plain_name(name) for name in options.names]
@@ -315,7 +265,7 @@ def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
 def _update(
     rig: Rig, joints: list[int], shape: _Shape, options: MakeLimbOptions, report: Report
 ) -> tuple[Rig, list[int]]:
-    title = options.title
+    title = _title(options)
     if len(joints) != len(shape.points):
         raise UsageError(
             f"the limb '{title}' has {len(joints)} joints, and here are {len(shape.points)} points; give "
@@ -342,9 +292,9 @@ def _handed(rig: Rig, parent: int, axes: Floats, options: MakeLimbOptions, repor
     if determinant(rig.world[parent]) >= 0:
         return axes
     text = (
-        f"'{rig.title(parent)}' is mirrored, and so are the joints of {options.title}: aim and up are kept."
+        f"'{rig.title(parent)}' is mirrored, and so are the joints of {_title(options)}: aim and up are kept."
     )
-    report.warn("mirrored-parent", text, joint=options.title)
+    report.warn("mirrored-parent", text, joint=_title(options))
     style = AxisStyle() if options.style.world else options.style
     third = 3 - axis_of(style.aim)[0] - axis_of(style.up)[0]
     return axes * np.where(np.arange(3) == third, -1.0, 1.0)[:, np.newaxis]
@@ -352,7 +302,7 @@ def _handed(rig: Rig, parent: int, axes: Floats, options: MakeLimbOptions, repor
 
 def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: MakeLimbOptions) -> dict[str, Any]:
     """What a joint is of which limb; the first one says all that is known of the limb."""
-    note: dict[str, Any] = {"v": 1, "type": "limb", "limb": options.title, "part": part}
+    note: dict[str, Any] = {"v": 1, "type": "limb", "limb": _title(options), "part": part}
     if part > 0:
         return note
     style = options.style

@@ -12,7 +12,7 @@ from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.report import Report
 
-WAVE = BakeOptions(to="controls", clips=("wave",), fps=10)
+WAVE = BakeOptions(to="controls", clip=("wave",), fps=10)
 
 
 def following(*rules: tuple[str, str, str]) -> Rig:
@@ -41,7 +41,7 @@ def test_controls_are_found_before_what_follows_them(rules: list[tuple[str, str,
     rig = following(*rules)
     report = Report()
     up = bake(rig, options=WAVE, report=report)
-    home = bake(up, options=BakeOptions(clips=("wave",), fps=10))
+    home = bake(up, options=BakeOptions(clip=("wave",), fps=10))
     ruled = set(constraints_of(rig))
     assert ruled
     told = {entry["clip"]: entry["deviation"] for entry in report.added}

@@ -113,7 +113,7 @@ def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
     rig = random_rig(seed, joints=8)
     bones = [(k, int(p)) for k, p in enumerate(rig.parents) if p >= 0 and not rig.has_matrix[[k, p]].any()]
     child, joint = bones[seed % len(bones)]
-    named = ((f"j{joint}", f"j{child}"),)
+    named = {"joint": (f"j{joint}",), "to": (f"j{child}",)}
     out = add_twist(rig, options=AddTwistOptions(**named, upper=seed % 2 > 0, lower=seed % 2 == 0))
     for twist in twist_joints(out):
         for times in ([0.0, 0.4, 1.0], [0.1, 0.3, 0.77]):

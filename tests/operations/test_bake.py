@@ -100,7 +100,7 @@ def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
     inward = rig.world[rig.find("upper_arm_L"), 3, :3] - rig.world[hand, 3, :3]
     move = (0.3 * inward + [0.0, 0.05, 0.05]) @ np.linalg.inv(rig.world[hand, :3, :3])
     rig = animated(rig, hand, "translation", [[0, 0, 0], move])
-    baked = bake(rig, options=BakeOptions(clips=("new",)))
+    baked = bake(rig, options=BakeOptions(clip=("new",)))
     for k, time in enumerate((0.0, 1.0)):
         local = sampling.locals_at(baked, baked.clip("new"), [time])
         world = sampling.worlds(baked, local)[0]
@@ -111,7 +111,7 @@ def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
 def test_a_control_without_keys_leaves_its_joint_alone() -> None:
     rig = rigged()
     rig = animated(rig, control(rig, "head", "fk"), "rotation", [[0, 0, 0, 1], [0, 0, 0.6, 0.8]])
-    baked = bake(rig, options=BakeOptions(clips=("new",)))
+    baked = bake(rig, options=BakeOptions(clip=("new",)))
     joints = {rig.names[t.node] for t in baked.clip("new").tracks if rig.is_joint[t.node]}
     assert joints == {"head"}
 
@@ -125,12 +125,12 @@ def test_stretch_and_soft_of_the_options_hold_for_all_limbs() -> None:
         baked = bake(far, options=options)
         return sampling.worlds(baked, sampling.locals_at(baked, baked.clip("new"), [1.0]))[0]
 
-    stretched, plain = end(BakeOptions(clips=("new",), stretch=True)), end(BakeOptions(clips=("new",)))
+    stretched, plain = end(BakeOptions(clip=("new",), stretch=True)), end(BakeOptions(clip=("new",)))
     target = stretched[hand, 3, :3]
     joint = rig.find("hand_L")
     assert np.linalg.norm(stretched[joint, 3, :3] - target) < 1e-5
     assert np.linalg.norm(plain[joint, 3, :3] - target) > 0.5
-    soft = end(BakeOptions(clips=("new",), soft=0.2))
+    soft = end(BakeOptions(clip=("new",), soft=0.2))
     arm = rig.find("upper_arm_L")
     assert np.linalg.norm(soft[joint, 3, :3] - soft[arm, 3, :3]) <= np.linalg.norm(
         plain[joint, 3, :3] - plain[arm, 3, :3]
@@ -206,7 +206,7 @@ def test_a_clip_of_one_key_and_a_control_of_uneven_scale_have_a_meaning() -> Non
     rig = rigged()
     head = control(rig, "head", "fk")
     rig = animated(rig, head, "scale", [[1.0, 2.0, 0.5]], times=[0.25])
-    baked = bake(rig, options=BakeOptions(clips=("new",)))
+    baked = bake(rig, options=BakeOptions(clip=("new",)))
     track = next(t for t in baked.clip("new").tracks if t.path == "scale" and t.node == rig.find("head"))
     np.testing.assert_allclose(track.values, [[1.0, 2.0, 0.5]], atol=1e-6)
 
@@ -231,11 +231,11 @@ def test_thinned_keys_keep_what_was_linear_few() -> None:
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (BakeOptions(clips=("wlak",)), NameNotFoundError),
+        (BakeOptions(clip=("wlak",)), NameNotFoundError),
         (BakeOptions(fps=0.0), UsageError),
         (BakeOptions(tolerance=np.inf), UsageError),
         (BakeOptions(fps="a"), UsageError),  # type: ignore[arg-type]
-        (BakeOptions(clips="walk"), UsageError),  # type: ignore[arg-type]
+        (BakeOptions(clip="walk"), UsageError),  # type: ignore[arg-type]
         (BakeOptions(soft=1.0), UsageError),
         (BakeOptions(stretch="no"), UsageError),  # type: ignore[arg-type]
         (BakeOptions(to="bones"), UsageError),  # type: ignore[arg-type]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flat_options import axes_of
 from numpy.testing import assert_allclose
 from places import files_of_all_kinds, leave_out_refused
 from program import cli
@@ -21,8 +22,7 @@ from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import ReadOptions, read, write_blank
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import AddPolevectorOptions
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -49,8 +49,8 @@ def pole(rig: Rig) -> int:
 
 def test_the_articles_arm_has_the_articles_numbers() -> None:
     """X along the bone, Y the plane's normal (bend × aim), Z their product; the pole 5 from the root."""
-    article = AddPolevectorOptions(method="ratio", from_="root", distance=5.0, orientation="limb")
-    out, (shoulder, elbow, wrist), _ = made(poles=article)
+    article = {"method": "ratio", "from_": "root", "distance": 5.0, "orientation": "limb"}
+    out, (shoulder, elbow, wrist), _ = made(**article)
     world = out.world
     assert_allclose(world[[shoulder, elbow, wrist], 3, :3], ARM, atol=1e-6)
     assert_allclose(world[shoulder, :3, :3], [[0.6, 0.8, 0], [0, 0, -1], [-0.8, 0.6, 0]], atol=1e-6)
@@ -63,7 +63,7 @@ def test_the_articles_arm_has_the_articles_numbers() -> None:
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"vrm"}))
 def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
     style = PRESETS[preset]
-    out, joints, _ = made(style=style)
+    out, joints, _ = made(**axes_of(style))
     points, normal = np.array(ARM), np.array([0.0, 0.0, -1.0])
     for joint, bone in zip(joints, np.diff(points, axis=0), strict=False):
         axes = out.world[joint, :3, :3]
@@ -77,7 +77,7 @@ def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
 
 
 def test_the_end_aims_where_it_is_told() -> None:
-    out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), style=AxisStyle(up_from="world:+y"))
+    out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), up_from="world:+y")
     assert_allclose(out.world[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
     with pytest.raises(GeometryError, match="along the limb's hinge"):
         made(end_aim=(6.0, 0.0, 2.0))
@@ -362,9 +362,7 @@ def test_a_name_that_cannot_be_as_given_is_told(name: str, plain: str, samples: 
 def test_the_pole_vector_can_be_a_joint_of_the_limbs_skin(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     points = ((0.0, 1.0, -0.2), (0.0, 0.8, -0.3), (0.0, 0.6, -0.2))
-    wanted = MakeLimbOptions(
-        points=points, name="tail", parent="hips", poles=AddPolevectorOptions(as_="joint")
-    )
+    wanted = MakeLimbOptions(points=points, name="tail", parent="hips", as_="joint")
     out = make_limb(rig, options=wanted)
     pole = out.find("tail_2_pole")
     assert out.is_joint[pole]
@@ -382,4 +380,4 @@ def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
     assert_allclose(found["walk@0.5"], there[[rig.find(name) for name in names], 3, :3], atol=1e-9)
     assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01
     with pytest.raises(UsageError, match="--pose says where locators stand"):
-        MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").checked()
+        MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind")

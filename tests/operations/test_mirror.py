@@ -182,7 +182,7 @@ def test_from_the_right_the_left_is_turned(samples: Path) -> None:
 def test_only_what_is_named_is_mirrored(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     report = Report()
-    mirror(rig, options=MirrorOptions(selection=Selection(joints=("thigh_L",))), report=report)
+    mirror(rig, options=MirrorOptions(joints=("thigh_L",)), report=report)
     assert [e["joint"] for e in report.joints if e["status"] == "turned"] == ["thigh_R"]
     pole = add_polevector(
         rig, options=AddPolevectorOptions(limb=(given(rig, "thigh_L", "shin_L", "foot_L"),))
@@ -195,7 +195,7 @@ def test_only_what_is_named_is_mirrored(samples: Path) -> None:
 def test_names_that_are_not_there_and_files_without_sides_are_errors(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     with pytest.raises(NameNotFoundError):
-        mirror(rig, options=MirrorOptions(selection=Selection(joints=("thigh_X",))))
+        mirror(rig, options=MirrorOptions(joints=("thigh_X",)))
     with pytest.raises(GeometryError, match="says left or right"):
         mirror(read(samples / "tail.glb").rig)
 

@@ -116,7 +116,7 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
 ) -> None:
     built, moved = tmp_path / "built.glb", tmp_path / "moved.glb"
     commanded("add-controls --whole-character", BIPED, built)
-    rig = rigtri.bake(rigtri.read(built), to="controls", clips="walk")
+    rig = rigtri.bake(rigtri.read(built), to="controls", clip="walk")
     rigtri.write(rig, moved)
     commanded("bake --to controls --clip walk", built, two[1] / "baked.glb")
     assert moved.read_bytes() == (two[1] / "baked.glb").read_bytes()

@@ -6,13 +6,13 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import (
     NOTHING,
     controls_and_poles,
@@ -39,7 +39,6 @@ from rigtri.evaluation.timelines import (
 )
 from rigtri.evaluation.twist_joints import is_twist, twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
-from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
@@ -58,60 +57,20 @@ from rigtri.operations.bake.sampling_warnings import warn_spline_swings, warn_un
 from rigtri.operations.bake.stable_keys import is_still_valid
 from rigtri.operations.bake.stretch_limit import refuse_overstretch
 from rigtri.operations.operation import operation
+from rigtri.operations.options.bake import BETWEEN as BETWEEN
+from rigtri.operations.options.bake import BakeOptions as BakeOptions
 from rigtri.operations.pose import at_rest
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
+from rigtri.operations.take_clips.rejoin_clips import joined
+from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.report import Report
 
-Direction = Literal["joints", "controls"]
-DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
-# How far what lies between samples may be off unless another share of the size is given: less than what
-# thirty frames a second leave, and few keys for animators; a hundredth of it takes ten times as many.
-BETWEEN = 1e-3
 # Notes of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
 _ROUNDS = 8
 # What follows rivets has come to rest after so many passes for each of them, or forms a cycle.
 _PASSES = 6
-
-
-@dataclass(frozen=True)
-class BakeOptions:
-    """The options of `bake`; the defaults are the command's.
-
-    to: ``joints`` or ``controls``. clips: globs of the clips, all of them where there is none.
-    fps: so many samples a second besides the keys; None: as many as ``between`` needs: how far what lies
-    between samples may be off. tolerance: how far thinned keys may be off. Both are shares of the rig's size.
-    soft, stretch: of all limbs, instead of what their controls say.
-    """
-
-    to: Direction = "joints"
-    clips: tuple[str, ...] = ()
-    fps: float | None = None
-    between: float = BETWEEN
-    tolerance: float = 1e-5
-    soft: float | None = None
-    stretch: bool | None = None
-
-    def checked(self) -> BakeOptions:
-        """These options. UsageError for what cannot be."""
-        if self.to not in DIRECTIONS:
-            raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
-        refuse_single_name("--clip", self.clips)
-        flags = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
-        for flag, number in (*flags, ("--between", self.between)):
-            refuse_unworkable(flag, number)
-        if self.fps is not None and not self.fps > 0:
-            raise UsageError("--fps is a number above 0, e.g. 30")
-        if not self.between >= 0:
-            raise UsageError("--between is a share of the rig's size, 0 or more")
-        if not self.tolerance >= 0:
-            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
-        if self.soft is not None and not 0 <= self.soft < 1:
-            raise UsageError("--soft is a share of the limb, from 0 to below 1")
-        if self.stretch is not None and not isinstance(self.stretch, bool):
-            raise UsageError(f"stretch={self.stretch!r}: True, False or None (as stored)")
-        return self
 
 
 @operation(BakeOptions)
@@ -123,7 +82,11 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a cycle; nothing to bake).
     """
-    return _Baker(_with_limits(rig, options.checked()), options, report).baked()
+    rigged: Rig | None = options.rig_
+    if rigged is not None:
+        rig = joined(rig, rigged, names=options.as_, between=options.between, report=report)
+        rig = as_described(rig, rigged, report=report)
+    return _Baker(_with_limits(rig, options), options, report).baked()
 
 
 def _with_limits(rig: Rig, options: BakeOptions) -> Rig:
@@ -164,7 +127,7 @@ class _Baker:
             if not timelines(self.rig):
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
-            for timeline in chosen_timelines(self.rig, self.options.clips):
+            for timeline in chosen_timelines(self.rig, self.options.clip):
                 self._to_controls(timeline)
             self._warn()
             return self.rig
@@ -190,7 +153,7 @@ class _Baker:
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
         self.reference, self.solvers = ControlsAtZero(self.rig), {}
-        chosen = chosen_timelines(self.rig, self.options.clips)
+        chosen = chosen_timelines(self.rig, self.options.clip)
         for timeline in chosen:
             self._to_joints(timeline)
         self._rest(self.rig)

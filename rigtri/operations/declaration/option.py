@@ -20,6 +20,8 @@ from rigtri.errors import UsageError
 
 T = TypeVar("T")
 _META = "rigtri"
+# Kinds that are one word of a command line, or the same in a spec.
+_ONE_WORD = ("joined", "node or point")
 # Where an option is: everywhere; everywhere, but declared once for all commands and specs; in Python alone.
 Where = Literal["all", "shared", "python"]
 
@@ -70,6 +72,11 @@ class Option:
     def flag(self) -> str:
         """The option's name on the command line."""
         return f"--{self.key}"
+
+    @property
+    def one_word(self) -> bool:
+        """Whether a command line has one word for it, whatever its Python type is."""
+        return self.kind is not None and self.kind.name in _ONE_WORD
 
     @property
     def required(self) -> bool:

@@ -12,11 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.frames.mirror_modes import MIRRORS, side_of, twin_of
 from rigtri.frames.mirror_plane import parting, warn_plane
 from rigtri.frames.skeleton import reference, skeleton
-from rigtri.limits import refuse_unworkable
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import UNTOLD
@@ -42,9 +41,6 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     ``report.joints``, ``report.added`` and ``report.limbs``; what cannot be mirrored is a warning
     (``not-mirrored``). Raises GeometryError where nothing here has a side, NameNotFoundError, UsageError.
     """
-    if not options.what or not set(options.what) <= set(WHAT):
-        raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
-    refuse_unworkable("--plane-at", options.plane_at)
     tree = skeleton(rig, options.root)
     if not any(side_of(rig, joint) for joint in tree.joints) and not any(
         side(rig, node) for node in rig.metadata
@@ -72,7 +68,7 @@ def _mirrored(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         "posereaders": mirror_readers,
     }
     for what in WHAT:
-        if what in options.what:
+        if what in (options.what or WHAT):
             rig = steps[what](rig, options, report)
     return rig
 

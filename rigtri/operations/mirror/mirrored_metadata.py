@@ -7,35 +7,22 @@ whatever either is called.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from rigtri.frames.error_bounds import TOLERANCE
-from rigtri.frames.mirror_modes import Across, Mirror, Plane, side_of, twin_of
+from rigtri.frames.mirror_modes import side_of, twin_of
 from rigtri.maths.matrices import nearest_rotation, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.joint_names import Side, twin
 from rigtri.model.rig import Rig
-from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.scale_policy import Policy
+from rigtri.operations.options.mirror import WHAT as WHAT
+from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
+from rigtri.operations.options.mirror import What as What
 from rigtri.operations.rigtri_nodes import find
 from rigtri.report import Report
 
-What = Literal["joints", "limbs", "controls", "polevectors", "twists", "constraints", "rivets", "posereaders"]
-# In the order in which they are mirrored: each may be about nodes of those before.
-WHAT: tuple[What, ...] = (
-    "limbs",
-    "joints",
-    "controls",
-    "polevectors",
-    "twists",
-    "constraints",
-    "rivets",
-    "posereaders",
-)
 # What the notes of a type are known by, beside their joints.
 _KNOWN_BY = {
     "control": ("kind", "joint"),
@@ -47,30 +34,6 @@ _KNOWN_BY = {
 _DEEPEST = 4
 # Numbers of a note that differ by less are what float32 and a re-oriented parent leave of the same.
 ALIKE = 4e-6
-
-
-@dataclass(frozen=True)
-class MirrorOptions:
-    """Everything that `mirror` can be told; the defaults are the command's.
-
-    mode: what a mirrored frame is. from_side: the side that is copied. plane: of the character's own
-    space, where its axis is ``plane_at``; None: between most pairs of joints. across: that plane in
-    the world, as `rigtri.frames.mirror_plane` has found it for ``mirror``. what: what is mirrored. selection:
-    the joints, of either side, whose axes take part.
-    """
-
-    mode: Mirror = "behavior"
-    from_side: Literal["left", "right"] = "left"
-    plane: Plane = "yz"
-    plane_at: float | None = None
-    across: Across = field(default_factory=Across)
-    what: tuple[What, ...] = WHAT
-    selection: Selection = field(default_factory=Selection)
-    pose: str | None = None
-    root: str | None = None
-    on_nonuniform_scale: Policy = "snap"
-    on_constraint: Literal["freeze", "error"] = "freeze"
-    tolerance: float = TOLERANCE
 
 
 def side(rig: Rig, node: int) -> Side:

@@ -11,6 +11,7 @@ from rigtri.errors import UsageError
 from rigtri.operations.axis_presets import PRESETS, AxisStyle
 from rigtri.operations.declaration.kinds import (
     Above,
+    Axis,
     Direction,
     JsonFile,
     Limbs,
@@ -69,9 +70,6 @@ def _chains(_flag: str, chains: Iterable[Any]) -> tuple[StyledChain, ...]:
         else StyledChain(**(chain if isinstance(chain, dict) else {n: getattr(chain, n) for n in names}))
         for chain in chains
     )
-
-
-Axis = Annotated[str, Kind("axis", "AXIS")]
 
 
 @dataclass(frozen=True)

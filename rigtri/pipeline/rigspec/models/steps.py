@@ -37,9 +37,11 @@ _KINDS: dict[str, Any] = {
     "edited file": values.File,
     "json file": values.File,
     "axis": values.Axis,
+    "tolerance": values.Tolerance,
     "direction": values.Direction,
     "point": values.Point,
     "points": values.Points,
+    "node or point": values.TextOrPoint,
     "of nodes": values.OfNodes,
     "node to node": values.NodeToNode,
     "assignments": values.Assignments,
@@ -63,13 +65,15 @@ def _fields(declared: Any) -> dict[str, Any]:
         if option.where == "all":
             kind = spec_type(option)
             about = Field(_default(option), alias=option.key, description=option.help or None)
-            found[option.name] = (kind | None if option.optional else kind, about)
+            found[option.name] = (kind | None if option.optional or option.one_word else kind, about)
     return found
 
 
 def _default(option: Option) -> Any:
     if option.required:
         return ...
+    if option.one_word:
+        return None
     return () if isinstance(option.default, dict) else option.default
 
 
@@ -90,7 +94,8 @@ def spec_type(option: Option) -> Any:
         return values.Flag
     if option.hint in (int, float):
         return _number(option.hint, kind)
-    return option.hint
+    several = typing.get_origin(option.hint) is tuple and typing.get_args(option.hint)[-1] is Ellipsis
+    return Annotated[option.hint, values.OneOrMany(values.is_word)] if several else option.hint
 
 
 def _is_list(found: Any) -> bool:

@@ -50,7 +50,8 @@ class OneOrMany:
         return [value] if self._alone(value) else value
 
 
-def _word(value: Any) -> bool:
+def is_word(value: Any) -> bool:
+    """Whether a value is a text or a number, no list of them."""
     return isinstance(value, str | int | float) and not isinstance(value, bool)
 
 
@@ -92,7 +93,7 @@ def _pairs(value: Any) -> Any:
     if isinstance(value, Mapping):
         return [f"{key}={_joined(part)}" for key, part in value.items()]
     return (
-        [_joined(part) if isinstance(part, list) else part for part in ([value] if _word(value) else value)]
+        [_joined(part) if isinstance(part, list) else part for part in ([value] if is_word(value) else value)]
         if value
         else value
     )
@@ -175,10 +176,10 @@ def one_of(word: str, known: Collection[str]) -> str:
 Name = Annotated[str, Field(min_length=1)]
 # What stands in ${…}, and before = of --set.
 VariableName = Annotated[str, Field(pattern=r"^[^\s{}$='\"]+$")]
-Names = Annotated[tuple[Name, ...], OneOrMany(_word)]
+Names = Annotated[tuple[Name, ...], OneOrMany(is_word)]
 # Names of nodes, joints mostly: an option that has such values asks the rig for them.
 Node = Annotated[Name, AfterValidator(_node)]
-Nodes = Annotated[tuple[Annotated[Name, AfterValidator(_nodes)], ...], OneOrMany(_word)]
+Nodes = Annotated[tuple[Annotated[Name, AfterValidator(_nodes)], ...], OneOrMany(is_word)]
 Chains = Annotated[tuple[tuple[Node, Node], ...], OneOrMany(_row)]
 Limb = tuple[Node, Node, Node]
 Limbs = Annotated[tuple[Limb, ...], OneOrMany(_row)]
@@ -190,7 +191,7 @@ Number = Annotated[float, Strict(), AfterValidator(workable)]
 Above = Annotated[float, Strict(), Field(gt=0), AfterValidator(workable)]
 Tolerance = Annotated[float, Strict(), Field(ge=0), AfterValidator(_finite)]
 Share = Annotated[float, Strict(), Field(ge=0, lt=1)]
-Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(_word)]
+Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(is_word)]
 Point = Annotated[tuple[float, float, float], BeforeValidator(_numbers), WithJsonSchema(_TRIPLE)]
 Points = Annotated[tuple[Point, ...], OneOrMany(_row)]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(_TRIPLE)]

@@ -1,0 +1,120 @@
+"""What make-limb can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Annotated, Literal
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_points
+from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.declaration.kinds import Axis, EndKind, Names, Node, Nodes, Point, Vector
+from rigtri.operations.declaration.option import Kind, key_of, option, refuse
+from rigtri.operations.options.add_polevector import AddPolevectorOptions, PlacementOptions
+
+_PLACEMENT = ("method", "from_", "reach", "distance", "reach_of", "orientation")
+_AXES = ("aim", "up", "up_from")
+
+
+def _node_or_point(_flag: str, text: str) -> str | Vector:
+    """Coordinates as three numbers, anything else as the name of a node."""
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        return text
+    return x, y, z
+
+
+NodeOrPoint = Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)]
+
+
+@dataclass(frozen=True)
+class MakeLimbOptions(PlacementOptions):
+    """Make an oriented chain of joints and its pole vector from three locators or points.
+
+    locators: nodes that stand where the joints are to stand; or points: the places themselves, in
+    the world. end_aim: None gives the end joint the axes of the joint before. names: else NAME_1, NAME_2 …
+    with _L or _R of the side. skin: that of the parent, else one of their own.
+    """
+
+    locators: Nodes = option((), metavar="A B C", help="Nodes that stand where the joints shall.")
+    points: Annotated[tuple[Point, ...], Kind("points", "X,Y,Z X,Y,Z X,Y,Z")] = option(
+        (), help="The places themselves, in the world; without IN they make a new file."
+    )
+    planar: bool = option(False, help="More than three: lay the inner joints into the limb's plane.")
+    preset: str | None = option(None, choices=PRESETS, help="The axes of another program.")
+    aim: Axis | None = option(None, help="Axis that aims at the next joint. [x]")
+    up: Axis | None = option(None, help="Axis that goes up. [y]")
+    up_from: str | None = option(
+        None,
+        metavar="SOURCE",
+        help="plane (the hinge), pole (the side it bends to), world:AXIS or vector:X,Y,Z. [plane]",
+    )
+    end_aim: Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)] | None = (
+        option(None, help="What the end joint aims at; else it has the axes of the joint before.")
+    )
+    bend: Point | None = option(None, help="The side that points on a line bend to; for no others.")
+    name: str = option("limb", help="The limb's name; its joints are NAME_1 …")
+    side: Literal["left", "right"] | None = option(None, help="Put _L or _R behind the names.")
+    names: Names = option((), metavar="A B C", help="Names of the joints.")
+    parent: Node | None = option(
+        None, help="What the limb is a child of; where that is a joint, the limb joins its skins."
+    )
+    skin: bool = option(True, help="Make the joints joints of a skin.")
+    pole: bool = option(True, help="Add the limb's pole vector.")
+    as_: EndKind | None = option(
+        None, help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]"
+    )
+    pose: str = option(
+        "nodes", metavar="POSE", help="Where the locators are read: nodes (at rest), bind or CLIP@TIME."
+    )
+    pole_name: str | None = option(None, help="Name of the pole vector. [MIDDLE_pole]")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for a count that makes no limb, or options that contradict each other."""
+        super().check(given)
+        if not self.pole:
+            refuse(
+                given,
+                [*_PLACEMENT, "pole_name", "as_"],
+                "is for the pole vector, and --no-pole leaves it out",
+            )
+        if self.preset == "vrm" and any(getattr(self, name) is not None for name in _AXES):
+            flags = ", ".join(f"--{key_of(name)}" for name in _AXES)
+            raise UsageError(f"--preset vrm: its frames are parallel to the world; leave out {flags}")
+        if self.side not in (None, "left", "right"):
+            raise UsageError(f"--side {self.side}: give left or right")
+        if bool(self.locators) == bool(self.points):
+            raise UsageError("say where the joints stand: --locators A B C, or --points x,y,z x,y,z x,y,z")
+        self._check_count(len(self.locators or self.points))
+        refuse_points("--points", self.points)
+        refuse_points("--end-aim", [self.end_aim] if isinstance(self.end_aim, tuple) else [])
+        refuse_points("--bend", [self.bend] if self.bend is not None else [])
+        if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
+            raise UsageError("--pose says where locators stand; points stand where they are")
+        self.style.checked()
+
+    def _check_count(self, count: int) -> None:
+        what = "locators" if self.locators else "points"
+        if count < 3 or (count > 3 and not self.planar):
+            more = "; a longer chain needs --planar, which lays it into one plane" if count > 3 else ""
+            raise UsageError(f"a limb has three {what}, root, middle and end, and here are {count}{more}")
+        if len(set(self.locators)) < len(self.locators):
+            raise UsageError(f"--locators {' '.join(self.locators)}: one of them is named twice")
+        if self.names and len(self.names) != count:
+            raise UsageError(f"--names: {len(self.names)} names for {count} joints")
+
+    @cached_property
+    def style(self) -> AxisStyle:
+        """The axes of the joints."""
+        base = PRESETS[self.preset] if self.preset else AxisStyle()
+        own = {name: getattr(self, name) for name in _AXES if getattr(self, name) is not None}
+        return replace(base, **own)
+
+    @property
+    def placement(self) -> AddPolevectorOptions:
+        """How the pole vector is placed."""
+        place = {name: getattr(self, name) for name in _PLACEMENT}
+        return AddPolevectorOptions(**place, name=self.pole_name, as_=self.as_)

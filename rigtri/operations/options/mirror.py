@@ -1,0 +1,84 @@
+"""What mirror can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_unworkable
+from rigtri.operations.declaration.kinds import Nodes, Number
+from rigtri.operations.declaration.option import option
+
+if TYPE_CHECKING:
+    from rigtri.operations.joint_selection import Selection
+
+What = Literal["limbs", "joints", "controls", "polevectors", "twists", "constraints", "rivets", "posereaders"]
+# In the order in which they are mirrored: each may be about nodes of those before.
+WHAT: tuple[What, ...] = (
+    "limbs",
+    "joints",
+    "controls",
+    "polevectors",
+    "twists",
+    "constraints",
+    "rivets",
+    "posereaders",
+)
+
+
+@dataclass(frozen=True)
+class MirrorOptions:
+    """Give one side of a character what the other has: joint axes, and what rigtri has added.
+
+    plane_at: None is between most pairs of joints. across: that plane in the world, as
+    `rigtri.frames.mirror_plane` has found it for ``mirror``.
+    """
+
+    mode: Literal["behavior", "orientation", "blender"] = option(
+        "behavior",
+        help="What mirrored axes are: equal rotations mirror the motion, equal axes, or Blender's X mirror.",
+    )
+    from_side: Literal["left", "right"] = option("left", help="The side that is copied onto the other.")
+    plane: Literal["yz", "xz", "xy"] = option(
+        "yz", help="The plane between the sides, of the space that the joints are in."
+    )
+    plane_at: Number | None = option(
+        None,
+        help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
+    )
+    what: tuple[What, ...] = option((), help="Mirror only these; repeatable. [all]")
+    joints: Nodes = option((), help="Only these joints and their twins.")
+    below: Nodes = option((), metavar="NAME", help="Only this joint, all below, and their twins.")
+    exclude: Nodes = option((), help="Not these joints.")
+    pose: str | None = option(
+        None, metavar="POSE", help="The pose that tells axes: bind, nodes or CLIP@TIME.  [bind]"
+    )
+    on_nonuniform_scale: Literal["snap", "skip", "split", "error"] = option(
+        "snap",
+        help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
+        "a node of its own above it (USD: with --allow-rename), or stop.",
+    )
+    on_constraint: Literal["freeze", "error"] = option(
+        "freeze",
+        help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
+        "constraint allows or not at all, and say so; or stop.",
+    )
+    root: str | None = option(None, where="shared")
+    tolerance: Number = option(1e-5, where="shared")
+    across: Any = option(None, where="python")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for what cannot be mirrored."""
+        if not set(self.what) <= set(WHAT):
+            raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
+        refuse_unworkable("--plane-at", self.plane_at)
+
+    @cached_property
+    def selection(self) -> Selection:
+        """The joints, of either side, whose axes take part."""
+        from rigtri.operations.joint_selection import Selection
+
+        return Selection(joints=self.joints, below=self.below, exclude=self.exclude)
