@@ -1,9 +1,9 @@
-"""Rules by which nodes follow others, and what pose readers look for, told in turned frames.
+"""Constraints, twist joints and pose readers of rigtri, expressed in reoriented frames.
 
 With row matrices, C of the child, D of a driver and the parent's P: where ``world' = C·world``, an
 offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
-take the parent's turn off. What is told by the axes themselves (skipped channels, lengths of axes,
-turns in own axes) cannot always be told in others; `lost_rules` names it.
+take the parent's turn off. What the axes themselves define (skipped channels, lengths of axes,
+turns in own axes) cannot always be expressed in others; `lost_rules` names it.
 
 Source: derived from `rigtri.model.constraints`; docs/exactness.md.
 """
@@ -29,7 +29,7 @@ _REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "
 
 
 def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
-    """The notes of a rig, with its rules told in the frames that turn by ``delta``, (n, 4)."""
+    """The notes of a rig, with its constraints expressed in frames reoriented by ``delta``, (n, 4)."""
     notes = dict(rig.metadata)
     for node, rule in constraints_of(rig).items():
         if _touched(rig, rule, delta) and not _lost(rig, rule, delta):

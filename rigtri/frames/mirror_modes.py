@@ -1,4 +1,4 @@
-"""Pairs of nodes on the two sides of a character, and how one is the reflection of the other.
+"""Mirror modes: twins of the two sides of a character, and how their axes mirror each other.
 
 Rows of R are a frame's axes in the world, M is the reflection. ``behavior``: −R·M, equal rotations of a joint
 and its twin mirror the motion (Maya, Unreal, mGear). ``orientation``: R, equal rotations turn both

@@ -1,4 +1,4 @@
-"""The plane between the two sides of a character, in the space that its joints are written in.
+"""The mirror plane between the two sides of a character, in the space of its joints.
 
 That is the space of what holds the skeleton: a USD Skeleton prim, the node above the root joints of a
 glTF file. A character that is placed, turned or scaled by it keeps its plane.
@@ -27,7 +27,7 @@ _SAME_AXIS = 4e-6
 
 @dataclass(frozen=True)
 class Parting:
-    """A mirror plane: in the world, and where it is on the axis across it in the space that told it.
+    """A mirror plane: in the world, and where it is on the axis across it in the space in which it was found.
 
     own: the space is the character's, not the world. found: ``at`` was found, and is not 0.
     fits: most pairs of joints lie about it.

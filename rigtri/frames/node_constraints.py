@@ -1,4 +1,4 @@
-"""What node constraints ask of frames, and how they are told in turned frames.
+"""VRM node constraints in reoriented frames: what they require, and their new axes.
 
 A constraint keeps its meaning, for every motion and every weight, exactly when
 
@@ -66,7 +66,7 @@ def axis_straightened(constraint: NodeConstraint, delta: Floats, noise: float) -
 
 
 def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[NodeConstraint, ...]:
-    """The constraints of a rig, with their axes told in the turned frames."""
+    """The constraints of a rig, with their axes in the reoriented frames."""
     return tuple(
         replace(c, axis=np.rint(_seen(c, delta[c.node])) + 0.0) if (delta[c.node] != IDENTITY).any() else c
         for c in rig.node_constraints
@@ -74,7 +74,7 @@ def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[NodeConstraint, ...
 
 
 def constraints_from_metadata(rig: Rig) -> dict[int, str]:
-    """The nodes that follow a rule of rigtri's which is also told as a constraint, and of which kind.
+    """The nodes that follow a rule of rigtri's which is also stored as a VRM constraint, and of which kind.
 
     The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
     goes with the note.

@@ -1,4 +1,4 @@
-"""The scales of nodes at rest and at keys: which are not uniform, and which reorientations they allow.
+"""Scale tables: the scales of nodes at rest and at keys, and which reorientations they allow.
 
 Source: glTF 2.0 §3.5.3 forbids sheared nodes.
 """

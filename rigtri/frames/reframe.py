@@ -1,4 +1,4 @@
-"""New joint frames, and everything bound to them follows. The only place where frames change.
+"""Changing joint frames: bind matrices, children, clips and constraints follow. Only here do frames change.
 
 The change of frame C of a joint is a rotation seen in the joint's own old
 frame: a unit quaternion per node, identity where nothing turns. With row

@@ -1,4 +1,4 @@
-"""How large what is seen is: the measure of everything that moves.
+"""The size of a rig: the measure to which movements are compared.
 
 Bounds and shares are of the diagonal of the box of all points at rest.
 """

@@ -1,4 +1,4 @@
-"""What a file's numbers leave open: scales that are nearly uniform, rotations that are not unit.
+"""Tolerances: nearly uniform scales and nearly unit rotations that count as exact.
 
 A turn is exact for uniform scales and unit rotations. What falls short of that moves
 something, by a share of how far what hangs at the joint reaches; where that would be

@@ -1,4 +1,4 @@
-"""The joints of a rig as a tree of their own, and the pose in which their positions are taken."""
+"""The skeleton (joints as a tree of their own) and the reference pose of its positions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""add-controls: a tree of controls over chains of joints, one builder for all of them.
+"""add-controls: a hierarchy of FK and IK controls over joint chains.
 
 Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger": for each joint an
 offset at the joint's frame, the control under it with zero channels, the next offset

@@ -1,4 +1,4 @@
-"""add-polevector: a locator that says which way a limb bends.
+"""add-polevector: a pole vector for each limb, a locator on the side to which it bends.
 
 Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 "Using Vector Math to Rig an Arm" (ratio method, at the root, 5 units away).

@@ -1,4 +1,4 @@
-"""Where each joint aims: at its chain child, between several children, or by the end rule."""
+"""Aim targets: the child, the average of children, or the tip at which each joint aims."""
 
 from __future__ import annotations
 

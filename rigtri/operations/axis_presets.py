@@ -1,4 +1,4 @@
-"""The joint axes that other programs expect, as aim axis, up axis and the source of up.
+"""Axis presets of other programs: aim axis, up axis and the source of the up direction.
 
 The up axis carries the sign of the hinge n = AB × BC: ``-y`` with ``plane``
 means Y = −n.

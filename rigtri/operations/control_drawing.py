@@ -1,4 +1,4 @@
-"""Lines of controls: drawn where new, drawn anew where asked for, left where a user has edited them.
+"""Curves of controls: drawn when new, redrawn on request, left alone where a user has edited them.
 
 What was drawn is in the note: shape, size and colour. Lines of the file that are no longer those are
 a user's.

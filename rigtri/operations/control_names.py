@@ -1,4 +1,4 @@
-"""What controls are called: names that a user's rule gives, and that notes go on to know them by."""
+"""Names of controls: from a user's naming rule, and found again by their metadata."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which joints an operation turns, and why the others stay as they are."""
+"""Joint selection: which joints an operation edits, and why it skips the others."""
 
 from __future__ import annotations
 

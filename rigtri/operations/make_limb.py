@@ -1,4 +1,4 @@
-"""make-limb: points become an oriented chain of joints and its pole vector.
+"""make-limb: an oriented joint chain and its pole vector from points.
 
 Source: "Using Vector Math to Rig an Arm" (makeIkPlaneSetup): one plane normal for all joints of
 the limb, each aims at the next, the end has the axes of the one before.

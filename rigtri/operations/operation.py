@@ -1,4 +1,4 @@
-"""What all operations have in common for those who call them: options as an object or as keywords."""
+"""The `operation` decorator: calls with an options object or with keywords, and the report."""
 
 from __future__ import annotations
 

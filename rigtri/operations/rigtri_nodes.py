@@ -1,4 +1,4 @@
-"""What rigtri adds to a rig: nodes of its own, under one group, found again by their notes."""
+"""Nodes that rigtri adds to a rig: under one group, found again by their metadata."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""New joints of ours in skins: they move no point until somebody gives them weight."""
+"""Adding joints to skins: new joints have no weight, so no vertex moves."""
 
 from __future__ import annotations
 

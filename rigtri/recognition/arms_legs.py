@@ -1,4 +1,4 @@
-"""Arms and legs: what a map or names say, what the shape says, and how far the two agree."""
+"""Arms and legs: evidence of names and humanoid maps, of shape, and how far they agree."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _stand_by_names(draft: Draft, named: list[Found]) -> None:
 
 
 def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[Found]:
-    """Limbs of the shape with the sides they stand on, where that can be told."""
+    """Limbs of the shape with the sides they stand on, where that can be seen."""
     sure, why = _faces(draft, body, named)
     share = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
     return [
@@ -187,7 +187,7 @@ def _faces(draft: Draft, body: Body, named: bool) -> tuple[float, tuple[str, ...
     """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
     by_names = named and any(draft.facing) and any(draft.left)
     if by_names and draft.limbs_alone and body.form == "biped":
-        return 1.0, ()  # of limbs only front and hind legs are told apart by it
+        return 1.0, ()  # of limbs only front and hind legs differ by it
     plane = draft.shape.plane
     assert plane is not None
     ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses)

@@ -1,4 +1,4 @@
-"""Which way a limb bends: from its pose, its motion, its twin, or what its kind says.
+"""The bend plane of a limb: from its pose, its clips, its twin, or its kind and the facing direction.
 
 Half of all real limbs are straight at rest, and noise then looks like a bend
 plane. So every answer says where it came from, and there may be none.
@@ -46,7 +46,7 @@ class Bend:
     """The side a limb bends to.
 
     direction: unit vector, (3,), perpendicular to the chord AC. hinge: unit
-    normal n, (3,): a positive turn about it flexes. sine: of the bend that told
+    normal n, (3,): a positive turn about it flexes. sine: of the bend that shows
     it, which bounds its noise. All in the world of the pose in use.
     """
 

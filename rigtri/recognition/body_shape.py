@@ -1,4 +1,4 @@
-"""A body by its shape alone: which pairs of branches are legs and arms, of all ways to see it.
+"""Body shape: which pairs of branches are legs and arms.
 
 Every way to take one pair of branches for legs and another for arms, or none, is weighed by what bodies
 have in common: legs carry and are longest, arms begin higher in the tree, a head stands beyond them.

@@ -1,4 +1,4 @@
-"""A character on the way to being known: chains as they are found, and who has which joint."""
+"""The draft of a character: chains found so far, and to which each joint belongs."""
 
 from __future__ import annotations
 

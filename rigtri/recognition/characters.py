@@ -1,4 +1,4 @@
-"""Which joints belong to one character: skeletons of a file, apart or together."""
+"""Characters of a file: which joints belong to one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joints that hang at the root and belong to a limb all the same: the feet of flat IK rigs."""
+"""Detached limb ends: feet and hands of flat IK rigs that are children of the root."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks against an arm or leg that was found: such a limb is shown, and never acted upon."""
+"""Counter-evidence: why a found arm or leg is shown, but never edited."""
 
 from __future__ import annotations
 

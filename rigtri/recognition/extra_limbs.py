@@ -1,4 +1,4 @@
-"""Limbs beyond two arms and two legs, a hand alone, and why something is no character."""
+"""Limbs beyond two arms and two legs, single hands, and why a skeleton is not a character."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a body looks: what feet, knees, elbows, a head and the format say, weighed."""
+"""The facing direction of a character: weighed from feet, knees, elbows, head and the format."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What limbs end in: hands with fingers, feet with toes."""
+"""Hands with fingers and feet with toes."""
 
 from __future__ import annotations
 

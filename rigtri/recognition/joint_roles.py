@@ -1,4 +1,4 @@
-"""What each joint is for: bones of the body, twist joints, ends, helpers, attachments, controls."""
+"""Joint roles: deform, twist, end, helper, attachment, control."""
 
 from __future__ import annotations
 

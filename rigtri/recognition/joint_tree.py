@@ -1,4 +1,4 @@
-"""The joints of a rig as one tree: who follows whom, how long bones are, how far chains reach."""
+"""The joint tree: parents, bone lengths and chain lengths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was recognised in a rig: characters, their chains and joints, and the words that say why."""
+"""The layout, recognition's result: characters, chains and joints, each with its evidence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a chain of joints bends: shoulder, elbow and wrist among clavicles, twist joints and toes."""
+"""Limb bends: shoulder, elbow and wrist of a chain, between clavicles, twist joints and toes."""
 
 from __future__ import annotations
 

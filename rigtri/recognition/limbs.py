@@ -1,4 +1,4 @@
-"""Limbs: three joints, root, middle and end, that bend like an arm or a leg.
+"""Limbs: three joints, root, mid and end, that bend like an arm or a leg.
 
 A limb is given by name, or one of those that `rigtri.recognition` is sure of.
 """

@@ -1,4 +1,4 @@
-"""What the names of one character's joints say, read by the one scheme that makes most of them whole."""
+"""Reading the names of a character's joints by the naming scheme that explains most of them."""
 
 from __future__ import annotations
 

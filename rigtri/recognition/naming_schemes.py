@@ -1,4 +1,4 @@
-"""Naming schemes as data: which words of a name mean which bone, one small TOML file a scheme.
+"""Naming schemes: which words of a name mean which bone, one small TOML file for each scheme.
 
 A scheme has a ``title``; ``marks``, words that occur in its names alone; and two tables, ``middle`` and
 ``sides``, from bones of the VRM 1.0 humanoid (without ``left`` and ``right``) to the words that mean them:

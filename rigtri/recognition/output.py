@@ -1,4 +1,4 @@
-"""A layout as a table for people, and as JSON for programs: ``rigtri recognise``."""
+"""The layout as a table and as JSON, as ``rigtri recognise`` prints it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where joints stand: at rest, in the bind pose, and at some moments of the clips."""
+"""Sampled joint positions: at rest, in the bind pose, and at times of the clips."""
 
 from __future__ import annotations
 

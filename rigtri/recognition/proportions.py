@@ -1,4 +1,4 @@
-"""How a character is built, as far as its limbs tell: how wide its trunk is, which way it faces."""
+"""Body proportions from limbs alone: trunk width and facing direction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Look at a rig and say what it is: the whole way from joints to characters."""
+"""Recognising characters: from joints to a layout."""
 
 from __future__ import annotations
 

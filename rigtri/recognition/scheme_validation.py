@@ -1,4 +1,4 @@
-"""What is wrong with a naming scheme of one's own, in the words of its file; all of it at once."""
+"""Validating a user's naming scheme: all of its errors at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A character by its shape: the pose in which it is most even, its plane, and what its pairs may be."""
+"""A character by its shape: its most symmetric pose, its mirror plane, and candidates for its limbs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Branches that are alike, and the plane between left and right.
+"""Symmetric branches, and the plane between left and right.
 
-What is alike is told by lengths of bones, which no pose changes; only the plane is told by places.
+Symmetry is measured by lengths of bones, which no pose changes; only the plane is measured by positions.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The middle of a body: hips, spine, neck, head, and a tail."""
+"""The trunk: hips, spine, neck, head and tail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keys that let a twist joint follow its driver through a clip, between keys within a bound."""
+"""Baked keys of twist joints in clips: between keys they follow the driver within a bound."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""add-twist: joints along a bone that take a share of a twist each, so that skin does not wring.
+"""add-twist: twist joints along a bone, each with a share of the twist (avoids the candy-wrapper effect).
 
 Source: "Matrix parent constraint" (twist distribution, announced); `rigtri.evaluation.twist_joints`.
 """

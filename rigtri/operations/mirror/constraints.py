@@ -1,4 +1,4 @@
-"""Constraints of one side, made or brought up to date on the other; nothing moves."""
+"""Mirroring constraints: created or updated on the other side; nothing moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Controls and pole vectors of one side, made or brought up to date on the other."""
+"""Mirroring controls and pole vectors: created or updated on the other side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Limbs of make-limb and twist joints of one side, made or brought up to date on the other."""
+"""Mirroring limbs of make-limb and twist joints: created or updated on the other side."""
 
 from __future__ import annotations
 
@@ -248,7 +248,7 @@ def _twists(rig: Rig, nodes: list[int], bone: tuple[str, str], options: MirrorOp
 
 
 def _same_twist(rig: Rig, node: int, there: int | None, axis: tuple[float, float, float] | None) -> bool:
-    """Whether a twist joint is told already what its twin tells; ``axis``: the mirrored one."""
+    """Whether a twist joint already has what its twin has; ``axis``: the mirrored one."""
     expected = twin_note(rig, rig.metadata[node])
     if there is None or expected is None:
         return False

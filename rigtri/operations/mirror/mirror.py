@@ -1,4 +1,4 @@
-"""mirror: give one side of a character what the other side has: axes, and all that rigtri has built.
+"""mirror: joint axes and all that rigtri has built, from one side of a character to the other.
 
 Joints stay where they are: only their axes turn, and all that is bound to them follows.
 What rigtri has built on one side is built or brought up to date on the other.

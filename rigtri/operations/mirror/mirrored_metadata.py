@@ -1,6 +1,6 @@
-"""What the other side of a character is called, and where it is: for all that `mirror` does.
+"""Mirrored metadata: names, positions and records of the other side, for every part of `mirror`.
 
-Nodes of ours are told by their notes: the twin of a control is the control of the twin joint,
+Nodes that rigtri added are known by their metadata: the twin of a control is the control of the twin joint,
 whatever either is called.
 """
 
@@ -62,7 +62,7 @@ def other(rig: Rig, node: int, deep: int = 0) -> int | None:
 
 
 def joints_of(note: Mapping[str, Any]) -> list[str]:
-    """The nodes that a note is about, and that tell its side."""
+    """The nodes that a note is about, and that show its side."""
     if note.get("type") == "limb":
         return list(note.get("chain", ()))
     if note.get("type") == "poseReader":

@@ -1,4 +1,4 @@
-"""What the twins of pose readers are called: a joint may have several, so its own name is not enough."""
+"""Names of mirrored pose readers: a joint may have several, so its own name does not suffice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pose readers of one side, made or brought up to date on the other."""
+"""Mirroring pose readers: created or updated on the other side."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 def _twin_options(
     rig: Rig, node: int, note: Mapping[str, Any], name: str, options: MirrorOptions, report: Report
 ) -> AddPosereaderOptions | None:
-    """What add-posereader is to be told for the twin; None, and said so, where it cannot be."""
+    """The options of add-posereader for the twin; None, and reported, where there are none."""
     here = rig.known(note["driver"])
     there = None if here is None else other(rig, here)
     frames = _frames(rig, note)
@@ -131,7 +131,7 @@ Triples = tuple[tuple[str, str, str], ...]
 
 
 def _outputs(rig: Rig, node: int, note: Mapping[str, Any], report: Report) -> tuple[Triples, Triples]:
-    """The morph targets and attributes that the twin drives; what has no twin is told."""
+    """The morph targets and attributes that the twin drives; what has no twin is reported."""
     morphs, attributes = [], []
     for output in note["outputs"]:
         named = rig.known(output.get("mesh", output.get("control")))

@@ -1,4 +1,4 @@
-"""Rivets of one side, made or moved to the mirrored place of the mesh or of its twin."""
+"""Mirroring rivets: created or moved, at the mirrored position of the mesh or of its twin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the two sides of a rig are from being mirror images: places, axes, and what is missing."""
+"""Symmetry check: how far positions and axes of the two sides differ, and what is missing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bend planes of limbs and chains: the plane normal of each joint, and which chains are straight.
+"""Bend planes of limbs and chains: the plane normal of each joint, and which chains are straight.
 
 Source: "Rigging with Triangles" and "Using Vector Math to Rig an Arm" (hinge of the
 limb's own triple).

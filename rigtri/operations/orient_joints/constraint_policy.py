@@ -1,4 +1,4 @@
-"""What becomes of turns where node constraints compare the axes of joints.
+"""The policy for joints that node constraints compare: re-orient them alike, or not at all.
 
 Joints whose frames a constraint compares turn alike or not at all: they take the turn of
 the one that leads, a source before what it drives. A constraint that turns or aims

@@ -1,4 +1,4 @@
-"""Joint frames from elsewhere: another file's axes, stored changes, the mirrored other side."""
+"""Joint frames from a file: another rig's axes, saved frames; and the mirrored other side."""
 
 from __future__ import annotations
 

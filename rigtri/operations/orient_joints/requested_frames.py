@@ -1,4 +1,4 @@
-"""The reorientations that the options ask for, before scales and constraints have their part."""
+"""The reorientations that the options request, before the scale and constraint policies."""
 
 from __future__ import annotations
 

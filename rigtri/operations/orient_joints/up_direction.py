@@ -1,4 +1,4 @@
-"""Which way the up axis of each joint points: the stated source, else a ladder of fallbacks.
+"""Up directions: where the up axis of each joint points, by a stated source or a ladder of fallbacks.
 
 Steps: 1 the stated source, 2 the limb's own triple, 3 its hinge in clips or the
 other pose, 4 the other side, 5 side, name and facing, 6 an adjoining triple,
