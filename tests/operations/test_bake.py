@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from baked_files import keyed_file, rigged_file
 from baked_rigs import (
     BOUND,
     WHOLE,
@@ -45,7 +46,7 @@ from rigtri.report import Report
 @pytest.mark.parametrize("clip", ["walk", slow("wave")])
 def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
     rig = rigged()
-    home = bake(bake(rig, options=BakeOptions(to="controls")), options=BakeOptions())
+    home = bake(with_keyed_controls(), options=BakeOptions())
     assert apart(rig, home, clip, sampling.key_times(rig.clip(clip))) < BOUND
 
 
@@ -152,7 +153,7 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_a_control_that_was_moved_at_rest_is_told_of(suffix: str, tmp_path: Path) -> None:
     whole, turned, out, again = (tmp_path / f"{k}{suffix}" for k in ("whole", "turned", "out", "again"))
-    cli("add-controls", SAMPLES / f"biped{suffix}", "-o", whole, "--whole-character")
+    rigged_file(f"biped{suffix}", whole)
 
     def move(rig: Rig, report: Report) -> Rig:
         return moved(rig, rig.find("chest_ctl"), np.array([0.0, 0.125, 0.0]))
@@ -254,8 +255,8 @@ def test_a_file_without_controls_has_nothing_to_bake() -> None:
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
 def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
-    cli("add-controls", SAMPLES / name, "-o", steps[0], "--whole-character")
-    cli("bake", steps[0], "-o", steps[1], "--to", "controls", code=0)
+    rigged_file(name, steps[0])
+    keyed_file(name, steps[1])
     cli("bake", steps[1], "-o", steps[2], "--to", "joints", code=0)
     cli("bake", steps[2], "-o", steps[3], code=0)
     assert steps[2].read_bytes() == steps[3].read_bytes()
@@ -265,8 +266,8 @@ def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_pa
 
 def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_path: Path) -> None:
     whole, up, bare, out = (tmp_path / f"{k}.glb" for k in ("whole", "up", "bare", "out"))
-    cli("add-controls", SAMPLES / "biped.glb", "-o", whole, "--whole-character")
-    cli("bake", whole, "-o", up, "--to", "controls")
+    rigged_file("biped.glb", whole)
+    keyed_file("biped.glb", up)
     bare.write_bytes(up.read_bytes().replace(b'"rigtri"', b'"unknwn"'))
     cli("bake", bare, "-o", out, code=5)
     cli("bake", bare, "-o", out, "--rig", whole, code=0)

@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from baked_rigs import WHOLE, apart, size, stored
-from places import SAMPLES, slow
-from program import cli
+from baked_rigs import apart, rigged, size, stored, with_keyed_controls
+from places import slow
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
-from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.strip import strip
 
 # The bound, as a share of the size.
 NEAR = 1e-6
-
-
-def rigged(name: str = "biped.glb") -> Rig:
-    return stored(add_controls(read(SAMPLES / name).rig, options=WHOLE))
 
 
 def off(rig: Rig, clip: str) -> float:
@@ -76,8 +68,7 @@ def test_controls_below_a_constrained_joint_ride_on_it_where_something_looks_at_
 
 
 def test_the_offsets_of_a_limb_move_and_no_others() -> None:
-    rig = rigged()
-    up = bake(rig, options=BakeOptions(to="controls"))
+    up = with_keyed_controls()
     moved = {t.node for clip in up.clips for t in clip.tracks}
     offsets = {node for node, note in up.metadata.items() if note.get("type") == "offset"} & moved
     limbs = {j for note in up.metadata.values() if note.get("kind") == "ik" for j in note.get("chain", ())}
@@ -86,8 +77,7 @@ def test_the_offsets_of_a_limb_move_and_no_others() -> None:
 
 
 def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
-    rig = rigged()
-    up = bake(rig, options=BakeOptions(to="controls"))
+    rig, up = rigged(), with_keyed_controls()
     offsets = {node for node, note in up.metadata.items() if note.get("type") == "offset"}
     clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node not in offsets)) for c in up.clips)
     with_them, without = (
@@ -130,11 +120,3 @@ def test_strip_takes_the_keys_of_offsets_out_again() -> None:
     assert not [t for clip in bare.clips for t in clip.tracks if t.node in own]
     for a, b in zip(rig.clips, bare.clips, strict=True):
         assert len(a.tracks) == len(b.tracks)
-
-
-def test_a_second_run_to_controls_changes_no_byte(tmp_path: Path) -> None:
-    steps = [tmp_path / f"{k}.glb" for k in range(3)]
-    cli("add-controls", SAMPLES / "biped.glb", "-o", steps[0], "--whole-character")
-    cli("bake", steps[0], "-o", steps[1], "--to", "controls", code=0)
-    cli("bake", steps[1], "-o", steps[2], "--to", "controls", code=0)
-    assert steps[1].read_bytes() == steps[2].read_bytes()

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from baked_files import keyed_file, rigged_file
 from baked_rigs import control, rigged, size
 from engines import blender_edit
-from places import SAMPLES
 from program import cli
 from rigs import chain
 from taken_clips import split
@@ -207,8 +207,8 @@ def up(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The biped with its motion on its controls."""
     folder = tmp_path_factory.mktemp("joined")
     rig, up = folder / "rig.glb", folder / "up.glb"
-    cli("add-controls", SAMPLES / "biped.glb", "-o", rig, "--whole-character", code=0)
-    cli("bake", rig, "-o", up, "--to", "controls", code=0)
+    rigged_file("biped.glb", rig)
+    keyed_file("biped.glb", up)
     return up
 
 

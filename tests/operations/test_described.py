@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from baked_files import keyed_file, rigged_file
 from places import SAMPLES, slow
 from program import cli
 from pxr import Usd
@@ -28,10 +29,7 @@ from rigtri.report import Report
 
 def rigged(folder: Path, name: str) -> tuple[Path, Path]:
     """A rigged sample, and the same with its motion on its controls."""
-    rig, up = folder / f"rig-{name}", folder / f"up-{name}"
-    cli("add-controls", SAMPLES / name, "-o", rig, "--whole-character", code=0)
-    cli("bake", rig, "-o", up, "--to", "controls", code=0)
-    return rig, up
+    return rigged_file(name, folder / f"rig-{name}"), keyed_file(name, folder / f"up-{name}")
 
 
 def shown(source: Path, out: Path, defaults: bool = True) -> Path:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from baked_files import keyed_file, rigged_file
 from baked_rigs import animated, control, moved, rigged, size, stored, with_keyed_controls
 from places import SAMPLES, asset_files, slow
 from program import cli
@@ -305,8 +306,8 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
 
 def test_the_command_leaves_the_file_looking_the_same(tmp_path: Path) -> None:
     one, two, out = (tmp_path / f"{k}.glb" for k in range(3))
-    cli("add-controls", SAMPLES / "biped.glb", "-o", one, "--whole-character")
-    cli("bake", one, "-o", two, "--to", "controls")
+    rigged_file("biped.glb", one)
+    keyed_file("biped.glb", two)
     snapping = ("snap", two, "-o", out, "--all-limbs", "--to", "fk", "--at", "walk@0.5")
     posing = ("pose", two, "-o", tmp_path / "posed.glb", "--at", "walk@0.5")
     baking = ("bake", two, "-o", tmp_path / "baked.glb")

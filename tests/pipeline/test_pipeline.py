@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import SAMPLES, sample_files
+from places import FEW, SAMPLES, sample_files, slow
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
 from rigtri.files.staged_output import StagedOutput
@@ -44,7 +44,7 @@ def nudge(rig: Rig, report: Report) -> Rig:
     return replace(rig, translation=translation, matrix=matrix)
 
 
-FILES = [path for path in sample_files() if "arm." not in path.name]
+FILES = [path if path.name in FEW else slow(path) for path in sample_files() if "arm." not in path.name]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
@@ -63,16 +63,6 @@ def test_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
     edit(path, once, orient)
     edit(once, twice, orient)
     assert twice.read_bytes() == once.read_bytes()
-
-
-@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
-def test_the_same_input_gives_the_same_bytes(path: Path, tmp_path: Path) -> None:
-    outputs = []
-    for name in ("one", "two"):
-        (tmp_path / name).mkdir()
-        edit(path, tmp_path / name / path.name, orient)
-        outputs.append((tmp_path / name / path.name).read_bytes())
-    assert outputs[0] == outputs[1]
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)

@@ -1,0 +1,145 @@
+"""What holds for every operation, whatever it is: nothing moves, a second run changes nothing, and so on.
+
+An operation that is new needs an entry in `CASES`, and has its laws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from baked_files import keyed_file, rigged_file
+from places import SAMPLES, slow
+from program import cli
+
+from rigtri.formats import read
+from rigtri.pipeline.edit import edit
+from rigtri.pipeline.steps import STEPS
+from rigtri.verification.compare.compare import TOLERANCE, verify
+
+
+@dataclass(frozen=True)
+class Case:
+    """Options that a command can take with the character of the samples, and what they do to it."""
+
+    options: str
+    # What it is given: the sample, the sample with controls, or with controls that have its motion.
+    source: Callable[[str, Path], Path] = lambda name, out: SAMPLES / name
+    # Every pose looks as before.
+    keeps_looks: bool = True
+    # `strip` gives the source back.
+    strips: bool = True
+
+
+CASES = {
+    "orient-joints": Case("--preset maya", strips=False),
+    "make-limb": Case("--points 0,140,0 25,140,-5 50,140,-1 --name arm"),
+    "add-twist": Case("--limbs auto"),
+    "add-controls": Case("--whole-character"),
+    "add-polevector": Case("--limbs auto"),
+    "constrain": Case("--type orient --child hand_L --driver head=2 --driver hand_R"),
+    "add-rivet": Case("--mesh body --vertex 3 --name button"),
+    "add-posereader": Case("--driver forearm_L --target rest --target up=0,1,0"),
+    "mirror": Case("--from-side left", strips=False),
+    "take-clips": Case("--from {keyed}", source=rigged_file, strips=False),
+    "snap": Case("--to fk --at walk@0.5 --all-limbs", source=keyed_file, strips=False),
+    "bake": Case("--to controls", source=rigged_file, strips=False),
+    "pose": Case("--at walk@0.5", keeps_looks=False, strips=False),
+    "strip": Case("", source=rigged_file, strips=False),
+}
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a command makes of its source."""
+
+    command: str
+    words: tuple[str, ...]
+    source: Path
+    result: Path
+
+    def again(self, source: Path, folder: Path, *more: str) -> Path:
+        """Run the command once more, on another source or in another folder."""
+        out = folder / self.result.name
+        cli(self.command, source, "-o", out, *self.words, *more, "--no-verify", code=0)
+        return out
+
+
+def cases(holds: Callable[[Case], bool] = lambda case: True) -> Any:
+    """Each operation for which something holds, with each format of the sample."""
+    suffixes = [".glb", ".usda", slow(".gltf"), slow(".usdz")]
+    names = [name for name, case in CASES.items() if holds(case)]
+    return lambda test: pytest.mark.parametrize("suffix", suffixes)(
+        pytest.mark.parametrize("command", names)(test)
+    )
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("laws")
+
+
+@pytest.fixture
+def made(command: str, suffix: str, folder: Path) -> Made:
+    return _made(command, suffix, folder)
+
+
+@cache
+def _made(command: str, suffix: str, folder: Path) -> Made:
+    case, name, place = CASES[command], f"biped{suffix}", folder / f"{command}{suffix.replace('.', '_')}"
+    for part in ("source", "keyed", "result"):
+        (place / part).mkdir(parents=True)
+    source = case.source(name, place / "source" / f"character{suffix}")
+    keyed = keyed_file(name, place / "keyed" / f"keyed{suffix}") if "{keyed}" in case.options else None
+    words = tuple(case.options.format(keyed=keyed).split())
+    first = Made(command, words, source, place / "result" / f"out{suffix}")
+    first.again(source, first.result.parent)
+    return first
+
+
+@pytest.mark.parametrize("command", STEPS)
+def test_every_operation_has_a_case(command: str) -> None:
+    assert command in CASES, (
+        f"{command} has no laws: add an entry to CASES in tests/laws/test_operations.py, with options that "
+        "the command can take with samples/biped.glb and samples/biped.usda"
+    )
+
+
+@cases(lambda case: case.keeps_looks)
+def test_every_pose_looks_as_before(made: Made) -> None:
+    assert verify(read(made.source), read(made.result)).deviation <= TOLERANCE
+
+
+@cases()
+def test_a_second_run_changes_no_byte(made: Made, tmp_path: Path) -> None:
+    assert made.again(made.result, tmp_path).read_bytes() == made.result.read_bytes()
+
+
+@cases()
+def test_the_same_input_gives_the_same_bytes(made: Made, tmp_path: Path) -> None:
+    assert made.again(made.source, tmp_path).read_bytes() == made.result.read_bytes()
+
+
+@cases()
+def test_a_dry_run_writes_nothing(made: Made, tmp_path: Path) -> None:
+    before = made.source.read_bytes()
+    made.again(made.source, tmp_path, "--dry-run")
+    assert list(tmp_path.iterdir()) == []
+    assert made.source.read_bytes() == before
+
+
+@cases()
+def test_what_was_written_is_read_and_written_as_it_is(made: Made, tmp_path: Path) -> None:
+    edit(made.result, tmp_path / made.result.name, lambda rig, report: rig, verify=False)
+    assert (tmp_path / made.result.name).read_bytes() == made.result.read_bytes()
+
+
+@cases(lambda case: case.strips)
+def test_strip_gives_the_source_back(made: Made, tmp_path: Path) -> None:
+    bare = tmp_path / made.source.name
+    cli("strip", made.result, "-o", bare, "--no-verify", code=0)
+    assert bare.read_bytes() == made.source.read_bytes()
