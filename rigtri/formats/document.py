@@ -21,7 +21,7 @@ USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """How to read and write. Each field says which format it is for; the other ignores it.
+    """How to read and write. Each field names the format it is for; the other ignores it.
 
     lenient: repair what the format forbids where the meaning is clear (glTF).
     allow_external_paths: read what a file refers to outside its own folder (both).
@@ -77,7 +77,7 @@ class Document(Protocol):
         """What the reader noticed and could live with."""
 
     def meshes(self) -> Sequence[Mesh]:
-        """All that is drawn, for measuring; read when asked for."""
+        """All that is drawn, for measuring; read when it is called."""
 
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         """The same for bounding what joints move: of a very large mesh some points and boxes will do.
@@ -86,13 +86,13 @@ class Document(Protocol):
         """
 
     def scenery(self, *, closely: bool = False) -> Scenery:
-        """What the file shows that no pose tells, for comparing.
+        """What the file shows besides poses, for comparing.
 
         closely: also what costs reading: what materials, images and avatars are made of.
         """
 
     def embedded(self) -> Embedded:
-        """All that is to be carried along to show the file elsewhere."""
+        """All that it takes to show the file elsewhere."""
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files that what `write` writes will go on referring to, each with what it is, in words."""
@@ -101,7 +101,7 @@ class Document(Protocol):
         """Read what `write` wrote, as it will be seen: an override over its source."""
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
-        """Write the file as ``rig`` wants it to ``part``, which will be renamed to ``target``.
+        """Write the file as ``rig`` has it to ``part``, which will be renamed to ``target``.
 
         ``part`` lies in the folder of ``target``. What differs from the rig that was
         read is changed, all else is copied. Returns the files that must lie beside it.

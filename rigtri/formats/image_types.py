@@ -1,4 +1,4 @@
-"""Which images browsers show, told by how their bytes begin.
+"""Which images browsers show, known by how their bytes begin.
 
 Source: WHATWG MIME Sniffing Standard, "Matching an image type pattern"; AVIF 1.1 §6.3.
 """

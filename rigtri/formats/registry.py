@@ -11,7 +11,7 @@ from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadO
 
 
 def read(path: Path | str, options: ReadOptions | None = None) -> Document:
-    """Read a rig file; its suffix says the format. Raises FileError for anything unreadable."""
+    """Read a rig file of the format of its suffix. Raises FileError for anything unreadable."""
     path, options = Path(path), options or ReadOptions()
     suffix = path.suffix.lower()
     check_no_pointer(path)
@@ -58,7 +58,7 @@ def references(path: Path) -> list[str]:
 
 
 def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
-    """Write a file without anything in it, to build a rig in; its suffix says the format.
+    """Write a file without anything in it, to build a rig in, in the format of its suffix.
 
     up: Y or Z, unit: how many metres 1 is (both USD; glTF has y up and metres).
     UsageError for a suffix of no format that can be empty.
@@ -85,11 +85,11 @@ def output_suffixes(path: Path, options: ReadOptions) -> tuple[str, ...]:
         with path.open("rb") as file:
             start = file.read(12)
     except OSError:
-        return ()  # told when it is read
+        return ()  # reported when it is read
     if own in GLTF_SUFFIXES:
         if start.startswith(b"glTF") and len(start) == 12:
             return (".glb", ".vrm", ".vrma")
-        # What is neither is told when it is read.
+        # What is neither is reported when it is read.
         return (".gltf",) if start.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") else ()
     if own not in USD_SUFFIXES:
         return ()

@@ -1,4 +1,4 @@
-"""How much USD would compose of some layers, counted before it does: a small file can ask for any amount.
+"""How much USD would compose of some layers, counted before it does: a small file can make it any amount.
 
 Prims that come from the same places have the same prims below them, so each kind is counted
 once. Which opinion is the stronger is not looked at: arcs that another layer deletes count, prims that

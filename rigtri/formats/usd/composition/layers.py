@@ -27,9 +27,9 @@ def encoding_of(layer: Any) -> str:
 
 def copy_of(layer: Any) -> Any:
     """An anonymous layer with the same content, which no other stage sees."""
-    twin = Sdf.Layer.CreateAnonymous(".usda")
-    twin.TransferContent(layer)
-    return twin
+    copy = Sdf.Layer.CreateAnonymous(".usda")
+    copy.TransferContent(layer)
+    return copy
 
 
 def empty() -> Any:

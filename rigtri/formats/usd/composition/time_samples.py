@@ -101,14 +101,14 @@ def _wrong(attribute: Any, found: Samples) -> list[tuple[tuple[float, Any], tupl
     """Neighbouring samples between which the clips show something else than these samples would."""
     stage = Usd.Stage.CreateInMemory()
     stage.SetInterpolationType(attribute.GetStage().GetInterpolationType())
-    twin = stage.DefinePrim("/Twin").CreateAttribute("twin", attribute.GetTypeName())
+    straight = stage.DefinePrim("/Twin").CreateAttribute("twin", attribute.GetTypeName())
     for time, value in found:
-        twin.Set(Sdf.ValueBlock() if value is None else value, time)
+        straight.Set(Sdf.ValueBlock() if value is None else value, time)
     return [
         (one, other)
         for one, other in pairwise(found)
         if any(
-            not _same(attribute.Get(time), twin.Get(time))
+            not _same(attribute.Get(time), straight.Get(time))
             for time in (one[0] + share * (other[0] - one[0]) for share in _BETWEEN)
         )
     ]

@@ -61,9 +61,11 @@ class SkeletonVariants:
         self.states: list[VariantState] = []
         self.depends: dict[Any, set[VariantSet]] = {}
         self._authored: dict[VariantSet, str] = {}
-        watched = [path for path in (skeleton, animation) if path]
-        if any(_sets(stage.GetPrimAtPath(path)) for path in _prefixes(watched) if stage.GetPrimAtPath(path)):
-            self.stage = _bare_stage(stage, watched)
+        shown_prims = [path for path in (skeleton, animation) if path]
+        if any(
+            _sets(stage.GetPrimAtPath(path)) for path in _prefixes(shown_prims) if stage.GetPrimAtPath(path)
+        ):
+            self.stage = _bare_stage(stage, shown_prims)
             if explore:
                 self._find_dependencies(self._explore())
 
@@ -228,14 +230,14 @@ def _origin(attribute: Any) -> Any:
     return samples, default, str(source), tuple(times)
 
 
-def _bare_stage(stage: Any, watched: list[str]) -> Any:
+def _bare_stage(stage: Any, shown_prims: list[str]) -> Any:
     """A second stage of some prims and what is above them, with instances as plain prims."""
     session = Sdf.Layer.CreateAnonymous(".usda")
     session.TransferContent(stage.GetSessionLayer())
-    for path in _prefixes(watched):
+    for path in _prefixes(shown_prims):
         if (prim := stage.GetPrimAtPath(path)) and prim.IsInstance():
             Sdf.CreatePrimInLayer(session, path).instanceable = False
-    return Usd.Stage.OpenMasked(stage.GetRootLayer(), session, Usd.StagePopulationMask(watched))
+    return Usd.Stage.OpenMasked(stage.GetRootLayer(), session, Usd.StagePopulationMask(shown_prims))
 
 
 def _prefixes(paths: list[str]) -> list[Any]:

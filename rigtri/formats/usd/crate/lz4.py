@@ -41,7 +41,7 @@ def _block(packed: bytes, at: int, end: int, most: int) -> bytes:
             size, at = _length(packed, at + 2, end, token & 15)
             _repeat(out, back, size + _SHORTEST_MATCH, most)
         if len(out) > most:
-            raise ValueError("it is larger than it says")
+            raise ValueError("it is larger than it claims")
     return bytes(out)
 
 

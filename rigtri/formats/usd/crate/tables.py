@@ -115,7 +115,7 @@ class _Crate:
             raise ValueError("it claims more than it can hold")
         text = lz4.unpacked(bytes(packed), size)
         if len(text) != size:
-            raise ValueError("it is shorter than it says")
+            raise ValueError("it is shorter than it claims")
         if text.count(0) != count or (text and text[-1]):
             raise ValueError(f"it claims {count} tokens and has {text.count(0)}")
         return count
@@ -131,7 +131,7 @@ class _Crate:
         packed = self._slice(at + 8, self._number(at), end)
         values = lz4.unpacked(bytes(packed), 8 * count) if count else b""
         if len(values) != 8 * count:
-            raise ValueError("it has fewer values than it says")
+            raise ValueError("it has fewer values than it claims")
         crate_values.check(self.content, np.frombuffer(values, dtype="<u8"), self.version, tokens, strings)
         return count
 

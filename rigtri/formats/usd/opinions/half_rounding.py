@@ -18,13 +18,13 @@ def put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> No
     stored: (k, c), what the file has. Rotations that were meant to be unit become unit.
     """
     changed = (values != stored.astype(np.float64)).any(axis=1)
-    turns = values.shape[-1] == 4
-    if turns:
+    rotations = values.shape[-1] == 4
+    if rotations:
         size = norm(values)[:, np.newaxis]
         meant = np.abs(size - 1.0) < UNIT
         values = np.where(meant, values / np.where(meant, size, 1.0), values)
     into[changed, column] = values[changed].astype(into.dtype)
-    if turns:
+    if rotations:
         _keep_ways_round(into[:, column], stored.astype(np.float64), changed)
 
 

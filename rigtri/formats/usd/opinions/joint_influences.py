@@ -136,7 +136,7 @@ def _names(attribute: Any, tokens: set[str]) -> bool:
     kind, name = str(attribute.GetTypeName()), attribute.GetName()
     if kind not in ("token", "token[]", "string", "string[]") or name == ORDER or "rigtri" in name:
         return False
-    # A joint without one above has a plain name, which may say anything unless joints are spoken of.
+    # A root joint has a plain name, which may mean anything in attributes that are not about joints.
     plain = "joint" in name.lower()
     return any(word in tokens and (plain or "/" in word) for word in _words(attribute))
 

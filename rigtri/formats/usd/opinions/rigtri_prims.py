@@ -1,4 +1,4 @@
-"""Which prims are rigtri's own: those whose metadata say what they are."""
+"""Which prims are rigtri's own: those whose metadata have a type."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def _samples(track: Track | None) -> dict[float, Any]:
 def unit_rotations(rotations: Floats) -> Floats:
     """Rotations, (k, 4), that are unit; those that were keep their bits.
 
-    USD takes the angle from w alone: in a short turn, what float32 has rounded off a unit w is much.
+    USD takes the angle from w alone: in a small rotation, what float32 has rounded off a unit w is much.
     """
     off = np.abs(norm(rotations) - 1.0) > _ROUNDED
     return np.where(off[:, np.newaxis], unit(rotations), rotations)

@@ -124,18 +124,22 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
 
 
 def _check_shared(
-    source: Source, animation: Animation, ours: Mapping[str, str], other: Skeleton, theirs: Mapping[str, str]
+    source: Source,
+    animation: Animation,
+    holders: Mapping[str, str],
+    other: Skeleton,
+    other_holders: Mapping[str, str],
 ) -> None:
     """FileError where an animation drives two skeletons by joints that get different names."""
     for token in sorted(set(animation.tokens) & set(other.tokens)):
-        mine, their = split_token(token, ours), split_token(token, theirs)
-        if mine != their:
+        renamed, other_renamed = split_token(token, holders), split_token(token, other_holders)
+        if renamed != other_renamed:
             (spec, *_) = source.stage.GetPrimAtPath(animation.path).GetPrimStack()
             raise FileError(
                 f"Animation <{animation.path}> of layer {spec.layer.identifier} also drives the skeleton "
-                f"<{other.path}>, for which '{token}' would have to be called '{their}' in it, and for the "
-                f"other '{mine}'; a split makes no copies of animations. Give each skeleton an animation "
-                "of its own, or choose snap or skip."
+                f"<{other.path}>, for which '{token}' would have to be called '{other_renamed}' in it, and "
+                f"for the other '{renamed}'; a split makes no copies of animations. Give each skeleton an "
+                "animation of its own, or choose snap or skip."
             )
 
 

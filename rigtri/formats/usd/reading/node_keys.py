@@ -1,4 +1,4 @@
-"""Keys of nodes, skins and clips of a USD rig: tuples that say what of the stage each stands for."""
+"""Keys of nodes, skins and clips of a USD rig: tuples with what of the stage each stands for."""
 
 from __future__ import annotations
 

@@ -170,8 +170,8 @@ def read_transform(prim: Any, node: int, interpolation: Interpolation) -> Transf
     names = list(ops)
     if names != [name for name in _ORDER if name in ops]:
         return None
-    ours = [ops[name] for name in (PARENT_INVERSE, FRAME) if name in ops]
-    if any(op.GetNumTimeSamples() for op in ours):
+    constant = [ops[name] for name in (PARENT_INVERSE, FRAME) if name in ops]
+    if any(op.GetNumTimeSamples() for op in constant):
         return None
     outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
     rest, tracks = {}, []

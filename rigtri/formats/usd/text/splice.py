@@ -120,12 +120,14 @@ class _Splice:
         for text, item in ((self.source, mine), (self.before, was), (self.edited, now)):
             start, end = item.value or (0, 0)
             sides.append({sample.key: sample for sample in text.items((start + 1, end - 1), "samples")})
-        ours, old, new = sides
-        if not ours.keys() == old.keys() == new.keys():
+        sources, old, new = sides
+        if not sources.keys() == old.keys() == new.keys():
             return False
         for key, sample in new.items():
             if self.before.of(old[key].value) != self.edited.of(sample.value):
-                self.cuts.append((*_sure(ours[key].value), self._respelled(ours[key], old[key], sample)))
+                self.cuts.append(
+                    (*_sure(sources[key].value), self._respelled(sources[key], old[key], sample))
+                )
         return True
 
     def _respelled(self, mine: Item, was: Item, now: Item) -> bytes:
@@ -134,13 +136,13 @@ class _Splice:
         canonical, text = self.before.of(old), self.source.of(value)
         if text == canonical and b"\n" not in text:
             return self.edited.of(new)
-        ours, olds, news = self.source.atoms(value), self.before.atoms(old), self.edited.atoms(new)
+        sources, olds, news = self.source.atoms(value), self.before.atoms(old), self.edited.atoms(new)
         # USD sorts dictionaries, so positions mean nothing there.
-        if not len(ours) == len(olds) == len(news) or text[:1] == b"{":
+        if not len(sources) == len(olds) == len(news) or text[:1] == b"{":
             self._record_lost(mine)
             return self._edited_part(new, now, mine)
         parts, at = [], value[0]
-        for (start, end), before, after in zip(ours, olds, news, strict=True):
+        for (start, end), before, after in zip(sources, olds, news, strict=True):
             atom = self.edited.of(after)
             if self.before.of(before) != atom:
                 parts += [self.source.content[at:start], atom]
@@ -177,12 +179,12 @@ class _Splice:
         if depth <= _SHALLOW and before.of(spans[1]) == edited.of(spans[2]):
             return
         listed = list(self.source.items(spans[0], kind))
-        ours = {item.key: item for item in listed}
+        sources = {item.key: item for item in listed}
         olds = {item.key: item for item in before.items(spans[1], kind)}
         news = {item.key: item for item in edited.items(spans[2], kind)}
         added = []
         for key, item in news.items():
-            old, mine = olds.get(key), ours.get(key)
+            old, mine = olds.get(key), sources.get(key)
             if old is None:
                 added.append(item)
             elif mine is not None:
