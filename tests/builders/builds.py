@@ -103,7 +103,7 @@ def _rivet(rig: Rig, report: Report) -> Rig:
     for mesh in rig.meshes:
         surface = mesh.surface_now
         if surface is not None and len(surface.corners) and mesh.skin is not None:
-            wanted = rivet.AddRivetOptions(mesh=rig.address(mesh.node), triangles=(0,), names=("button",))
+            wanted = rivet.AddRivetOptions(mesh=rig.address(mesh.node), triangle=(0,), name=("button",))
             return rivet.add_rivet(rig, options=wanted, report=report)
     raise GeometryError("no mesh has a triangle")
 

@@ -47,9 +47,7 @@ def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
         driver=joint, axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", mesh, "bulge"),), name="reader"
     )
     rig = add_posereader(rig, options=reader, report=report)
-    return add_rivet(
-        rig, options=AddRivetOptions(mesh=mesh, triangles=(0,), names=("button",)), report=report
-    )
+    return add_rivet(rig, options=AddRivetOptions(mesh=mesh, triangle=(0,), name=("button",)), report=report)
 
 
 def turned(rig: Rig, joint: str) -> Rig:

@@ -56,7 +56,7 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
     parent = ConstrainOptions("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
     for rule in (aim, parent):
         rig = constrain(rig, options=rule, report=report)
-    rig = add_rivet(rig, options=AddRivetOptions("body", triangles=(310,), names=("badge_L",)), report=report)
+    rig = add_rivet(rig, options=AddRivetOptions("body", triangle=(310,), name=("badge_L",)), report=report)
     x, y, z = rig.world[rig.find("forearm_L"), 0, :3].tolist()
     reader = AddPosereaderOptions(
         driver="forearm_L",

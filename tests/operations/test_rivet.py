@@ -29,7 +29,7 @@ from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True)
-MIDDLE = AddRivetOptions(mesh="Skin", triangles=(0,), names=("button",))
+MIDDLE = AddRivetOptions(mesh="Skin", triangle=(0,), name=("button",))
 # Meshes whose faces are compressed, or whose only triangle has no area.
 UNUSABLE = {"gltfpack_cc_kn_godot_enemy.glb", "magnum_Assimp_skin-shared.gltf"}
 
@@ -93,7 +93,7 @@ def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path
             return
         leave_out(path, NOTHING_DRAWN)
     mesh, count = found
-    options = AddRivetOptions(mesh=mesh.name, triangles=(count // 2,), names=("one",))
+    options = AddRivetOptions(mesh=mesh.name, triangle=(count // 2,), name=("one",))
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
     report = riveted(path, once, options)
     size = max(float(np.ptp(mesh.points, axis=0).max()), 1e-30)
@@ -229,15 +229,15 @@ def test_faces_are_cut_into_triangles(
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        (AddRivetOptions(), UsageError, "which mesh"),
-        (AddRivetOptions(mesh="Skin"), UsageError, "where the rivet goes"),
+        (AddRivetOptions(""), UsageError, "name the mesh"),
+        (AddRivetOptions(mesh="Skin"), UsageError, "place of the rivet"),
         (replace(MIDDLE, mesh="Skim"), NameNotFoundError, "Did you mean 'Skin'"),
-        (replace(MIDDLE, triangles=(1,)), GeometryError, "has 1 triangles, 0 to 0"),
-        (replace(MIDDLE, triangles=(-1,)), GeometryError, "no triangle -1"),
+        (replace(MIDDLE, triangle=(1,)), GeometryError, "has 1 triangles, 0 to 0"),
+        (replace(MIDDLE, triangle=(-1,)), GeometryError, "no triangle -1"),
         (replace(MIDDLE, barycentric=((1.0, 1.0, 0.0),)), UsageError, "sum to 1"),
         (replace(MIDDLE, barycentric=((2.0, -1.0, 0.0),)), UsageError, "from 0 to 1"),
-        (AddRivetOptions(mesh="Skin", vertices=(3,)), GeometryError, "no vertex 3"),
-        (AddRivetOptions(mesh="Skin", vertices=(0, 1), names=("a", "a")), UsageError, "name of its own"),
+        (AddRivetOptions(mesh="Skin", vertex=(3,)), GeometryError, "no vertex 3"),
+        (AddRivetOptions(mesh="Skin", vertex=(0, 1), name=("a", "a")), UsageError, "name of its own"),
     ],
 )
 def test_what_holds_no_rivet_is_told(
@@ -262,7 +262,7 @@ def test_a_mesh_of_lines_or_without_area_holds_none(tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="no area"):
         add_rivet(rig, options=MIDDLE)
     with pytest.raises(GeometryError, match="in no triangle"):
-        add_rivet(rig, options=AddRivetOptions(mesh="Skin", vertices=(0,)))
+        add_rivet(rig, options=AddRivetOptions(mesh="Skin", vertex=(0,)))
 
 
 @pytest.mark.parametrize("name", ["in.glb", "in.usda"])

@@ -43,7 +43,7 @@ def off(path: Path) -> float:
 
 
 def riveted(rig: Rig, report: Report) -> Rig:
-    wanted = rivet.AddRivetOptions(mesh="Skin", triangles=(0,), names=("button",))
+    wanted = rivet.AddRivetOptions(mesh="Skin", triangle=(0,), name=("button",))
     return rivet.add_rivet(rig, options=wanted, report=report)
 
 
@@ -80,7 +80,7 @@ def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Pat
         pairs = [(rig.world[rig.find(a), 3, :3], rig.world[rig.find(b), 3, :3]) for a, b in bones]
         places = [(float(x), float(y), float(z)) for x, y, z in (0.5 * a + 0.5 * b for a, b in pairs)]
         names = tuple(f"watch {number}" for number in range(4))
-        wanted = rivet.AddRivetOptions(mesh="body", at=tuple(places), names=names)
+        wanted = rivet.AddRivetOptions(mesh="body", at=tuple(places), name=names)
         return rivet.add_rivet(rig, options=wanted, report=report)
 
     def shared(rig: Rig, report: Report) -> Rig:

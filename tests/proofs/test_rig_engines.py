@@ -58,7 +58,7 @@ def everything(rig: Rig, report: Report) -> Rig:
     ):
         rig = constrain(rig, options=rule, report=report)
     rig = add_rivet(
-        rig, options=AddRivetOptions(mesh="body", triangles=(100,), names=("button",)), report=report
+        rig, options=AddRivetOptions(mesh="body", triangle=(100,), name=("button",)), report=report
     )
     goals = (Goal("up", direction=(0.0, 1.0, 0.0)), Goal("down", direction=(0.0, -1.0, 0.0)))
     return add_posereader(

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.skinning import SkinnedPoints
@@ -22,7 +22,6 @@ from rigtri.evaluation.timelines import (
     timelines,
     times_and_jumps,
 )
-from rigtri.limits import refuse_points, refuse_unworkable
 from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import conjugate, from_axes, make_continuous, rotation_angle, slerp, to_axes
 from rigtri.maths.quaternions import multiply as product
@@ -34,6 +33,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
+from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
 from rigtri.operations.rigtri_nodes import add, find, group, noted, stand
 from rigtri.report import Report
 
@@ -43,58 +43,6 @@ ARM = 0.1
 STILL = 1e-8
 
 Point = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class AddRivetOptions:
-    """Where rivets go. Each of ``triangles``, ``at`` and ``vertices`` is one rivet.
-
-    mesh: the node that shows it, by name, path or label; ``NODE/1`` is its second primitive alone.
-    triangles: numbers, counted through the primitives of the node; polygons are fans from their first
-    corner. barycentric: one for each triangle, the middle where there is none. at: points of the
-    world at rest; the nearest point of the mesh is taken. vertices: point numbers of the first
-    primitive; the first triangle that has it holds the rivet. names: of the rivets, in the order
-    triangles, at, vertices; a single name is numbered. within: how far, as a share of the mesh's size,
-    what is tied to a rivet may be off between keys. fps: additional keys, so many a second.
-    """
-
-    mesh: str = ""
-    triangles: tuple[int, ...] = ()
-    barycentric: tuple[Point, ...] = ()
-    at: tuple[Point, ...] = ()
-    vertices: tuple[int, ...] = ()
-    names: tuple[str, ...] = ()
-    within: float = 1e-5
-    fps: float | None = None
-
-    @property
-    def count(self) -> int:
-        """How many rivets are asked for."""
-        return len(self.triangles) + len(self.at) + len(self.vertices)
-
-    def checked(self) -> AddRivetOptions:
-        """These options. UsageError where they say nothing, or what cannot be."""
-        if not self.mesh:
-            raise UsageError("name the mesh that holds the rivet: --mesh NAME")
-        if not self.count:
-            raise UsageError("give the place of the rivet: --triangle N, --at X,Y,Z or --vertex N")
-        if len(self.barycentric) > len(self.triangles):
-            raise UsageError(
-                f"there are {len(self.barycentric)} --barycentric and {len(self.triangles)} --triangle; "
-                "each belongs to one"
-            )
-        for weights in self.barycentric:
-            if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
-                raise UsageError(f"--barycentric {_listed(weights)}: three weights from 0 to 1 that sum to 1")
-        refuse_points("--at", self.at)
-        refuse_unworkable("--fps", self.fps)
-        if len(self.names) > 1 and len(self.names) != self.count:
-            raise UsageError(f"{len(self.names)} names for {self.count} rivets; give one for each, or one")
-        if len(set(self.names)) < len(self.names):
-            raise UsageError("each rivet needs a name of its own")
-        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
-            raise UsageError("--within and --fps are numbers above 0")
-        return self
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +66,6 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
 
     Raises NameNotFoundError, UsageError, GeometryError (no triangles, out of range, no area), FileError.
     """
-    options.checked()
     ground = _Ground(rig, meshes_named(rig, options.mesh), options.mesh)
     for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):
         rig = _Rivet(rig, name, seat, ground.size, options, report).built()
@@ -128,7 +75,7 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
 def options_of(note: Mapping[str, Any]) -> AddRivetOptions:
     """What a rivet's note says of how it was made; its place is left to the caller."""
     return AddRivetOptions(
-        mesh=note["mesh"], names=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
+        mesh=note["mesh"], name=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
     )
 
 
@@ -149,7 +96,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     ground = _Ground(rig, meshes, note["mesh"])
     seat = _Seat(meshes[number], number, rows, np.array(note["barycentric"]), ground.number(number, rows))
     report = report if report is not None else Report()
-    return _Rivet(rig, options.names[0], seat, ground.size, options, report, frozenset(clips)).built()
+    return _Rivet(rig, options.name[0], seat, ground.size, options, report, frozenset(clips)).built()
 
 
 def _listed(numbers: Sequence[float]) -> str:
@@ -157,9 +104,9 @@ def _listed(numbers: Sequence[float]) -> str:
 
 
 def _names(rig: Rig, options: AddRivetOptions, ground: _Ground) -> list[str]:
-    if len(options.names) == options.count:
-        return list(options.names)
-    base = options.names[0] if options.names else f"{rig.names[ground.meshes[0].node] or 'mesh'}_rivet"
+    if len(options.name) == options.count:
+        return list(options.name)
+    base = options.name[0] if options.name else f"{rig.names[ground.meshes[0].node] or 'mesh'}_rivet"
     return [base if k == 0 else f"{base}_{k + 1}" for k in range(options.count)]
 
 
@@ -194,11 +141,11 @@ class _Ground:
 
     def seats(self, options: AddRivetOptions) -> list[_Seat]:
         middle = (1.0 / 3, 1.0 / 3, 1.0 / 3)
-        given = [*options.barycentric, *[middle] * (len(options.triangles) - len(options.barycentric))]
+        given = [*options.barycentric, *[middle] * (len(options.triangle) - len(options.barycentric))]
         return [
-            *(self._of_triangle(n, w) for n, w in zip(options.triangles, given, strict=True)),
+            *(self._of_triangle(n, w) for n, w in zip(options.triangle, given, strict=True)),
             *map(self._nearest, options.at),
-            *map(self._of_vertex, options.vertices),
+            *map(self._of_vertex, options.vertex),
         ]
 
     def _of_triangle(self, number: int, weights: Point) -> _Seat:

@@ -86,8 +86,9 @@ Tolerance = Annotated[float, Kind("tolerance", low=0)]
 Share = Annotated[float, Kind("number", low=0, high=1, high_open=True)]
 Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
 Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]
+Points = Annotated[tuple[Vector, ...], Kind("points", "X,Y,Z", parse=point)]
+Integers = Annotated[tuple[int, ...], Kind("integers", "N")]
 Bends = Annotated[Mapping[str, Direction], Kind("of nodes", "JOINT=X,Y,Z", read=_bends)]
-
 ClipNames = Annotated[Mapping[str, str], Kind("assignments", "NAME=CLIP", read=_clip_names)]
 
 # Other files, which Python may have as rigs or values already. The last is edited outside: it may have a

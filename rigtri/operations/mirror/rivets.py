@@ -62,7 +62,7 @@ def _rivet(rig: Rig, node: int, note: Mapping[str, Any], options: MirrorOptions,
         options_of(note),
         mesh=rig.path(there) if rig.names[there] else rig.labels[there],
         at=((x, y, z),),
-        names=(name,),
+        name=(name,),
     )
     built_report = Report()
     try:

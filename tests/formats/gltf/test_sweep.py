@@ -45,7 +45,7 @@ def _reader(rig: Rig, report: Report) -> Rig:
 
 def _rivet(name: str) -> Step:
     def step(rig: Rig, report: Report) -> Rig:
-        wanted = rivet.AddRivetOptions(mesh="Skin", triangles=(0,), names=(name,))
+        wanted = rivet.AddRivetOptions(mesh="Skin", triangle=(0,), name=(name,))
         return rivet.add_rivet(rig, options=wanted, report=report)
 
     return step

@@ -16,17 +16,13 @@ from rigtri.pipeline.rigspec.models.values import (
     Driven,
     EndKind,
     Flag,
-    Integers,
     Joined,
     Limb,
     Limbs,
-    Name,
-    Names,
     Node,
     Nodes,
     Number,
     OfNodes,
-    Points,
     Share,
     Tolerance,
     Triples,
@@ -92,20 +88,6 @@ class Constrain(StepModel):
     up_object: Node | None = option("up-object", None)
     limb: Limb | None = None
     vrm: Flag = option("vrm-constraints", False)
-
-
-class AddRivet(StepModel):
-    """Tie locators to the surface of a mesh, through skinning and morphs, baked to keys."""
-
-    do: Literal["add-rivet"]
-    mesh: Name
-    triangles: Integers = option("triangle", ())
-    barycentric: Points = ()
-    at: Points = ()
-    vertices: Integers = option("vertex", ())
-    names: Names = option("name", ())
-    within: Tolerance = 1e-5
-    fps: Above | None = None
 
 
 def _targets(value: Any) -> Any:

@@ -42,6 +42,7 @@ _KINDS: dict[str, Any] = {
     "point": values.Point,
     "points": values.Points,
     "node or point": values.TextOrPoint,
+    "integers": values.Integers,
     "of nodes": values.OfNodes,
     "node to node": values.NodeToNode,
     "assignments": values.Assignments,

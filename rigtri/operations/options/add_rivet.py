@@ -1,0 +1,77 @@
+"""What add-rivet can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_points, refuse_unworkable
+from rigtri.operations.declaration.kinds import Above, Integers, Name, Names, Points, Tolerance
+from rigtri.operations.declaration.option import option
+
+
+@dataclass(frozen=True)
+class AddRivetOptions:
+    """Attach locators to the surface of a mesh, through skinning and morph targets, baked to keys.
+
+    Each of ``triangle``, ``at`` and ``vertex`` is one rivet; ``name`` has names in this order.
+    """
+
+    mesh: Name = option(
+        metavar="NODE",
+        help="The node that shows the mesh, by name, path or #index; NODE/1 is its second primitive alone.",
+    )
+    triangle: Integers = option(
+        (),
+        help="A rivet on this triangle, counted from 0 through the primitives of the node; a polygon of s "
+        "corners is s-2 triangles, a fan from its first corner. Repeatable.",
+    )
+    barycentric: Points = option(
+        (),
+        metavar="U,V,W",
+        help="Where on the triangle, as weights of its corners; one for each --triangle. [1/3,1/3,1/3]",
+    )
+    at: Points = option(
+        (), help="A rivet on the point of the mesh that is nearest to this position at rest. Repeatable."
+    )
+    vertex: Integers = option((), help="A rivet on this vertex of the first primitive. Repeatable.")
+    name: Names = option(
+        (),
+        help="Names of the rivets, in the order --triangle, --at, --vertex; a single one is numbered. "
+        "A rivet is found again by its name. [NODE_rivet]",
+    )
+    within: Tolerance = option(
+        1e-5,
+        help="How far what is attached to a rivet may be off between keys, as a share of the mesh's size.",
+    )
+    fps: Above | None = option(None, help="Additional keys, so many a second.")
+
+    @property
+    def count(self) -> int:
+        """How many rivets are requested."""
+        return len(self.triangle) + len(self.at) + len(self.vertex)
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError where no rivet is requested, and for what cannot be."""
+        if not self.mesh:
+            raise UsageError("name the mesh that holds the rivet: --mesh NAME")
+        if not self.count:
+            raise UsageError("give the place of the rivet: --triangle N, --at X,Y,Z or --vertex N")
+        if len(self.barycentric) > len(self.triangle):
+            raise UsageError(
+                f"there are {len(self.barycentric)} --barycentric and {len(self.triangle)} --triangle; "
+                "each belongs to one"
+            )
+        for weights in self.barycentric:
+            if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
+                words = ",".join(f"{w:g}" for w in weights)
+                raise UsageError(f"--barycentric {words}: three weights from 0 to 1 that sum to 1")
+        refuse_points("--at", self.at)
+        refuse_unworkable("--fps", self.fps)
+        if len(self.name) > 1 and len(self.name) != self.count:
+            raise UsageError(f"{len(self.name)} names for {self.count} rivets; give one for each, or one")
+        if len(set(self.name)) < len(self.name):
+            raise UsageError("each rivet needs a name of its own")
+        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
+            raise UsageError("--within and --fps are numbers above 0")
