@@ -10,8 +10,9 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.option import check, described
+from rigtri.operations.declaration.option import check, described, options_of
 from rigtri.operations.option_keywords import from_keywords, known
 from rigtri.report import Report
 
@@ -57,6 +58,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 given = None if options is not None else tuple(keywords)
                 if options is None:
                     options = from_keywords(kind, rig, keywords, function.__name__)
+                _check_rigs(options)
                 check(options, given)
                 keywords = {"options": options}
             report = report if report is not None else Report()
@@ -77,6 +79,15 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
         return called
 
     return decorated
+
+
+def _check_rigs(options: Any) -> None:
+    """UsageError where an option that is a rig has anything else; commands and specs have read it by now."""
+    for one in options_of(type(options)).values():
+        value = getattr(options, one.name)
+        a_rig = one.kind is not None and one.kind.name in ("rig file", "edited file")
+        if a_rig and value is not None and not isinstance(value, Rig):
+            raise UsageError(f"{one.name}={value!r}: give a rig")
 
 
 def _signature(function: Callable[..., Rig], kind: type | None) -> inspect.Signature:

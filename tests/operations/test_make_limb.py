@@ -380,4 +380,4 @@ def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
     assert_allclose(found["walk@0.5"], there[[rig.find(name) for name in names], 3, :3], atol=1e-9)
     assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01
     with pytest.raises(UsageError, match="--pose says where locators stand"):
-        MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind")
+        MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").check(())

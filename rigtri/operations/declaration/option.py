@@ -195,6 +195,9 @@ def check(options: Any, given: Collection[str] | None = None) -> None:
     if given is None:
         given = [name for name, one in declared.items() if getattr(options, name) != one.default]
     for name, one in declared.items():
+        value = getattr(options, name)
+        if one.choices and value is not None and value not in one.choices:
+            raise UsageError(f"{name}={value!r}: give one of {', '.join(map(repr, one.choices))}")
         for other in one.excludes if name in given else ():
             if other in given:
                 raise UsageError(f"give {one.flag} or {declared[other].flag}, not both")
