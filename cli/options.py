@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import click
 
 from . import failures
-from .values import Number, Tolerance, direction
+from .values import Tolerance, direction
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -121,87 +121,11 @@ def reading_options(command: F) -> F:
     return command
 
 
-def pole_options(command: F) -> F:
-    """Where the pole vector of a limb stands."""
-    for option in (
-        click.option(
-            "--method",
-            type=click.Choice(["perpendicular", "ratio"]),
-            default="perpendicular",
-            show_default=True,
-            help="Which point of the chord the direction starts at: nearest to the middle, or by lengths.",
-        ),
-        click.option(
-            "--from",
-            "from_",
-            type=click.Choice(["middle", "root", "foot"]),
-            default="middle",
-            show_default=True,
-            help="Where the distance is counted from; foot is that point of the chord.",
-        ),
-        click.option(
-            "--reach",
-            type=Number(min=0, min_open=True),
-            help="Distance as a multiple of the limb's length. [0.5]",
-        ),
-        click.option(
-            "--distance",
-            type=Number(min=0, min_open=True),
-            help="Distance in world units of the file.",
-        ),
-        click.option(
-            "--reach-of",
-            type=click.Choice(["limb", "chord"]),
-            default="limb",
-            show_default=True,
-            help="What --reach multiplies: both bones, or root to end.",
-        ),
-        click.option(
-            "--orientation",
-            type=click.Choice(["world", "limb", "aim"]),
-            default="world",
-            show_default=True,
-            help="The locator's axes: the world's, the limb's, or aiming at the middle joint.",
-        ),
-    ):
-        command = option(command)
-    return command
-
-
 allow_rename_option = click.Option(
     ["--allow-rename"],
     is_flag=True,
     help="USD: a split may rename joints, whose paths name all that is above them.",
 )
-
-
-def turn_options(command: F) -> F:
-    """What becomes of joints that may not turn freely."""
-    for option in (
-        click.option(
-            "--on-nonuniform-scale",
-            type=click.Choice(["snap", "skip", "split", "error"]),
-            default="snap",
-            show_default=True,
-            help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
-            "a node of its own above it (USD: with --allow-rename), or stop.",
-        ),
-        click.option(
-            "--allow-rename",
-            is_flag=True,
-            help="USD: a split may rename joints, whose paths name all that is above them.",
-        ),
-        click.option(
-            "--on-constraint",
-            type=click.Choice(["freeze", "error"]),
-            default="freeze",
-            show_default=True,
-            help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
-            "constraint allows or not at all, and say so; or stop.",
-        ),
-    ):
-        command = option(command)
-    return command
 
 
 scheme_option = click.option(
