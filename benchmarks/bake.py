@@ -130,8 +130,8 @@ def in_blender(joints: int, frames: int) -> float | None:
         return None
     command = [python, str(PEER), str(joints), str(frames)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    told = next(line for line in done.stdout.splitlines() if line.startswith("seconds "))
-    return float(told.split()[1])
+    text = next(line for line in done.stdout.splitlines() if line.startswith("seconds "))
+    return float(text.split()[1])
 
 
 def tables(frames: int) -> list[str]:
@@ -143,19 +143,19 @@ def tables(frames: int) -> list[str]:
     counts = ((50, frames // 4), (50, frames // 2), (50, frames), (50, 2 * frames), (100, frames))
     took = {counted: measured(*counted) for counted in counts}
     for (joints, count), one in took.items():
-        told = f"{one.solved:.2f} s | {one.keyed:.2f} s | + {one.thinned:.2f} s | {one.nodes}"
-        lines.append(f"| {joints} | {count} | {told} |")
+        text = f"{one.solved:.2f} s | {one.keyed:.2f} s | + {one.thinned:.2f} s | {one.nodes}"
+        lines.append(f"| {joints} | {count} | {text} |")
     peer = in_blender(50, frames)
     if peer is None:
         return [*lines, "", "Blender was left out: BPY_PYTHON names no Python."]
     one = took[50, frames]
-    told = (
+    text = (
         f"Blender's nla.bake of 50 bones: {1000 * peer / frames:.2f} ms a frame ({frames} frames), "
         f"{peer / one.keyed:.0f} times as long as solving with a key a frame here, which is what it does; "
         f"{peer / one.solved:.0f} times as long as solving, {peer / (one.keyed + one.thinned):.0f} times as "
         "long as solving, keying and thinning."
     )
-    return [*lines, "", told]
+    return [*lines, "", text]
 
 
 def main() -> None:

@@ -71,8 +71,8 @@ def throughput(source: Path, count: int, folder: Path, jobs: int) -> None:
         seconds = run(folder, source.suffix, *words, "--log", "log.jsonl")
         rates[name] = (count - 2) / max(seconds - start, 1e-9)
         print(f"| {name} | {rates[name]:.1f} | {seconds:.2f} | {start:.2f} |")
-        told = ", ".join(f"{stage} {value:.1f}" for stage, value in stages(folder).items())
-        print(f"| in the worker, ms a file | {told} | | |")
+        text = ", ".join(f"{stage} {value:.1f}" for stage, value in stages(folder).items())
+        print(f"| in the worker, ms a file | {text} | | |")
     start, again = (
         run(place, source.suffix, "-j", "1", "--no-verify", fresh=False) for place in (few, folder)
     )
@@ -120,8 +120,8 @@ def memory(count: int, source: Path, folder: Path) -> None:
                 early = _resident(process.pid)
             if number == count - 10:
                 late = _resident(process.pid)
-    told = f"{early / 1e6:.0f} MB in all processes after a tenth, {late / 1e6:.0f} MB at the end"
-    print(f"\n{count} files: {told}.")
+    text = f"{early / 1e6:.0f} MB in all processes after a tenth, {late / 1e6:.0f} MB at the end"
+    print(f"\n{count} files: {text}.")
 
 
 def _resident(process: int) -> int:

@@ -1,4 +1,4 @@
-"""Large glTF characters for measuring: as many joints, clips, points and filler bytes as asked for.
+"""Large glTF characters for measuring: as many joints, clips, points and filler bytes as requested.
 
 Points are real and skinned; filler stands for textures. Everything is written as a
 stream, and filler may be a hole in the file, so that a large file needs no memory

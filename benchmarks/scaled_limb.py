@@ -26,7 +26,7 @@ from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_j
 from rigtri.pipeline.edit import edit  # noqa: E402
 
 POLICIES = ("snap", "split")
-# What Blender is told: nothing; to aim bones while it imports; to aim them in edit mode.
+# What Blender is set to: nothing; to aim bones while it imports; to aim them in edit mode.
 BLENDER_RUNS = ("import and export only", "importer's bone direction 'Fortune'", "bones aimed in edit mode")
 BLENDER = """
 import bpy, sys

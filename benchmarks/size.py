@@ -167,8 +167,8 @@ def growth(folder: Path) -> list[str]:
         )
         if suffix == ".glb":
             others = peers(path, target)
-            said = [f"{k} {f'{c.seconds:.1f}' if c else f'over {LONGEST:.0f}'}" for k, c in others.items()]
-            beside.append(f"| {title} | {found[-1].seconds:.1f} | {', '.join(said)} |")
+            seconds = [f"{k} {f'{c.seconds:.1f}' if c else f'over {LONGEST:.0f}'}" for k, c in others.items()]
+            beside.append(f"| {title} | {found[-1].seconds:.1f} | {', '.join(seconds)} |")
         for times in (1, 2, 4):
             (folder / f"grow{times}{suffix}").unlink()
     return [*lines, *beside, ""]

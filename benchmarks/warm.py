@@ -128,8 +128,8 @@ class Workers:
             child.close()
 
 
-def told(*command: str | Path) -> Times:
-    """The times that a program says."""
+def printed(*command: str | Path) -> Times:
+    """The times that a program prints."""
     words = [str(word) for word in command]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     (line,) = (text for text in done.stdout.splitlines() if text.startswith("SECONDS"))
@@ -143,7 +143,7 @@ def transform(source: Path, folder: Path) -> Loop | None:
     if not place or not node:
         return None
     script = Path(__file__).with_name("rewrite.mjs")
-    return lambda count: told(node, script, place, source, folder / "transform.glb", str(count))
+    return lambda count: printed(node, script, place, source, folder / "transform.glb", str(count))
 
 
 def blender(source: Path, folder: Path) -> Loop | None:
@@ -154,29 +154,29 @@ def blender(source: Path, folder: Path) -> Loop | None:
     script = folder / "blender.py"
     script.write_text(BLENDER)
     # It takes as long for one as others for ten.
-    return lambda count: told(python, script, source, folder / "blender.glb", str(max(count // 10, 3)))
+    return lambda count: printed(python, script, source, folder / "blender.glb", str(max(count // 10, 3)))
 
 
 def measured(source: Path, folder: Path, count: int, rounds: int) -> list[str]:
-    """A table of all loops over one file, each the median of its rounds, and what was asked for."""
+    """A table of all loops over one file, each the median of its rounds, and the label of each."""
     one, two = (set(of_this_process()[:many]) for many in (1, 2))
-    wanted = {"rigtri, verified": (True, one), "rigtri, not verified": (False, one)}
+    variants = {"rigtri, verified": (True, one), "rigtri, not verified": (False, one)}
     if len(two) == 2:
-        wanted["rigtri, verified, two cores"] = True, two
+        variants["rigtri, verified, two cores"] = True, two
     peers = {
         "glTF-Transform: read, write": transform(source, folder),
         "Blender: import, aim, export": blender(source, folder),
     }
     loops: dict[str, Loop] = {}
     with ExitStack() as stack:
-        for name, (verify, cores) in wanted.items():
+        for name, (verify, cores) in variants.items():
             batch = Workers(source, folder / f"{len(loops)}", verify=verify, cores=cores)
             loops[name] = stack.enter_context(closing(batch))
         loops |= {name: loop for name, loop in peers.items() if loop is not None}
         times: dict[str, list[Times]] = {name: [] for name in loops}
         for _ in range(rounds):
             for name, loop in loops.items():
-                with kept_to(wanted[name][1] if name in wanted else one):
+                with kept_to(variants[name][1] if name in variants else one):
                     times[name].append(loop(count))
     base = min(used for _, used in times["rigtri, verified"])
     lines = [f"## Warm, one file after another: {source.name}, {source.stat().st_size / 1e6:.2f} MB", ""]

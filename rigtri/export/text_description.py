@@ -35,7 +35,7 @@ SAME_SCALE = 1e-4
 ZERO_LENGTH = 1e-6
 _DEGREES = 180.0 / np.pi
 _LETTERS = "xyz"
-# Deeper nodes say how deep they are instead of being indented: else a chain of n joints has n² dots. On a
+# Deeper nodes show how deep they are instead of being indented: else a chain of n joints has n² dots. On a
 # terminal the dots take no more than this share of it.
 _DEEPEST, _DOTTED = 60, 1 / 4
 # Columns of the tree that narrow terminals do without, the first of them first: the numbers of the
@@ -99,7 +99,7 @@ def as_json(rig: Rig) -> dict[str, Any]:
 
 
 class _Seen:
-    """What the description says about each node, computed once for all of them."""
+    """What the description shows of each node, computed once for all of them."""
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-# While a large file is written, the disk is asked to take what is there this often, in seconds.
+# While a large file is written, what is there is forced to disk this often, in seconds.
 PAUSE = 0.02
 
 
@@ -88,7 +88,7 @@ def fsync_while_writing(file: IO[bytes], *, large: bool) -> Iterator[None]:
 
 
 def _fsync_until(file: int, done: threading.Event) -> None:
-    with suppress(OSError):  # it comes again with the sync that counts, and is told then
+    with suppress(OSError):  # it comes again with the fsync that counts, and is raised then
         while not done.wait(PAUSE):
             os.fdatasync(file)
 
@@ -118,7 +118,7 @@ def resolve_link(path: Path) -> Path:
         return path
     try:
         return path.resolve()
-    except RuntimeError:  # what Python before 3.13 says to it
+    except RuntimeError:  # what Python before 3.13 raises
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP)) from None
 
 

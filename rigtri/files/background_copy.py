@@ -22,7 +22,7 @@ from rigtri.files.atomic_write import discard_stale, fsync_while_writing, same_f
 # Smaller files are copied in no time. A .gltf with embedded data would be read twice for nothing.
 FROM = 1 << 24
 LONGEST_JSON = 1 << 22
-# An interrupt is heard after so many bytes.
+# An interrupt is handled after so many bytes.
 STEP = 1 << 26
 
 
@@ -114,7 +114,7 @@ class _Copy:
         self._thread.start()
 
     def _run(self, file: Path) -> None:
-        with suppress(OSError):  # the one who needs the copy makes it again, and is told
+        with suppress(OSError):  # whoever needs the copy makes it again, and gets the error
             self._done = copy_file(file, self.part, self._stop)
 
     def complete(self) -> bool:

@@ -14,7 +14,7 @@ from rigtri.errors import RigtriError
 from rigtri.files import temp_dirs
 from rigtri.files.text_files import check_plain
 
-# The first bytes of a stream tell its format, and with it the suffix that `read` goes by.
+# The first bytes of a stream show its format, and with it the suffix that `read` goes by.
 _MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
 
 
@@ -33,7 +33,7 @@ def opened(source: Path | str) -> Iterator[Path]:
 
 @contextmanager
 def _on_disk(source: Path | str) -> Iterator[Path]:
-    """The source as it lies; standard input is spooled, its first bytes say the format."""
+    """The source as it lies; standard input is spooled, its first bytes show the format."""
     if str(source) != "-":
         yield check_plain(source)
         return

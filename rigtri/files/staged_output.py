@@ -104,7 +104,7 @@ class StagedOutput:
         self._syncing = thread
 
     def _fsync(self, part: IO[bytes]) -> None:
-        with part, suppress(OSError):  # it comes again before the rename, and is told then
+        with part, suppress(OSError):  # it comes again before the rename, and is raised then
             os.fsync(part.fileno())
             self._on_disk = True
 
@@ -136,7 +136,7 @@ class StagedOutput:
                 _put_back(backup, place)
             else:
                 place.unlink(missing_ok=True)
-        with suppress(OSError):  # the reason for undoing is told, not this
+        with suppress(OSError):  # the reason for undoing is raised, not this
             self.part.unlink(missing_ok=True)
 
 
@@ -196,7 +196,7 @@ def check_not_an_input(place: Path, needed: Sequence[tuple[Path, str]]) -> None:
 
 @contextmanager
 def as_file_error(path: Path) -> Iterator[None]:
-    """An error of the operating system, told with the file it concerns."""
+    """An error of the operating system, with the file it concerns."""
     try:
         yield
     except OSError as error:
@@ -211,7 +211,7 @@ def destination(path: Path) -> Path:
     """
     with as_file_error(path):
         place = resolve_link(path)
-        # Asked of the name itself: what a link in /proc says it leads to need be no name.
+        # The name itself is checked: what a link in /proc leads to need be no name.
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise UsageError(
                 f"{path} is a device or a pipe; give the name of a plain file "
@@ -227,7 +227,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a small file beside and rename it, as `destination` says; FileError when that fails."""
+    """Write a small file beside and rename it, at its `destination`; FileError when that fails."""
     path = destination(path)
     with as_file_error(path):
         discard_stale(path)

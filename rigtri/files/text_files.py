@@ -41,7 +41,7 @@ def check_no_pointer(path: Path) -> None:
             return
         content = path.read_bytes()
     except OSError:
-        return  # told when it is read
+        return  # reading it raises
     if content.startswith(_POINTER):
         raise FileError(f"{path} is a Git LFS pointer, not the file itself; fetch that with: git lfs pull")
 
@@ -56,7 +56,7 @@ def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
     except OSError as error:
         raise FileError(f"{name} cannot be read: {error.strerror}") from error
     if len(content) > most:
-        raise FileError(f"{name} has more than {most} bytes; it is not what is asked for")
+        raise FileError(f"{name} has more than {most} bytes; it is not what this option takes")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

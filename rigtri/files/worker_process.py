@@ -37,7 +37,7 @@ _PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "rigtri.fo
 # How many more objects there must be before rings of them are looked for, and how often that must have
 # been so before older ones are looked at, too.
 _RINGS = 20_000, 5, 10
-# What the loader of libraries says where there is no memory for them.
+# The messages of the loader of libraries where there is no memory for them.
 _NO_ROOM = ("failed to map segment", "Cannot allocate memory", "cannot allocate memory")
 # So often, seconds apart, a process is started before that is given up: its server may have been killed.
 _STARTS, _BETWEEN = 5, 0.1
@@ -45,14 +45,14 @@ _STARTS, _BETWEEN = 5, 0.1
 _LONGEST = 70
 
 _NO_MEMORY = "there is not enough memory for this file"
-# How a child ends that has no memory left to say so.
+# How a child ends that has no memory left to report that.
 _EXHAUSTED = 125
 # M_TRIM_THRESHOLD, M_TOP_PAD and M_MMAP_THRESHOLD of mallopt(3), bytes each.
 _KEPT = (-1, 1 << 26), (-2, 1 << 22), (-3, 1 << 24)
 
 
 class CrashError(FileError):
-    """A file on which the process died, hung or ran out of memory: ``kind`` says which of them."""
+    """A file on which the process died, hung or ran out of memory: ``kind`` is which of them."""
 
     kind = "crash"
 
@@ -66,7 +66,7 @@ class WorkerProcess:
     """A child process that does tasks in turn. Not for several threads at once; have one for each.
 
     seconds: how long a task may take. memory: how many bytes a child may take beyond
-    what it has when it starts; only where /proc tells that (Linux). None: as it likes, or
+    what it has when it starts; only where /proc shows that (Linux). None: as it likes, or
     as much as this process where it is such a child itself. A child ends with its parent.
     """
 
@@ -121,7 +121,7 @@ class WorkerProcess:
         return result
 
     def _answer(self, name: str, pipe: Connection, on_event: Callable[[Any], None]) -> tuple[str, Any]:
-        """What the child says at the end of its task; meanwhile ``on_event`` gets its events."""
+        """What the child answers at the end of its task; meanwhile ``on_event`` gets its events."""
         end = None if self._seconds is None else time.monotonic() + self._seconds
         while pipe.poll(None if end is None else max(end - time.monotonic(), 0.0)):
             kind, value = pipe.recv()
@@ -161,7 +161,7 @@ class WorkerProcess:
     def _started(self) -> Connection:
         if self._pipe is None:
             self._process, self._pipe = self._start()
-            with contextlib.suppress(EOFError, ConnectionError):  # told with the task that it does not take
+            with contextlib.suppress(EOFError, ConnectionError):  # raised with the task that it does not take
                 self._pipe.recv()  # it is ready: the time of a task does not begin with imports
         return self._pipe
 
@@ -178,8 +178,8 @@ class WorkerProcess:
             except (EOFError, OSError) as error:  # the next time the server is started anew
                 mine.close()
                 if number == _STARTS - 1:
-                    said = str(error) or type(error).__name__
-                    raise FileError(f"no process can be started to work on files ({said})") from error
+                    reason = str(error) or type(error).__name__
+                    raise FileError(f"no process can be started to work on files ({reason})") from error
                 time.sleep(_BETWEEN)  # a server that was killed just now is not seen to be dead at once
             else:
                 return process, mine
@@ -230,11 +230,11 @@ def _rebuilt(kind: type[RigtriError], arguments: tuple[Any, ...]) -> RigtriError
 
 @contextlib.contextmanager
 def _sigint_blocked() -> Iterator[None]:
-    """What is started meanwhile does not hear of interrupts, from its first moment on; they are for us.
+    """What is started meanwhile never gets an interrupt; they are for us.
 
     Not on Windows.
     """
-    # What multiprocessing says of its tracker when that was killed is nothing that a user could act upon.
+    # The warning of multiprocessing when its tracker was killed is nothing that a user could act upon.
     warnings.filterwarnings("ignore", "resource_tracker: process died unexpectedly", UserWarning)
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -260,7 +260,7 @@ def _keep_sockets(place: str) -> None:
 def _serve(pipe: Connection, memory: int | None, place: str) -> None:
     """The life of a child: tasks until the pipe closes. place: for its temporary files."""
     adopt(place)
-    # The parent hears of an interrupt, and then ends us.
+    # The parent handles an interrupt, and then ends us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # For the parent we are a daemon, which it ends at its exit; a task may have children of its own.
     multiprocessing.current_process().daemon = False
@@ -293,7 +293,7 @@ def _serve(pipe: Connection, memory: int | None, place: str) -> None:
 
 @contextlib.contextmanager
 def _ending_without_memory() -> Iterator[None]:
-    """End this process where it has not even the memory to tell that, without a traceback."""
+    """End this process where it has not even the memory to report that, without a traceback."""
     try:
         yield
     except Exception as error:
@@ -305,7 +305,7 @@ def _ending_without_memory() -> Iterator[None]:
 def _keep_memory() -> None:
     """Let freed memory stay with this process, up to a limit: the next file needs it again, and to take it
     from the system page by page costs as much as the sums that are done in it. Only where the C library
-    can be told so (glibc).
+    can be set so (glibc).
     """
     import ctypes
 
@@ -315,7 +315,7 @@ def _keep_memory() -> None:
 
 
 def of_memory(error: BaseException) -> bool:
-    """Whether an error says, in the words of some library or system, that there is no memory left."""
+    """Whether an error of some library or system means that there is no memory left."""
     return (
         isinstance(error, MemoryError)
         or (isinstance(error, OSError) and error.errno == errno.ENOMEM)
@@ -341,5 +341,5 @@ def _limit(memory: int) -> None:
 
     pages = int(statm.read_text().split()[0])
     _, most = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = pages * resource.getpagesize() + memory
-    resource.setrlimit(resource.RLIMIT_AS, (wanted if most < 0 else min(wanted, most), most))
+    limit = pages * resource.getpagesize() + memory
+    resource.setrlimit(resource.RLIMIT_AS, (limit if most < 0 else min(limit, most), most))

@@ -21,7 +21,7 @@ from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
 
 
 def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
-    """The rig in a file; its suffix says the format. It knows its file, so that `write` can write it.
+    """The rig in a file; its suffix names the format. It knows its file, so that `write` can write it.
 
     Its arrays are read-only: an edit is a new rig with arrays of its own (`dataclasses.replace`).
     Raises FileError for anything unreadable, NameNotFoundError for a root that is not there.
@@ -33,10 +33,10 @@ def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
 
 def known(document: Document, path: Path, options: ReadOptions, content: bytes | None = None) -> Rig:
     """The rig of a document that was read from ``path``, or from ``content``, able to be written."""
-    told = Report()
-    told.extend(document.warnings)
+    report = Report()
+    report.extend(document.warnings)
     _protect(document.rig)
-    return replace(document.rig, source=Origin(path, document, options, told, content))
+    return replace(document.rig, source=Origin(path, document, options, report, content))
 
 
 def _protect(rig: Rig) -> None:
@@ -71,14 +71,14 @@ def write(
 
     ``target`` appears complete or not at all, with the bytes that a command for the same operation writes.
     Everything is as in `edit.edit`, and so are the errors; UsageError for a rig that no `read`
-    has read. The report of the outcome has what all operations have told.
+    has read. The report of the outcome has what all operations have reported.
     """
     origin = rig.source
     if not isinstance(origin, Origin):
         raise UsageError("this rig was not read by rigtri.read; there is no file to write it back into")
 
     def step(first: Rig, report: Report) -> Rig:
-        report.merge(origin.told)
+        report.merge(origin.report)
         same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "source")
         return first if same else replace(rig, source=None)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Origin:
-    """The file as it was read, how it was read, and what operations have told of the rig since.
+    """The file as it was read, how it was read, and what operations have reported about the rig since.
 
     content: what was read, where no file at ``path`` has it. The document does not know this: a rig
     that its own document held would keep the file open in a ring.
@@ -23,12 +23,12 @@ class Origin:
     path: Path
     document: Document
     reading: ReadOptions
-    told: Report
+    report: Report
     content: bytes | None = None
 
     def after(self, report: Report) -> Origin:
         """This origin for a rig to which something more was done; other rigs of the file keep theirs."""
-        told = Report()
-        told.merge(self.told)
-        told.merge(report)
-        return replace(self, told=told)
+        merged = Report()
+        merged.merge(self.report)
+        merged.merge(report)
+        return replace(self, report=merged)

@@ -91,7 +91,7 @@ def test_a_joint_is_crooked_where_no_axis_lies_along_its_bone_and_straight_after
     rig = chain((0, 0, 0), (0, 1, 0), (3, 5, 0), (7, 2, 0))
     before = of_kind(seen(rig), "joint")
     assert [mark.crooked for mark in before] == [False, True, True, False]
-    assert "36.9° off the bone" in before[1].told
+    assert "36.9° off the bone" in before[1].description
     after = of_kind(seen(orient_joints(rig)), "joint")
     assert not any(mark.crooked for mark in after)
 

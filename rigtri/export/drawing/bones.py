@@ -1,6 +1,6 @@
 """The bones of a skeleton as it stands: how long those of each joint are, and whether its axes fit them.
 
-Pictures and pages take them from here, so that both say the same. All joints are worked out at once.
+Pictures and pages take them from here, so that both show the same. All joints are worked out at once.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Bones:
         return found
 
     def aimed(self, joint: int) -> Miss | None:
-        """The miss of a joint whose axes are there for a bone: a root's say how the whole stands."""
+        """The miss of a joint whose axes are there for a bone: a root's show how the whole stands."""
         aims = self.tree.above[joint] >= 0 and self.tree.rig.is_joint[joint]
         return self.misses.get(joint) if aims else None
 

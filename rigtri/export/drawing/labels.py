@@ -11,9 +11,9 @@ import numpy as np
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 
-# Names that are longer end in …; the whole name is told when the pointer is over the joint.
+# Names that are longer end in …; the whole name is shown when the pointer is over the joint.
 LONGEST = 36
-# Cells of the grid that says where there is room, in pixels; letters as a share of the size of their font.
+# Cells of the grid that shows where there is room, in pixels; letters as a share of the size of their font.
 _CELL, _LETTER, _WIDE = 3.0, 0.56, 1.05
 # How far a name may be from its joint, in pixels, and where: right and down.
 _AWAY = (3.0, 12.0, 26.0)
@@ -25,7 +25,7 @@ _NEAR_FIRST = [(away, x, y) for away in _AWAY for x, y in _WAYS]
 class Placed:
     """A name on the sheet. x, y: where its line begins, or ends where ``left`` of its joint; both in pixels.
 
-    far: so far from its joint, at ``from_``, that a line between the two is wanted.
+    far: so far from its joint, at ``from_``, that a line between the two is drawn.
     """
 
     text: str
@@ -61,12 +61,12 @@ def fitted(text: str, font: float, wide: float, least: float = 8.0) -> tuple[str
 
 
 def labels(
-    asked: Sequence[tuple[str, Floats, float]],
+    requests: Sequence[tuple[str, Floats, float]],
     busy: Sequence[Floats],
     box: tuple[float, float, float, float],
     font: float,
 ) -> list[Placed]:
-    """Names that have room, the first asked first. asked: name, place (2,) and radius of what is named.
+    """Names that have room, the first requested first. requests: name, place (2,) and radius of each.
 
     busy: lines, (2, 2), that names lie over only where there is no other room near. box: left, top,
     width and height of the room that there is.
@@ -82,13 +82,13 @@ def labels(
         rows = slice(int((y - top) / _CELL), int((y + h - top) / _CELL) + 1)
         return rows, slice(int((x - left) / _CELL), int((x + w - left) / _CELL) + 1)
 
-    for _, place, radius in asked:
+    for _, place, radius in requests:
         dot = cells(place[0] - radius, place[1] - radius, 2 * radius, 2 * radius)
         if dot is not None:
             taken[dot] = True
 
     found = []
-    for name, place, radius in asked:
+    for name, place, radius in requests:
         text = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
         size = width(text, font), 1.1 * font
         # Outwards first: there is more room than in the middle.

@@ -101,8 +101,8 @@ def draw(
     parts: list[str] = []
     for number_of, (side, window) in enumerate(zip(sides, windows, strict=True)):
         parts += _panel(side, window, options, number_of)
-    told = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
-    return sheet([*parts, *gizmo(view, 40.0, high - 40.0)], wide, high, told)
+    description = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
+    return sheet([*parts, *gizmo(view, 40.0, high - 40.0)], wide, high, description)
 
 
 @np.errstate(all="ignore")
@@ -137,7 +137,7 @@ def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
 
 
 def crooked(scene: Scene) -> str:
-    """How many joints have no axis along their bone; "" where nothing can be said."""
+    """How many joints have no axis along their bone; "" where nothing is known."""
     missed = [miss.degrees for joint in scene.joints if (miss := scene.bones.aimed(joint)) is not None]
     off = [degrees for degrees in missed if degrees > AIMED]
     if not missed:

@@ -1,6 +1,6 @@
 """What there is to see of a rig, before anybody looks: lines, arrows, triangles and names in space.
 
-A mark says what it is, not how it looks: colours and widths belong to whoever draws it.
+A mark is what it shows, not how it looks: colours and widths belong to whoever draws it.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ class Mark:
     """One thing to be seen. points: (k, 3), in the world, in file units; an arrow and a bone have two.
 
     node: the address of the node it belongs to, "" where there is none. name: what to call it in the
-    picture. told: what to say about it. size: how large it is, in file units: a dot's radius, an arrow's
-    length. color: linear RGB where the file says one. crooked: a joint none of whose axes points along
-    its bone.
+    picture. description: what a tooltip shows. size: how large it is, in file units: a dot's radius, an
+    arrow's length. color: linear RGB where the file has one. crooked: a joint none of whose axes points
+    along its bone.
     """
 
     form: Form
@@ -50,7 +50,7 @@ class Mark:
     points: Floats
     node: str = ""
     name: str = ""
-    told: str = ""
+    description: str = ""
     size: float = 0.0
     closed: bool = False
     color: tuple[float, ...] | None = None
@@ -64,9 +64,9 @@ class Mark:
     def as_json(self) -> dict[str, Any]:
         """The same for machines; what is empty is left out."""
         found: dict[str, Any] = {"form": self.form, "kind": self.kind, "points": self.points.tolist()}
-        for word in ("node", "name", "told", "size", "closed", "crooked"):
+        for word in ("node", "name", "description", "size", "closed", "crooked"):
             if getattr(self, word):
-                found[word] = getattr(self, word)
+                found["told" if word == "description" else word] = getattr(self, word)
         if self.color is not None:
             found["color"] = list(self.color)
         return found

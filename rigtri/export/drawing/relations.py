@@ -27,9 +27,9 @@ def follows(rig: Rig) -> Iterator[tuple[str, int, int]]:
         if constraint.kind != "length" and constraint.source != constraint.node:
             yield constraint.kind, constraint.source, constraint.node
     for note in rig.metadata.values():
-        said = note.get("drivers") if note.get("type") == "constraint" else None
+        drivers = note.get("drivers") if note.get("type") == "constraint" else None
         child = rig.known(note.get("child"))
-        for name in said if isinstance(said, list) and child is not None else ():
+        for name in drivers if isinstance(drivers, list) and child is not None else ():
             driver = rig.known(name)
             if driver is not None and child is not None and driver != child:
                 yield str(note["kind"]), driver, child

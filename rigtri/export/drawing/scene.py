@@ -122,9 +122,9 @@ def _joint(scene: Scene, joint: int, name: str, axes: Floats, arrows: float) -> 
     """The dot of a joint and the arrows of its axes, (3, 3); an axis without direction has none."""
     rig, place, bones = scene.rig, scene.places[joint], scene.bones
     known, address = bool(rig.is_joint[joint]) or not rig.is_joint.any(), rig.address(joint)
-    told, reach, size = rig.title(joint), bones.reach(joint), bones.size
+    text, reach, size = rig.title(joint), bones.reach(joint), bones.size
     if (miss := bones.misses.get(joint)) is not None:
-        told += f": {miss.axis} is {miss.degrees:.1f}° off the bone to {rig.title(miss.child)}"
+        text += f": {miss.axis} is {miss.degrees:.1f}° off the bone to {rig.title(miss.child)}"
     long = min(arrows * reach, _LONG * size)
     for letter, axis in zip(_LETTERS, axes, strict=True):
         if arrows > 0 and np.isfinite(axis).all():
@@ -132,7 +132,7 @@ def _joint(scene: Scene, joint: int, name: str, axes: Floats, arrows: float) -> 
     dot = _DOT * min(reach, _LONG * size / 0.35)
     kind: Literal["joint", "node"] = "joint" if known else "node"
     crooked = bones.crooked(joint)
-    yield Mark("dot", kind, place[np.newaxis], address, name, told, dot, crooked=crooked)
+    yield Mark("dot", kind, place[np.newaxis], address, name, text, dot, crooked=crooked)
 
 
 def _bones(scene: Scene) -> Iterator[Mark]:
@@ -147,7 +147,7 @@ def _bones(scene: Scene) -> Iterator[Mark]:
 
 
 def _limbs(scene: Scene) -> Iterator[Mark]:
-    """The triangles of the limbs that names or pole vectors tell of."""
+    """The triangles of the limbs that names or pole vectors describe."""
     rig, seen = scene.rig, set(scene.joints)
     for (root, middle, end), pole in limbs(rig).items():
         if middle in seen:
@@ -164,8 +164,8 @@ def _located(scene: Scene, middle: int, pole: int) -> Iterator[Mark]:
     far = float(length(ends[1] - ends[0]))
     name = scene.rig.names[pole] or scene.rig.labels[pole]
     yield Mark("arrow", "pole", ends, address, size=far)
-    told = f"pole vector {scene.rig.title(pole)}"
-    yield Mark("dot", "locator", ends[1:], address, name, told, size=_DOT * min(far, scene.size() * _LONG))
+    text = f"pole vector {scene.rig.title(pole)}"
+    yield Mark("dot", "locator", ends[1:], address, name, text, size=_DOT * min(far, scene.size() * _LONG))
 
 
 def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
@@ -180,8 +180,8 @@ def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mar
     along = normalise(c - a) * corner
     square = np.stack([foot + along, foot + along + side * corner, foot + side * corner])
     yield Mark("line", "square", square, node)
-    told = f"projection of the middle joint on the chord; the limb bends by {_bend(a, b, c)}"
-    yield Mark("dot", "foot", foot[np.newaxis], node, told=told, size=0.2 * corner)
+    text = f"projection of the middle joint on the chord; the limb bends by {_bend(a, b, c)}"
+    yield Mark("dot", "foot", foot[np.newaxis], node, description=text, size=0.2 * corner)
 
 
 def pole_arrow(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
@@ -201,10 +201,10 @@ def _controls(scene: Scene) -> Iterator[Mark]:
         drawn = rig.pending.shapes.get(node) or rig.content.read_lines(rig.keys[node])
         if drawn is None:
             continue
-        told = f"{rig.metadata.get(node, {}).get('type', 'shape')} {rig.title(node)}"
+        text = f"{rig.metadata.get(node, {}).get('type', 'shape')} {rig.title(node)}"
         for strip in strips(transform_points(drawn.segments, scene.world[node])):
             color = tuple(map(float, drawn.color))
-            yield Mark("line", "control", strip, rig.address(node), told=told, color=color)
+            yield Mark("line", "control", strip, rig.address(node), description=text, color=color)
 
 
 def strips(segments: Floats) -> Iterator[Floats]:
@@ -223,5 +223,5 @@ def _follows(scene: Scene) -> Iterator[Mark]:
     """A line from what a node follows to the node, of the file's constraints and of ours."""
     rig = scene.rig
     for kind, source, node in follows(rig) if scene.all else ():
-        told = f"{rig.title(node)} follows {rig.title(source)} ({kind})"
-        yield Mark("line", "follows", scene.places[[source, node]], rig.address(node), told=told)
+        text = f"{rig.title(node)} follows {rig.title(source)} ({kind})"
+        yield Mark("line", "follows", scene.places[[source, node]], rig.address(node), description=text)

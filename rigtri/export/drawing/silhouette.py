@@ -51,7 +51,7 @@ def patches(scene: Scene, timeline: Timeline | None, time: float) -> list[Patch]
         points = _placed(mesh, scene, sampling.morph_weights(mesh, clip, np.array([time]))[0])
         try:
             faces = triangles(mesh)
-        except FileError:  # the points still say where the mesh is
+        except FileError:  # the points still show where the mesh is
             faces = np.zeros((0, 3), dtype=np.int64)
         fine = np.asarray(np.isfinite(points).all(axis=1))
         if not len(faces):

@@ -51,13 +51,13 @@ def panel(
     for kind in _LAYERS:
         alike = [mark for mark in marks if mark.kind == kind]
         alike.sort(key=lambda m: float(window.view.depth(m.points[0] + m.points[-1])))
-        parts += [_titled(_shown(mark, seen), mark.told) for mark in alike]
+        parts += [_titled(_shown(mark, seen), mark.description) for mark in alike]
     parts += _joints(marks, seen)
     named = [mark for mark in marks if mark.form == "dot" and mark.name] if font else []
     named.sort(key=lambda mark: (not mark.crooked, -mark.size))
-    asked = [(shown(m.name), seen.places(m)[0], _radius(m, window) + 1.0) for m in named]
+    requests = [(shown(m.name), seen.places(m)[0], _radius(m, window) + 1.0) for m in named]
     busy = [seen.places(mark) for mark in marks if mark.form == "arrow"]
-    placed = labels(asked, busy, (window.left, window.top, window.wide, window.high), font)
+    placed = labels(requests, busy, (window.left, window.top, window.wide, window.high), font)
     for label in placed:
         if label.far:
             (x, y), end = label.from_, (label.x, label.y - 0.35 * font)
@@ -114,7 +114,7 @@ def _joints(marks: Sequence[Mark], seen: _Seen) -> list[str]:
     for group in sorted(groups.values(), key=near):
         order = sorted(group, key=lambda mark: (mark.form == "dot", seen.ahead(mark)))
         shapes = "".join(_shown(mark, seen) for mark in order)
-        parts.append(f"<g>{_title(' / '.join(m.told for m in group if m.told))}{shapes}</g>")
+        parts.append(f"<g>{_title(' / '.join(m.description for m in group if m.description))}{shapes}</g>")
     return parts
 
 
@@ -184,20 +184,20 @@ def _path(strips: Iterable[Floats], kind: str, *, closed: bool = True, more: str
     return f'<path class="{kind}"{more} d="{"".join(ways)}"/>'
 
 
-def _titled(element: str, told: str) -> str:
-    return f"<g>{_title(told)}{element}</g>" if told else element
+def _titled(element: str, description: str) -> str:
+    return f"<g>{_title(description)}{element}</g>" if description else element
 
 
-def _title(told: str) -> str:
-    return f"<title>{escape(shown(told))}</title>" if told else ""
+def _title(description: str) -> str:
+    return f"<title>{escape(shown(description))}</title>" if description else ""
 
 
-def sheet(parts: Sequence[str], wide: int, high: int, told: str) -> str:
-    """A whole SVG document of elements. told: what it shows, for those who cannot see it."""
+def sheet(parts: Sequence[str], wide: int, high: int, description: str) -> str:
+    """A whole SVG document of elements. description: what it shows, for those who cannot see it."""
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}" height="{high}" '
-            f'viewBox="0 0 {wide} {high}" role="img" aria-label={quoteattr(shown(told))}>',
+            f'viewBox="0 0 {wide} {high}" role="img" aria-label={quoteattr(shown(description))}>',
             f"<style>\n{css()}\n</style>",
             f'<rect class="paper" width="{wide}" height="{high}"/>',
             *parts,

@@ -21,7 +21,7 @@ from rigtri.recognition.proportions import forward
 
 Named = Literal["front", "back", "side", "top", "three-quarter"]
 NAMED: tuple[Named, ...] = get_args(Named)
-# Directions less than this sine apart are one: nothing tells then which way is up.
+# Directions less than this sine apart are one: nothing shows then which way is up.
 _PARALLEL = 1e-6
 # An arrow is seen head on where this share of it, or less, is; a letter is one of ten, and so sooner.
 HEAD_ON, _HEAD_ON_LETTER = 0.35, 0.6
@@ -76,10 +76,10 @@ class View:
         return _ARROWS[(1 if x > 0 else 3) if y > 0 else (7 if x > 0 else 5)]
 
 
-def view_of(rig: Rig, asked: str = "front") -> View:
+def view_of(rig: Rig, name: str = "front") -> View:
     """A character from one of `NAMED`, or from the direction ``x,y,z`` of the file's world.
 
-    Up is the format's. The front is where its limbs say that it faces, else where its format
+    Up is the format's. The front is where its limbs face, else where its format
     prescribes; the side is its left one. UsageError for anything else.
     """
     up = np.asarray(rig.rules.up, dtype=np.float64)
@@ -92,7 +92,7 @@ def view_of(rig: Rig, asked: str = "front") -> View:
         "top": up,
         "three-quarter": ahead + 0.7 * left + 0.35 * up,
     }
-    return View.along(eyes[asked] if asked in eyes else direction(asked), up, -ahead)
+    return View.along(eyes[name] if name in eyes else direction(name), up, -ahead)
 
 
 def direction(text: str) -> Floats:

@@ -39,7 +39,7 @@ _SQUARED = (1e-70, 1e70)
 class Step:
     """One line. slide: where the talk has it. talk, ours: what it is called there and here; value: numbers.
 
-    why: what the numbers say, or why there are none.
+    why: what the numbers show, or why there are none.
     """
 
     slide: str
@@ -84,7 +84,7 @@ def explain(
 ) -> Explanation:
     """The vectors and the triangle of three points, (3,) each, in file units, step by step.
 
-    Points that are equal or lie on one line have steps without value, and ``trouble`` says why.
+    Points that are equal or lie on one line have steps without value, and ``trouble`` is why.
     GeometryError for points that are no numbers.
 
     >>> found = explain([0, 0, 0], [3, 4, 0], [6, 0, 0])

@@ -64,9 +64,9 @@ def _marks(found: Explanation) -> Iterator[Mark]:
 
 
 def _dot(node: str, name: str, point: Floats, long: float) -> Mark:
-    told = f"{name} ({', '.join(f'{x + 0.0:.6g}' for x in point.tolist())})"
+    description = f"{name} ({', '.join(f'{x + 0.0:.6g}' for x in point.tolist())})"
     kind: Kind = "locator" if node == "pole" else "joint"
-    return Mark("dot", kind, point[np.newaxis], node, name, told, size=_DOT * long)
+    return Mark("dot", kind, point[np.newaxis], node, name, description, size=_DOT * long)
 
 
 def _across(found: Explanation) -> View:

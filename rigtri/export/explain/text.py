@@ -13,7 +13,7 @@ def text(found: Explanation, *, width: int = 120) -> str:
     """The explanation in lines of up to ``width`` characters where that can be, without a newline at its end.
 
     A heading is the title of the slide; below it, each line has the talk's notation, rigtri's, the
-    numbers, and what they say.
+    numbers, and what they mean.
     """
     lines = []
     for letter, name, point in zip("ABC", found.names, found.points, strict=True):

@@ -29,7 +29,7 @@ MEGABYTE = 1_000_000
 
 @dataclass(frozen=True)
 class Shown:
-    """A file in the page: what it is called, what `facts` says of it, what it consists of."""
+    """A file in the page: what it is called, its `facts`, what it consists of."""
 
     name: str
     facts: Mapping[str, Any]
@@ -54,8 +54,13 @@ def page(
     carried = _Carried()
     models = [carried.model(one) for one in shown]
     title = plain(" ← ".join(one.name for one in shown), one_line=True)
-    told = {"title": title, "models": models, "start": {"clip": clip, "time": time}, "notices": list(notices)}
-    facts = f'<script type="application/json" id="facts">{_json(told)}</script>'
+    content = {
+        "title": title,
+        "models": models,
+        "start": {"clip": clip, "time": time},
+        "notices": list(notices),
+    }
+    facts = f'<script type="application/json" id="facts">{_json(content)}</script>'
     decoders = {name for one in shown for name in one.embedded.decoders}
     # The decoder of meshopt is so small that it is in the page's own script.
     scripts = [*([_text("page.draco.js")] if "draco" in decoders else []), _text("page.js")]
@@ -118,9 +123,9 @@ def _hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
 
 
-def _json(told: object) -> str:
+def _json(facts: object) -> str:
     """JSON that can end no element and begin no comment."""
-    text = json.dumps(told, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
+    text = json.dumps(facts, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 

@@ -68,18 +68,18 @@ def clip_names(rig: Rig) -> list[dict[str, str]]:
 
 
 def _nodes(rig: Rig) -> list[int]:
-    """The nodes to tell of, parents first: all of them where none is a joint."""
+    """The nodes to list, parents first: all of them where none is a joint."""
     if not rig.is_joint.any():
         return list(range(len(rig)))
-    wanted = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.metadata)
-    wanted |= {track.node for track in _prim_tracks(rig)} | {node for pair in _followed(rig) for node in pair}
-    wanted |= {node for joints, pole in limbs(rig).items() for node in (*joints, pole)} - {-1}
-    for node in sorted(wanted, reverse=True):
+    listed = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.metadata)
+    listed |= {track.node for track in _prim_tracks(rig)} | {node for pair in _followed(rig) for node in pair}
+    listed |= {node for joints, pole in limbs(rig).items() for node in (*joints, pole)} - {-1}
+    for node in sorted(listed, reverse=True):
         above = int(rig.parents[node])
-        while above >= 0 and above not in wanted:
-            wanted.add(above)
+        while above >= 0 and above not in listed:
+            listed.add(above)
             above = int(rig.parents[above])
-    return sorted(wanted)
+    return sorted(listed)
 
 
 def _paths(rig: Rig, nodes: list[int]) -> dict[int, str]:
@@ -93,7 +93,7 @@ def _paths(rig: Rig, nodes: list[int]) -> dict[int, str]:
 
 
 def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str) -> dict[str, Any]:
-    told: dict[str, Any] = {
+    entry: dict[str, Any] = {
         "name": shown_name(rig.names[node]) or rig.labels[node],
         "path": path,
         "parent": place.get(int(rig.parents[node]), -1),
@@ -101,22 +101,22 @@ def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str)
         "joint": bool(rig.is_joint[node]),
     }
     if kind := _kind(rig, node):
-        told["note"] = kind
+        entry["note"] = kind
     if isinstance(rig.keys[node], tuple):
-        told["local"] = _numbers(rig.local[node])
-    return told
+        entry["local"] = _numbers(rig.local[node])
+    return entry
 
 
 def _bone(bones: Bones, node: int, place: dict[int, int]) -> dict[str, Any]:
     """What hangs on what, and how a joint's axes lie beside its bone."""
     rig = bones.tree.rig
     alone = -1 if rig.is_joint.any() else int(rig.parents[node])
-    told: dict[str, Any] = {"above": place.get(bones.tree.above.get(node, alone), -1)}
+    entry: dict[str, Any] = {"above": place.get(bones.tree.above.get(node, alone), -1)}
     miss = bones.misses.get(node) if rig.is_joint[node] else None
     if miss is not None:
-        told["aim"] = {"off": miss.degrees, "axis": miss.axis, "child": place[miss.child]}
-        told["crooked"] = bones.crooked(node)
-    return told
+        entry["aim"] = {"off": miss.degrees, "axis": miss.axis, "child": place[miss.child]}
+        entry["crooked"] = bones.crooked(node)
+    return entry
 
 
 def _keys(rig: Rig, nodes: list[int]) -> dict[int, int | str]:
@@ -155,7 +155,7 @@ def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:
 
 
 def _prim_tracks(rig: Rig) -> list[Track]:
-    """What moves prims of USD files, whose ops say it in many ways; keys of joints the page reads."""
+    """What moves prims of USD files, whose ops do it in many ways; keys of joints the page reads."""
     if not _of_usd(rig):
         return []
     joints = {node for skin in rig.skins if _is_skeleton(skin) for node in skin.joints.tolist()}

@@ -38,7 +38,7 @@ def axes_of(rig: Rig) -> Axes | None:
     if not joints:
         return None
     place = {node: k for k, node in enumerate(joints)}
-    told = [[_above(rig, node, place), rig.names[node] or rig.labels[node]] for node in joints]
+    hierarchy = [[_above(rig, node, place), rig.names[node] or rig.labels[node]] for node in joints]
     frames = np.full((len(rig), 4, 4), np.nan)
     for skin in rig.skins:
         posed = bind_pose.bind_frames(rig, skin)
@@ -47,7 +47,7 @@ def axes_of(rig: Rig) -> Axes | None:
     if np.isnan(frames[joints]).any():  # some joints have no bind pose: as they stand at rest
         frames = np.where(np.isnan(frames), rig.world, frames)
     turns = _turns(frames[joints])
-    return Axes(json.dumps(told), np.rint(turns * _UNIT).astype("<i2").tobytes())
+    return Axes(json.dumps(hierarchy), np.rint(turns * _UNIT).astype("<i2").tobytes())
 
 
 def _above(rig: Rig, node: int, place: dict[int, int]) -> int:

@@ -66,7 +66,7 @@ class Cluster:
             from distributed.comm import get_address_host
         except ImportError:
             raise UsageError('--dask needs more packages: pip install "rigtri[dask]"') from None
-        # What goes wrong is told by errors of ours, without tracebacks.
+        # Our own errors report what goes wrong, without tracebacks.
         for name in ("distributed", "distributed.client"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
@@ -82,7 +82,7 @@ class Cluster:
         return self
 
     def __exit__(self, *_: object) -> None:
-        with suppress(OSError):  # of a scheduler that is gone, which has been told
+        with suppress(OSError):  # of a scheduler that is gone, which has been reported
             self._client.close()
 
     def check(self, entries: Sequence[Entry]) -> None:
@@ -93,7 +93,7 @@ class Cluster:
 
         with self._alive():
             self._wait_for_workers()
-            versions = self._asked(version, "rigtri")
+            versions = self._on_all_workers(version, "rigtri")
         odd = {name: found for name, found in versions.items() if found != __version__}
         for name, found in odd.items():
             has = f"has rigtri {found}" if isinstance(found, str) else "has no rigtri"
@@ -124,15 +124,15 @@ class Cluster:
         for path, seen in ((self._at, os.path.isdir), (next(sources, ""), os.path.isfile)):
             if not path:
                 continue
-            blind = [name for name, found in self._asked(seen, path).items() if found is not True]
+            blind = [name for name, found in self._on_all_workers(seen, path).items() if found is not True]
             if blind:
                 raise FileError(
                     f"the worker {blind[0]} does not see {path} ({len(blind)} of {workers} workers); "
                     "workers need the same file system under the same path"
                 )
 
-    def _asked(self, what: Callable[[str], object], of: str) -> dict[str, object]:
-        """What each worker says; something of the standard library, as it may have no other."""
+    def _on_all_workers(self, what: Callable[[str], object], of: str) -> dict[str, object]:
+        """What each worker returns; ``what`` is of the standard library, as it may have no other."""
         found: dict[str, object] = self._client.run(what, of, on_error="return")
         return found
 

@@ -1,4 +1,4 @@
-"""Hashes of files: what was read and what was written, whatever clocks and copies say."""
+"""Hashes of files: what was read and what was written, whatever the times of files are."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from rigtri.pipeline.batch.job_files import Fits, Input
 _WILD = re.compile(r"[*?\[]")
 # A part of a pattern that stands for all folders, with what parts it from the others.
 _ALL_FOLDERS = re.compile(r"(?:^|(?<=[/\\]))\*\*(?:[/\\]+|$)")
-# So many of many faults or names are told.
+# So many of many faults or names are listed.
 MOST = 10
 
 
@@ -63,7 +63,7 @@ def entries(
     out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
     of a pattern, and for paths the deepest folder that they share. A pattern does not find what
     lies in out_dir. layers: outputs are layers over their inputs, also over packages.
-    fits: asked whether the variables of a job file's lines can be.
+    fits: whether the variables of a job file's lines fit the spec.
     UsageError for a word that names nothing, FileError for lists that cannot be read; all at once.
     """
     faults: list[RigtriError] = []
@@ -85,7 +85,7 @@ def entries(
 
 
 def at_line(line: str, what: str) -> str:
-    """Something with the line of the job file or list that it is said of, where there is one."""
+    """Something with the line of the job file or list that it concerns, where there is one."""
     return f"{line}: {what}" if line else what
 
 
@@ -108,7 +108,7 @@ def _kept(faults: list[RigtriError], line: str = "") -> Iterator[None]:
     try:
         yield
     except (FileError, UsageError) as error:
-        # One without a line stays what it is: some have more to tell than their text.
+        # One without a line stays what it is: some have more than their text.
         faults.append(type(error)(f"{line}: {error}") if line else error)
 
 
@@ -145,13 +145,13 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
                     found += [Input(path, fixed, found=True, line=line) for path in every]
                 elif not urls.is_url(name) and os.path.isdir(name):
                     inside = Path(name, "**", "*.glb")
-                    raise UsageError(f"{name} is a folder; say which files of it, as in '{inside}'")
+                    raise UsageError(f"{name} is a folder; name the files in it, as in '{inside}'")
                 else:
                     plain.append((name, line))
     base = ""
     with _kept(faults):
         base = _shared([name for name, _ in plain])
-    if faults:  # else it is told of all files together
+    if faults:  # else all files are reported together
         lost = [(name, line) for name, line in plain if not _exists(name)]
         faults += (
             FileError(f"{at_line(line, 'there is no such file to read')}: {name}") for name, line in lost
@@ -183,7 +183,7 @@ def _listed(name: str) -> dict[str, str]:
 
 
 def _expanded(pattern: str) -> list[str]:
-    """The files that a pattern matches, hidden ones left out; also links to nothing, which work tells of."""
+    """The files that a pattern matches, hidden ones left out; also links to nothing, which fail alone."""
     found = [path for path in dict.fromkeys(_matching(pattern)) if not os.path.isdir(path)]
     if not found:
         raise UsageError(f"'{pattern}' matches no file (seen from {os.getcwd()}); ** stands for all folders")

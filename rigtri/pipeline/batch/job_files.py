@@ -23,7 +23,7 @@ Fits = Callable[[Variables], object]
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """A file that was named. base: the folder whose tree is kept. output: where a job file says so.
+    """A file that was named. base: the folder whose tree is kept. output: where a job file names it.
 
     found: by a pattern, and not named. line: of the job file or list that names it, and its number.
     """
@@ -40,7 +40,7 @@ class Input:
 def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> list[Input]:
     """The lines of a job file, seen from its folder; ``faults`` gets what is wrong with them.
 
-    fits: asked once for each choice of variables. Raises FileError for a file that cannot be read.
+    fits: called once for each choice of variables. Raises FileError for a file that cannot be read.
     """
     found: list[Input] = []
     lines = text_of(path, "--job").splitlines()
@@ -56,7 +56,7 @@ def inputs(path: Path, faults: list[RigtriError], fits: Fits | None = None) -> l
                 wrong.append((number, UsageError(f"{path}:{number}: {error}")))
     if fits is not None:
         wrong += _misfits(found, fits)
-    if wrong:  # else it is told of all files together
+    if wrong:  # else all files are reported together
         wrong += (
             (one.number, FileError(f"{one.line}: there is no such file to read: {one.source}"))
             for one in found
@@ -72,9 +72,9 @@ def _misfits(found: list[Input], fits: Fits) -> Iterator[tuple[int, UsageError]]
     """Variables that cannot be, each choice at its first line; not what is wrong with the spec itself."""
     own: list[str] | None = None
     for variables, first in {one.variables: one for one in reversed(found) if one.variables}.items():
-        if told := _refused(fits, variables):
+        if refusals := _refused(fits, variables):
             own = _refused(fits, ()) if own is None else own
-            if lost := [text for text in told if text not in own]:
+            if lost := [text for text in refusals if text not in own]:
                 yield first.number, UsageError(f"{first.line}: {first.source}: {'; '.join(lost)}")
 
 
@@ -87,13 +87,13 @@ def _refused(fits: Fits, variables: Variables) -> list[str]:
 
 
 def _values(line: str) -> Any:
-    """A line's values. ValueError where it is no JSON, or says a key twice."""
+    """A line's values. ValueError where it is no JSON, or has a key twice."""
     try:
         return json.loads(line, object_pairs_hook=_once, parse_constant=_no_number)
     except ValueError:
         try:
             return json_positions.read("", line)[0]
-        except SpecError as error:  # which tells the column, and in plain words
+        except SpecError as error:  # which has the column, and plain words
             fault = error.found[0]
             raise ValueError(f"{fault.text} (column {fault.place.column})") from None
 

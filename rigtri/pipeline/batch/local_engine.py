@@ -35,7 +35,7 @@ OnReady = Callable[[Assignment, Record], None]
 class Engine(Protocol):
     """Takes assignments and gives records, in any order; one that dies on a file gives that as a record.
 
-    A record that says ``error`` or ``crashed`` is about its own file alone. What an engine hands to
+    A record with the status ``error`` or ``crashed`` is about its own file alone. What an engine hands to
     several files at once, or to other machines, is its own matter.
     """
 
@@ -45,7 +45,7 @@ class Engine(Protocol):
         """Work through the assignments.
 
         ``on_ready`` is called, from any thread, with what a file will have become just before its
-        output appears, where the engine can tell; it is on record when that returns.
+        output appears, where the engine knows; it is on record when that returns.
         """
 
     def stop(self) -> None:
@@ -138,7 +138,7 @@ class FileProcess:
         except RuntimeError as error:  # a mistake of ours, with its traceback
             record = Record("crashed", "bug", f"{name}: {str(error).strip()}", 1)
         if not self._dry_run:
-            with suppress(OSError):  # it is told that the file has failed, and the next run tries again
+            with suppress(OSError):  # the file is reported as failed, and the next run tries again
                 recover(Path(self._at, assignment.entry.target), alone=True)
         return record
 

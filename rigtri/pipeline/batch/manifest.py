@@ -54,7 +54,7 @@ CREATE TABLE runs(
     id INTEGER PRIMARY KEY, rigtri TEXT NOT NULL, shard TEXT, began REAL NOT NULL, ended REAL, counts TEXT
 );
 """
-# With these a summary looks at no row of files but those that it tells; manifests of old get them, too.
+# With these a summary looks at no row of files but those that it shows; manifests of old get them, too.
 _INDEXES = """
 CREATE INDEX IF NOT EXISTS files_status ON files(status, kind);
 CREATE INDEX IF NOT EXISTS files_deviation ON files(deviation);
@@ -116,17 +116,17 @@ class Manifest:
         return name_of(self.folder, entry)
 
     def ready(self, entry: Entry, task: str, record: Record) -> None:
-        """Put down what is about to appear, until `done` says that it has."""
-        told = json.dumps(asdict(record), default=_plain)
+        """Put down what is about to appear, until `done` replaces it."""
+        text = json.dumps(asdict(record), default=_plain)
         with self._writing() as base:
-            values = (self.name(entry), task, told)
+            values = (self.name(entry), task, text)
             base.execute("INSERT OR REPLACE INTO ready VALUES (?, ?, ?)", values)
 
     def about_to_be(self) -> dict[str, tuple[str, Record]]:
         """What a killed run was about to let appear: task and record by output."""
         with self._lock:
             rows = self._base.execute("SELECT output, task, record FROM ready").fetchall()
-        return {output: (task, _record(told)) for output, task, told in rows}
+        return {output: (task, _record(text)) for output, task, text in rows}
 
     def done(self, entry: Entry, task: str, record: Record) -> None:
         """Put down what became of an entry, in place of what was known of it."""
@@ -218,8 +218,8 @@ def _plain(value: Any) -> str:
     return bytes(value).hex()
 
 
-def _record(told: str) -> Record:
-    fields: dict[str, Any] = json.loads(told)
+def _record(text: str) -> Record:
+    fields: dict[str, Any] = json.loads(text)
     axes = fields.pop("axes")
     fields["warnings"] = tuple(fields["warnings"])
     return Record(**fields, axes=axes and Axes(axes["joints"], bytes.fromhex(axes["turns"])))

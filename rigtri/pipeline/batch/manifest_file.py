@@ -26,7 +26,7 @@ _WITHOUT = "A batch does all anew without it: with another --manifest, and --ove
 
 @dataclass(frozen=True)
 class Known:
-    """What a manifest says about an output. made: hashes of what the last run that wrote it wrote."""
+    """What a manifest knows about an output. made: hashes of what the last run that wrote it wrote."""
 
     status: str
     task: str
@@ -108,7 +108,7 @@ def writable(text: str | None) -> str | None:
 
 
 def look_up(base: sqlite3.Connection, output: str) -> Known | None:
-    """What a manifest says about an output, by the name that it has there."""
+    """What a manifest knows about an output, by the name that it has there."""
     row = base.execute(
         "SELECT status, task, read, made, deviation FROM files JOIN contents ON file=id WHERE output=?",
         (output,),

@@ -27,7 +27,7 @@ _RUNTIME = 600
 def emit(folder: Path, entries: Sequence[Entry], words: Sequence[str]) -> int:
     """Write a template and the job file that it reads into ``folder``; the number of parts.
 
-    words: what `rigtri batch` is told besides the job file and the part. UsageError where ``folder`` has
+    words: the arguments of `rigtri batch` besides the job file and the part. UsageError where ``folder`` has
     such files.
     """
     for name in (TEMPLATE, JOB):
@@ -84,10 +84,10 @@ def template(words: Sequence[str], parts: int) -> dict[str, Any]:
 
 
 def _line(entry: Entry) -> str:
-    told: dict[str, Any] = {"input": _whole(entry.source), "output": _whole(entry.target)}
+    line: dict[str, Any] = {"input": _whole(entry.source), "output": _whole(entry.target)}
     if entry.variables:
-        told["variables"] = dict(entry.variables)
-    return json.dumps(told)
+        line["variables"] = dict(entry.variables)
+    return json.dumps(line)
 
 
 def _whole(name: str) -> str:

@@ -1,4 +1,4 @@
-"""What would go wrong with the outputs of a batch, told before anything is done."""
+"""What would go wrong with the outputs of a batch, checked before anything is done."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
 def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequence[Path]) -> None:
     """UsageError where what a batch writes would take the place of a file that it needs.
 
-    kept: what it writes besides outputs, by the option that says where. needed: what it reads besides inputs.
+    kept: what it writes besides outputs, by the option that names it. needed: what it reads besides inputs.
     """
     reads = {os.path.realpath(file): file for file in needed}
     lost = [entry.target for entry in entries if located(entry.target) in reads]
@@ -103,7 +103,7 @@ def _other_suffixes(entries: Sequence[Entry], layers: bool) -> list[str]:
 
 
 def _clashes(entries: Sequence[Entry]) -> list[str]:
-    """Outputs that several inputs have; by letter case too, where the file system does not tell it apart."""
+    """Outputs that several inputs have; by letter case too, where the file system ignores it."""
     first: dict[str, Entry] = {}
     found = []
     for entry in entries:
@@ -127,7 +127,7 @@ def _folds(folder: str) -> bool:
         with tempfile.NamedTemporaryFile(dir=folder, prefix=".rigtri-Case-") as file:
             path = Path(file.name)
             return path.with_name(path.name.swapcase()).exists()
-    except OSError:  # that it cannot be written into is told by another check
+    except OSError:  # that it cannot be written into is reported by another check
         return False
 
 

@@ -55,21 +55,21 @@ class Fetched:
                 away = urls.is_url(entry.target)
                 record = self._near(
                     replace(self._assignment, entry=here),
-                    lambda _, told: None if away else on_ready(self._assignment, self._renamed(told)),
+                    lambda _, record: None if away else on_ready(self._assignment, self._renamed(record)),
                 )
-                told = self._renamed(record)
+                renamed = self._renamed(record)
                 if not away or self._dry_run or record.failed or not record.made:
-                    return told
-                on_ready(self._assignment, told)
+                    return renamed
+                on_ready(self._assignment, renamed)
                 self._send(entry.target)
-                return replace(told, made={name: urls.content(name) for name in told.made})
+                return replace(renamed, made={name: urls.content(name) for name in renamed.made})
             except CrashError:
                 raise
             except RigtriError as error:
                 return Record("error", kind_of(type(error)), self._text(str(error)), error.exit_code)
 
     def _source(self, source: str) -> str:
-        """Where the source is here, with the files that it refers to; reading tells of what is missing."""
+        """Where the source is here, with the files that it refers to; reading reports what is missing."""
         if not urls.is_url(source):
             return os.path.abspath(source)
         place = self._in / os.path.basename(source)

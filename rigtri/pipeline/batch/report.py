@@ -1,4 +1,4 @@
-"""What manifests say about a batch, also of a million files: counts, and the few worst of everything."""
+"""A summary of manifests, also of a million files: counts, and the few worst of everything."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ SAME = 0.1
 
 
 def summarise(paths: Sequence[Path], *, most: int = 10, within: float = SAME) -> dict[str, Any]:
-    """What manifests, or all manifests of a folder, say; schemas/batch-report.schema.json describes it.
+    """A summary of manifests, or of all manifests of a folder, by schemas/batch-report.schema.json.
 
     Files are named as they are seen from here, or by whole paths.
 
-    most: how many of a kind are told. within: degrees that axes may differ by.
+    most: how many of a kind are listed. within: degrees that axes may differ by.
     FileError where there is no manifest or one cannot be read, UsageError for one of another version.
     """
     files = [file for path in paths for file in manifests(path)]
@@ -65,7 +65,7 @@ def manifests(path: Path) -> list[Path]:
 
 
 class _Part:
-    """What one manifest says. folder: where it is, from which it sees files."""
+    """One manifest. folder: where it is, from which it sees files."""
 
     def __init__(self, base: sqlite3.Connection, folder: Path, most: int) -> None:
         base.row_factory = sqlite3.Row
@@ -151,8 +151,8 @@ def _axes(parts: Sequence[_Part], most: int, within: float) -> list[dict[str, An
         if len(groups) > 1:
             for group in groups:
                 group["example"] = examples[skeleton, group.pop("turns")]
-            told = {"skeleton": skeleton, "joints": len(names(joints[skeleton])), "groups": groups[:most]}
-            found.append(told | {"files": sum(kinds.values()), "more": max(0, len(groups) - most)})
+            item = {"skeleton": skeleton, "joints": len(names(joints[skeleton])), "groups": groups[:most]}
+            found.append(item | {"files": sum(kinds.values()), "more": max(0, len(groups) - most)})
     return sorted(found, key=lambda item: (-item["files"], item["skeleton"]))[:most]
 
 

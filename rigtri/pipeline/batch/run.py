@@ -118,9 +118,9 @@ class Run:
             yield entry, record
         for assignment, record in engine.run(plan.assignments, self._on_ready):
             entry = assignment.entry
-            told = self._ready.pop(entry.target, None)
-            if record.failed and told is not None and self._stands(told):
-                record = told  # its process or worker was killed when its work was done
+            ready = self._ready.pop(entry.target, None)
+            if record.failed and ready is not None and self._stands(ready):
+                record = ready  # its process or worker was killed when its work was done
             record = self._alone(entry, record)
             if self._manifest is not None:
                 if record.made:  # as long as its name is not on the disk it is not done
@@ -182,7 +182,7 @@ class Run:
         known = self._manifest.known(entry) if self._manifest is not None else None
         for other in self._others:
             if known is None or not self._is_done(entry, known):
-                with suppress(sqlite3.Error):  # one that cannot be read tells nothing
+                with suppress(sqlite3.Error):  # one that cannot be read is left out
                     known = look_up(other, self._name(entry)) or known
         return known
 
@@ -215,16 +215,16 @@ class Run:
             self._manifest.ready(assignment.entry, self._keys[assignment.entry.variables], record)
 
     def _stands(self, record: Record) -> bool:
-        """Whether the outputs of a record are there as it says."""
+        """Whether the outputs of a record are there with these hashes."""
         return bool(record.made) and self._hashes.same(record.made, self._folder)
 
 
 def try_out(plan: Plan, engine: Engine) -> str:
-    """Try some of the files: MisfitError or UsageError where what is asked for fits none of them.
+    """Try some of the files: MisfitError or UsageError where the task fits none of them.
 
     ``engine`` writes nothing. Files are taken from the whole of the plan, as folders hold one kind each.
-    Those that cannot be done for other reasons say nothing about that; where none can be done, and not
-    one of them for its names, that is no error but what is given back in words, else "".
+    Those that cannot be done for other reasons do not count; where none can be done, and not
+    one of them for its names, the reasons are returned as text, else "".
     """
     count = len(plan.assignments)
     places = {k * (count - 1) // max(TRIED - 1, 1) for k in range(TRIED)} if count else set()
@@ -242,13 +242,13 @@ def try_out(plan: Plan, engine: Engine) -> str:
     if not kinds or None in kinds:
         return ""
     most = reasons.most_common(MOST)
-    told = "; ".join(f"{words[bare]} ({files} of {len(kinds)})" for bare, files in most)
-    told += f"; and {len(reasons) - MOST} more" if len(reasons) > MOST else ""
+    listed = "; ".join(f"{words[bare]} ({files} of {len(kinds)})" for bare, files in most)
+    listed += f"; and {len(reasons) - MOST} more" if len(reasons) > MOST else ""
     tried = f"{len(kinds)} files" if count == len(kinds) else f"{len(kinds)} of {count} files"
     misfits = _MISFITS.intersection(kinds)
     if not misfits:
-        return f"None of the {tried} that were tried can be done: {told}"
-    text = f"What is to be done fits none of the {tried} that were tried: {told}"
+        return f"None of the {tried} that were tried can be done: {listed}"
+    text = f"What is to be done fits none of the {tried} that were tried: {listed}"
     raise UsageError(text) if misfits == {"usage"} else MisfitError(text)
 
 

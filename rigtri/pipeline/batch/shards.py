@@ -64,7 +64,7 @@ def parse(text: str) -> Shard:
 def of_slurm(environment: Mapping[str, str]) -> Shard | None:
     """The part that SLURM's variables of an array task mean; None where this is none.
 
-    UsageError for arrays whose numbers do not tell which of the tasks this is.
+    UsageError for arrays whose numbers do not show which of the tasks this is.
     """
     if not environment.get("SLURM_ARRAY_TASK_ID"):
         return None
@@ -73,13 +73,13 @@ def of_slurm(environment: Mapping[str, str]) -> Shard | None:
     own, count = _number(given["ID"]), _number(given["COUNT"])
     first, step = _number(given["MIN"] or "0"), _number(given["STEP"] or "1")
     if own is None or count is None or first is None or not step or (own - first) % step:
-        raise UsageError(f"SLURM_ARRAY_TASK_ID={given['ID']} tells no part of a whole; give --shard i/n")
+        raise UsageError(f"SLURM_ARRAY_TASK_ID={given['ID']} names no part of a whole; give --shard i/n")
     number = (own - first) // step + 1
     last = _number(given["MAX"] or str(first + (count - 1) * step))
     if not 1 <= number <= count or last != first + (count - 1) * step:
         raise UsageError(
             f"the numbers of this SLURM array are not evenly spaced ({given['MIN']} to {given['MAX']}, "
-            f"{count} tasks), so {own} tells no part of the whole; give --shard i/n"
+            f"{count} tasks), so {own} names no part of the whole; give --shard i/n"
         )
     return Shard(number, count)
 

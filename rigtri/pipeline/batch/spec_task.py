@@ -22,7 +22,7 @@ from rigtri.report import Report
 
 @dataclass(frozen=True)
 class SpecTask:
-    """Build a file as a spec says.
+    """Build a file by a spec.
 
     verify: compare each output with its source before it appears.
     """
@@ -58,7 +58,7 @@ class SpecTask:
         return self.spec.reading.relink
 
     def files(self) -> Sequence[Path]:
-        """As `Task.files`: what steps read; what the spec itself says is in the key."""
+        """As `Task.files`: what steps read; the spec itself is in the key."""
         own = set(self.spec.sources)
         named = [file for file in self.spec.files() if file not in own]
         behind = [below for file in named for below in _behind(file, self.spec.reading)]

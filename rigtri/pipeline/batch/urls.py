@@ -103,9 +103,9 @@ def expanded(pattern: str) -> list[str]:
     """The files that a pattern matches, hidden ones left out. UsageError for none."""
     store, path = _store(pattern)
     try:
-        with _told(pattern, "listed"):
+        with _store_errors(pattern, "listed"):
             details = store.glob(path, detail=True)
-    except AbsentError:  # some stores say so of a bucket that is not there, and some find nothing in it
+    except AbsentError:  # some stores raise it for a bucket that is not there, and some find nothing in it
         details = {}
     fixed = len(re.split(r"[*?\[]", path)[0].rpartition("/")[0])
     found = [name for name, what in details.items() if what["type"] == "file" and "/." not in name[fixed:]]
@@ -123,14 +123,14 @@ def absent(urls: Sequence[str]) -> list[str]:
 
 def exists(url: str) -> bool:
     store, path = _store(url)
-    with _told(url, "read"):
+    with _store_errors(url, "read"):
         return bool(store.isfile(path))
 
 
 def etag(url: str) -> str:
     """The hash that the store itself keeps of a file's content; "" where it keeps none."""
     store, path = _store(url)
-    with _told(url, "read"):
+    with _store_errors(url, "read"):
         details = store.info(path)
     found = str(details.get("ETag") or details.get("etag") or "").strip('"')
     return "" if not found or found.startswith("W/") else _ETAG + found
@@ -143,7 +143,7 @@ def content(url: str, like: str = "") -> str:
         if own:
             return own
         store, path = _store(url)
-        with _told(url, "read"), store.open(path, "rb") as file:
+        with _store_errors(url, "read"), store.open(path, "rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except AbsentError:
         return ""
@@ -154,7 +154,7 @@ def get(url: str, place: Path) -> str:
     store, path = _store(url)
     before = etag(url)
     place.parent.mkdir(parents=True, exist_ok=True)
-    with _told(url, "read"):
+    with _store_errors(url, "read"):
         store.get_file(path, str(place))
     return before if before == etag(url) else ""
 
@@ -162,7 +162,7 @@ def get(url: str, place: Path) -> str:
 def put(place: Path, url: str) -> None:
     """Write a file, which appears whole."""
     store, path = _store(url)
-    with _told(url, "written"):
+    with _store_errors(url, "written"):
         if url.partition(":")[0] in _WHOLE:
             store.put_file(str(place), path)
         else:
@@ -183,10 +183,10 @@ def try_writing(folder: str) -> None:
                 f"nothing can be written to {folder}: there is no {host(folder)}; make it, or give another -O"
             ) from None
         except FileError as error:
-            said = str(error).removeprefix(f"{url} cannot be written: ")
-            raise FileError(f"nothing can be written to {folder}: {said}") from error
+            reason = str(error).removeprefix(f"{url} cannot be written: ")
+            raise FileError(f"nothing can be written to {folder}: {reason}") from error
     store, path = _store(url)
-    with suppress(FileError), _told(url, "removed"):  # there are stores that take and never give back
+    with suppress(FileError), _store_errors(url, "removed"):  # there are stores that take and never give back
         store.rm_file(path)
 
 
@@ -203,7 +203,7 @@ def _spelled(url: str) -> str:
 def _has(bucket: str) -> bool:
     """Whether there is such a bucket, or what else a store calls its uppermost folders."""
     store, path = _store(bucket)
-    with _told(bucket, "listed"):
+    with _store_errors(bucket, "listed"):
         return bool(store.exists(path))
 
 
@@ -220,12 +220,12 @@ def _store(url: str) -> tuple[Any, str]:
     except ImportError as error:
         raise UsageError(f"{url}: a store of this kind needs another package: {error}") from None
     except ValueError as error:
-        raise UsageError(f"{url}: {_scrubbed(str(error))}") from None
+        raise UsageError(f"{url}: {_without_secrets(str(error))}") from None
     return store, path
 
 
 @contextmanager
-def _told(url: str, what: str) -> Iterator[None]:
+def _store_errors(url: str, what: str) -> Iterator[None]:
     """What a store refuses, as an error of the file; stores have errors of many kinds."""
     try:
         yield
@@ -234,11 +234,11 @@ def _told(url: str, what: str) -> Iterator[None]:
     except FileNotFoundError:
         raise AbsentError(f"There is no file {url}") from None
     except Exception as error:
-        said = _scrubbed(f"{type(error).__name__}: {error}")
-        raise FileError(f"{url} cannot be {what}: {said}") from error
+        reason = _without_secrets(f"{type(error).__name__}: {error}")
+        raise FileError(f"{url} cannot be {what}: {reason}") from error
 
 
-def _scrubbed(text: str) -> str:
+def _without_secrets(text: str) -> str:
     """A text without the secrets of URLs in it."""
     for secret in (*_users.values(), *_queries.values()):
         text = text.replace(secret, "…")

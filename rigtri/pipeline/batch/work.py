@@ -28,7 +28,7 @@ STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
 # After what is missing comes what a file has instead.
 _NAMES = ("name not found", "ambiguous name")
-# What a file has not, or not just one of, as these errors say it.
+# What a file has not, or not just one of, in the words of these errors.
 _NOT_THERE = re.compile(r"No \w+ (?:is named|matches) '.*'|\d+ \w+s are named '.*?'")
 _COUNT = re.compile(r"(?<= )\d+(?=[ ,.;]|$)")
 _HINT = re.compile(r"(?<=')\. .*")
@@ -59,7 +59,7 @@ class Task(Protocol):
 
     @property
     def sources(self) -> Sequence[Path]:
-        """The files that say what is done."""
+        """The files that describe what is done."""
 
     @property
     def paths(self) -> frozenset[str]:
@@ -155,7 +155,7 @@ _hashes = Hashes()
 
 
 def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: str = "") -> Record:
-    """Do one file. What is about to appear is told before it does (`rigtri.files.worker_process.send_event`).
+    """Do one file. What is about to appear is sent before it does (`rigtri.files.worker_process.send_event`).
 
     folder: where the manifest is, from which it sees all files. scratch: a folder for temporary
     files, which somebody else removes. at: the folder that relative paths are seen from.
@@ -165,11 +165,11 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
         os.chdir(at)
     adopt(scratch)
     entry, moment, began = assignment.entry, time.time_ns(), time.perf_counter()
-    report, told = Report(records=False), []
+    report, sent = Report(records=False), []
 
     def ready(outcome: Outcome, written: StagedOutput) -> None:
-        told.append(_record(outcome, folder, moment, written))
-        send_event(told[0])
+        sent.append(_record(outcome, folder, moment, written))
+        send_event(sent[0])
 
     try:
         if why := no_file(entry.source):
@@ -183,7 +183,7 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
                 report=report,
                 ready=ready,
             )
-            record = told[0] if told else _record(outcome, folder, moment, None)
+            record = sent[0] if sent else _record(outcome, folder, moment, None)
             record = replace(record, seconds=dict(outcome.seconds))
     except (RigtriError, OSError) as error:
         if of_memory(error):
@@ -218,7 +218,7 @@ def _record(outcome: Outcome, folder: str, moment: int, written: StagedOutput | 
     return Record(
         status,
         deviation=None if verification is None else float(verification.deviation),
-        warnings=_told(outcome.report),
+        warnings=_warnings(outcome.report),
         seconds=dict(outcome.seconds),
         read=read,
         made=made,
@@ -226,16 +226,16 @@ def _record(outcome: Outcome, folder: str, moment: int, written: StagedOutput | 
     )
 
 
-def _told(report: Report) -> tuple[dict[str, Any], ...]:
+def _warnings(report: Report) -> tuple[dict[str, Any], ...]:
     return tuple({"code": n.code, "text": n.text, "joint": n.joint} for n in report.warnings)
 
 
 def _refused(error: RigtriError | OSError, report: Report) -> Record:
     if isinstance(error, RigtriError):
         text = "; ".join(map(str, error.faults)) or str(error)
-        return Record("error", kind_told(error), text, error.exit_code, warnings=_told(report))
+        return Record("error", kind_told(error), text, error.exit_code, warnings=_warnings(report))
     text = f"{error.filename or 'the output'}: {error.strerror or error}"
-    return Record("error", "file", text, 3, warnings=_told(report))
+    return Record("error", "file", text, 3, warnings=_warnings(report))
 
 
 def _outlive_signals() -> None:

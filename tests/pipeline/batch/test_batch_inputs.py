@@ -338,7 +338,7 @@ def test_tasks_of_a_slurm_array_are_parts() -> None:
     assert slurm(ID=2, COUNT=4) == Shard(3, 4)
     with pytest.raises(UsageError, match="not evenly spaced"):
         slurm(ID=7, COUNT=3, MIN=1, MAX=9, STEP=1)
-    with pytest.raises(UsageError, match="tells no part"):
+    with pytest.raises(UsageError, match="names no part"):
         of_slurm({"SLURM_ARRAY_TASK_ID": "1"})
 
 
