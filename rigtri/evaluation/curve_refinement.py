@@ -221,7 +221,7 @@ class _Curve:
         return sorted(found)
 
     @cached_property
-    def reach(self) -> dict[int, float]:
+    def lever_arms(self) -> dict[int, float]:
         """How far what hangs on each of the nodes goes, up to the next of them, in file units."""
         rig, nodes = self.rig, set(self.nodes)
         far = np.full(len(rig), 0.05 * self.size)
@@ -245,7 +245,7 @@ class _Curve:
             with np.errstate(divide="ignore", invalid="ignore"):
                 turned = length(one[:, :3, :3] - other[:, :3, :3]) / length(other[:, :3, :3])
             moved = length(one[:, 3, :3] - other[:, 3, :3])
-            far = np.nan_to_num(moved + self.reach[node] * turned.max(axis=1), posinf=0.0)
+            far = np.nan_to_num(moved + self.lever_arms[node] * turned.max(axis=1), posinf=0.0)
             most.node[far > most.far] = node
             np.maximum(most.far, far, out=most.far)
         return most

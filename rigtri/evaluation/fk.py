@@ -89,8 +89,8 @@ class Fk:
     def _axes(self) -> Floats | None:
         """The control's axes seen from the joint's stored rotation, (4,); None where they are the same."""
         above = int(self.rig.parents[self.joint])
-        stored = product(self.reference.turn(above), self.rest.rotation[0])
-        axes = unit(product(conjugate(stored), self.reference.turn(self.own.offset)))
+        stored = product(self.reference.world_rotation(above), self.rest.rotation[0])
+        axes = unit(product(conjugate(stored), self.reference.world_rotation(self.own.offset)))
         axes = axes if axes[3] >= 0 else -axes
         return None if np.abs(axes - IDENTITY).max() <= _SAME_AXES else axes
 
@@ -139,7 +139,7 @@ class Fk:
         channels, rig = posed.part(self.own.control), self.rig
         target = posed.part(self.joint).rotation
         above = int(rig.parents[self.joint])
-        target = product(posed.turn(above), target) if above >= 0 else target
+        target = product(posed.world_rotation(above), target) if above >= 0 else target
         target = target if self._axes is None else product(target, self._axes)
         turn = product(target, conjugate(channels.rotation))
         size = self._grown(posed) / np.where(channels.scale == 0, 1.0, channels.scale)

@@ -28,19 +28,19 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 
-# Below this sine of the bend a limb's plane is the rounding of its positions; then its pole tells it.
+# Below this sine of the bend a limb's plane is the rounding of its positions; then its pole defines it.
 _STRAIGHT = 2e-3
 # Radians between pole and plane that rounding may make; a pole that somebody moved is farther off.
 _ROUNDING = 1e-3
 # Sines of the bend from which on, and up to which, a pole is placed by the bend and by the bone.
-_BENDS, _TOLD = 0.15, 0.02
+_BENDS, _STRAIGHTENS = 0.15, 0.02
 
 
 class _Rest(NamedTuple):
     """What stays the same in all frames. lines: of the bones, seen from what the limb hangs on, (3,) each.
 
     upper, lower: the frames of the bones, seen from its turn. between, last: how the parents of the
-    middle and the end joint are turned, seen from its turn. side: the way it bends, in its axes.
+    mid and the end joint are turned, seen from its turn. side: the way it bends, in its axes.
     """
 
     lines: tuple[Floats, Floats]
@@ -48,7 +48,7 @@ class _Rest(NamedTuple):
     lower: Floats
     between: Floats
     last: Floats
-    chord: Floats
+    root_to_end: Floats
     side: Floats
 
 
@@ -72,7 +72,7 @@ class Ik:
 
     @cached_property
     def paths(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """The nodes below the root down to the middle, and below that down to the end."""
+        """The nodes below the root down to the mid joint, and below that down to the end."""
         a, b, c = self.limb.chain
         return self._path(a, b), self._path(b, c)
 
@@ -111,7 +111,7 @@ class Ik:
 
     @cached_property
     def _points(self) -> Floats:
-        """Root, middle and end while controls are zero, (3, 3), in the world."""
+        """Root, mid and end joint while controls are zero, (3, 3), in the world."""
         return self.reference.world[list(self.limb.chain), 3, :3]
 
     @cached_property
@@ -132,7 +132,7 @@ class Ik:
         apart = self._points[2] - self.reference.world[control, 3, :3]
         if length(apart) > SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
             return np.zeros(3)
-        return rotate(conjugate(self.reference.turn(control)), apart)
+        return rotate(conjugate(self.reference.world_rotation(control)), apart)
 
     @cached_property
     def _pole(self) -> Floats:
@@ -140,9 +140,9 @@ class Ik:
         a, b, c = self._points
         line = self._line
         bend = (b - a) - dot(b - a, line) * line
-        told = self.limb.pole >= 0
+        has_pole = self.limb.pole >= 0
         straight = length(bend) <= _STRAIGHT * (length(b - a) + length(c - b))
-        if told:
+        if has_pole:
             place = self.reference.world[self.limb.pole, 3, :3]
             across = (place - a) - dot(place - a, line) * line
             near = length(cross(normalise(across), normalise(bend))) <= _ROUNDING
@@ -155,24 +155,24 @@ class Ik:
     @cached_property
     def rest(self) -> _Rest:
         """The triangle is the one of the joints, in the plane of the pole: turns are counted from it, so
-        bones lie where the solver wants them. What parts the middle joint from that plane, which is
+        bones lie where the solver wants them. What parts the mid joint from that plane, which is
         rounding, is not seen."""
         world, above = self.reference.world, self.above
         a, b, c = self._points
-        chord, side = self._line, self._pole - a
-        bends, _ = sides(chord, side, side, length(b - a) + length(c - b))
-        hinge = cross(chord, bends)
+        root_to_end, side = self._line, self._pole - a
+        bends, _ = sides(root_to_end, side, side, length(b - a) + length(c - b))
+        hinge = cross(root_to_end, bends)
         upper, lower = (bone - dot(bone, hinge) * hinge for bone in (b - a, c - b))
-        start = conjugate(self.reference.turn(above))
+        start = conjugate(self.reference.world_rotation(above))
         back = inverse(world[above]) if above >= 0 else np.eye(4)
-        _, middle, end = self.limb.chain
+        _, mid, end = self.limb.chain
         return _Rest(
             lines=(transform_directions(upper, back), transform_directions(lower, back)),
             upper=product(start, bone_frame(upper, hinge)),
             lower=product(start, bone_frame(lower, hinge)),
-            between=product(start, self.reference.turn(int(self.rig.parents[middle]))),
-            last=product(start, self.reference.turn(int(self.rig.parents[end]))),
-            chord=rotate(start, chord),
+            between=product(start, self.reference.world_rotation(int(self.rig.parents[mid]))),
+            last=product(start, self.reference.world_rotation(int(self.rig.parents[end]))),
+            root_to_end=rotate(start, root_to_end),
             side=rotate(start, side),
         )
 
@@ -195,7 +195,7 @@ class Ik:
 
     def solve(self, posed: PoseCache, target: Floats, place: Floats) -> Solved:
         """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
-        rest, turn = self.rest, _turn(posed, self.above)
+        rest, turn = self.rest, _rotation_of(posed, self.above)
         root = transform_points(self.start, posed.world(self.above))
         root, target, place, first, second = _level(root, target, place, *self.lengths(posed))
         return two_bone(
@@ -203,7 +203,7 @@ class Ik:
             (first, second),
             target,
             place,
-            chord=rotate(turn, rest.chord),
+            root_to_end=rotate(turn, rest.root_to_end),
             side=rotate(turn, rest.side),
             soft=self.limb.soft,
             stretch=self.limb.stretch,
@@ -212,16 +212,16 @@ class Ik:
     def solved(self, posed: PoseCache, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
         """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
         found = self.solve(posed, target, place)
-        rest, turn = self.rest, _turn(posed, self.above)
-        start, middle, end = self.limb.chain
+        rest, turn = self.rest, _rotation_of(posed, self.above)
+        start, mid, end = self.limb.chain
         upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
         fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
         bent = product(product(conjugate(rest.between), product(rest.upper, fold)), rest.between)
         below = product(product(found.lower, conjugate(rest.lower)), rest.last)
-        parts = {node: self._own(node) for node in (start, middle, end)}
+        parts = {node: self._own(node) for node in (start, mid, end)}
         turned = {
             start: product(upper, parts[start].rotation),
-            middle: product(bent, parts[middle].rotation),
+            mid: product(bent, parts[mid].rotation),
             end: product(conjugate(below), hand),
         }
         result = {node: parts[node]._replace(rotation=turned[node]) for node in turned}
@@ -236,13 +236,13 @@ class Ik:
     def grip(self) -> Floats:
         """The end joint's turn seen from the control's, (4,): ``hand = control · grip``."""
         _, _, end = self.limb.chain
-        joint = product(self.reference.turn(int(self.rig.parents[end])), self._own(end).rotation[0])
-        return product(conjugate(self.reference.turn(self.limb.control)), joint)
+        joint = product(self.reference.world_rotation(int(self.rig.parents[end])), self._own(end).rotation[0])
+        return product(conjugate(self.reference.world_rotation(self.limb.control)), joint)
 
     def run(self, posed: PoseCache) -> None:
         """Move the limb's joints to where control and pole want them."""
         control = self.limb.control
-        hand = product(_turn(posed, control), self.grip)
+        hand = product(_rotation_of(posed, control), self.grip)
         found = self.solved(posed, self.target(posed), self.place(posed), hand)
         for node, parts in found.items():
             if node in self.fk:
@@ -259,7 +259,7 @@ class Ik:
     def target(self, posed: PoseCache) -> Floats:
         """Where the limb is to end, (1 or f, 3), by its control."""
         control = self.limb.control
-        return posed.world(control)[:, 3, :3] + rotate(_turn(posed, control), self._seat)
+        return posed.world(control)[:, 3, :3] + rotate(_rotation_of(posed, control), self._seat)
 
     def place(self, posed: PoseCache) -> Floats:
         """Where the pole is, (1 or f, 3)."""
@@ -277,7 +277,7 @@ class Ik:
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.
-        turn = _turn(posed, self.above)
+        turn = _rotation_of(posed, self.above)
         root = transform_points(self.start, posed.world(self.above))
         return root + rotate(turn, self.rest.side)
 
@@ -287,7 +287,7 @@ class Ik:
         built: the rig above the limb as controls make it. The end of a soft limb is nearer than its target.
         """
         _, _, end = self.limb.chain
-        parent = _turn(source, int(self.rig.parents[end]))
+        parent = _rotation_of(source, int(self.rig.parents[end]))
         turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
         place = source.world(end)[:, 3, :3]
         if self.limb.soft > 0 and not self.limb.stretch:
@@ -300,7 +300,7 @@ class Ik:
         return from_frame(to_axes(turn), place - rotate(turn, self._seat))
 
     def side(self, source: PoseCache) -> Floats:
-        """Where a pole tells the bend that the joints have in ``source``, (f, 3), in the world.
+        """The pole position for the bend that the joints have in ``source``, (f, 3), in the world.
 
         By the triangle where it bends to the side that it bends to at rest; where it is nearly
         straight, or bends the other way, by how the upper bone is turned, whose side goes along from the
@@ -312,7 +312,7 @@ class Ik:
         line = normalise(c - a)
         bend = (b - a) - dot(b - a, line)[:, np.newaxis] * line
         start = self.limb.chain[0]
-        turned = product(_turn(source, self.above), source.part(start).rotation)
+        turned = product(_rotation_of(source, self.above), source.part(start).rotation)
         inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
         own = rotate(turned, inside)
         bone = normalise(b - a)
@@ -320,29 +320,29 @@ class Ik:
         both = bone + line
         spread = np.maximum(1.0 + dot(bone, line), 1e-12)  # 0: folded onto itself, and no way is the shortest
         own = normalise(own - (dot(own, line) / spread)[:, np.newaxis] * both)
-        told = normalise(bend)
-        sine = 2.0 * length(bend) / size * np.maximum(dot(told, own), 0.0)
-        share = np.clip((sine - _TOLD) / (_BENDS - _TOLD), 0.0, 1.0)
+        bend_side = normalise(bend)
+        sine = 2.0 * length(bend) / size * np.maximum(dot(bend_side, own), 0.0)
+        share = np.clip((sine - _STRAIGHTENS) / (_BENDS - _STRAIGHTENS), 0.0, 1.0)
         share = np.where(np.isfinite(share), share * share * (3.0 - 2.0 * share), 0.0)[:, np.newaxis]
-        mixed = normalise(np.where(share > 0, share * told, 0.0) + (1.0 - share) * own)
+        mixed = normalise(np.where(share > 0, share * bend_side, 0.0) + (1.0 - share) * own)
         return b + mixed * self._distance
 
     @cached_property
     def _distance(self) -> float:
-        """How far the pole stands from the middle joint, at rest as always."""
+        """How far the pole stands from the mid joint, at rest as always."""
         place = self.reference.world[self.limb.pole, 3, :3] if self.limb.pole >= 0 else self._pole
         return float(length(place - self._points[1]))
 
 
-def _turn(posed: PoseCache, node: int) -> Floats:
+def _rotation_of(posed: PoseCache, node: int) -> Floats:
     """How a node is turned in the world, (1 or f, 4); by rotations where a scale of zero leaves no axes."""
     if node < 0:
         return np.array([[0.0, 0.0, 0.0, 1.0]])
-    found = posed.turn(node)
+    found = posed.world_rotation(node)
     whole = np.isfinite(found).all(axis=-1, keepdims=True)
     if whole.all():
         return found
-    above = _turn(posed, int(posed.rig.parents[node]))
+    above = _rotation_of(posed, int(posed.rig.parents[node]))
     return np.where(whole, found, product(above, posed.part(node).rotation))
 
 

@@ -169,7 +169,7 @@ def _bend(found: SolvedControls, ik: Ik, source: PoseCache, still: Collection[in
         built,
         ik.target(built),
         ik.place(built),
-        product(built.turn(ik.limb.control), ik.grip),
+        product(built.world_rotation(ik.limb.control), ik.grip),
     )
     turn = move = 0.0
     for node, parts in solved.items():

@@ -107,7 +107,7 @@ class PoseCache:
         parts = zip(found, near, hidden, strict=True)
         return Parts(*(np.where(fine, a, np.where(sure, b, c)) for a, b, c in parts))
 
-    def turn(self, node: int) -> Floats:
+    def world_rotation(self, node: int) -> Floats:
         """How a node is turned in the world, (1 or f, 4), without scale."""
         return from_axes(orthonormal_axes(self.world(node)))
 

@@ -196,10 +196,10 @@ def times_within(timeline: Timeline, fps: float | None, per_second: float = 1.0)
         return np.array([min(firsts, default=0.0)])
     if fps is None:
         return np.asarray(keys)
-    count_wanted = (float(keys[-1]) - float(keys[0])) / per_second * fps
-    if not count_wanted <= MOST_KEYS:
+    needed = (float(keys[-1]) - float(keys[0])) / per_second * fps
+    if not needed <= MOST_KEYS:
         raise UsageError(
-            f"--fps {fps:g}: that would be {count_wanted:.6g} keys in clip '{timeline.name}', and "
+            f"--fps {fps:g}: that would be {needed:.6g} keys in clip '{timeline.name}', and "
             f"{MOST_KEYS} are the most"
         )
     step = per_second / fps

@@ -41,14 +41,14 @@ def two_bone(
     target: Floats,
     pole: Floats,
     *,
-    chord: Floats,
+    root_to_end: Floats,
     side: Floats,
     soft: float = 0.0,
     stretch: bool = False,
 ) -> Solved:
     """Solve a limb that starts at ``root``, (f, 3), and whose bones have ``lengths``, (f,) each.
 
-    target, pole: (f, 3), in the world. chord, side: (f, 3), what holds where the target stands at
+    target, pole: (f, 3), in the world. root_to_end, side: (f, 3), what holds where the target stands at
     the root, or the pole on the line to the target. soft: as a share of the limb, how far before
     it is straight it slows down. stretch: bones grow so that the end reaches the target.
     """
@@ -57,7 +57,7 @@ def two_bone(
     away = target - root
     distance = length(away)
     near = distance <= NOWHERE * total
-    along = np.where(near[..., np.newaxis], normalise(chord), normalise(away))
+    along = np.where(near[..., np.newaxis], normalise(root_to_end), normalise(away))
     reach = np.maximum(_reach(distance, total, soft), np.abs(first - second))
     growth = np.ones_like(reach)
     if stretch:
@@ -66,14 +66,14 @@ def two_bone(
     bends, poleless = sides(along, pole - root, side, total)
     high = _height(first, second, reach)
     with np.errstate(invalid="ignore", divide="ignore"):
-        foot = (reach * reach + first * first - second * second) / (2.0 * reach)
-    foot = np.where(reach > 0, foot, 0.0)  # both bones as long, and folded: all the way aside
+        projection = (reach * reach + first * first - second * second) / (2.0 * reach)
+    projection = np.where(reach > 0, projection, 0.0)  # both bones as long, and folded: all the way aside
     high = np.where(reach > 0, high, first)
-    middle = foot[..., np.newaxis] * along + high[..., np.newaxis] * bends
+    mid = projection[..., np.newaxis] * along + high[..., np.newaxis] * bends
     hinge = cross(along, bends)
-    rest = reach[..., np.newaxis] * along - middle
+    rest = reach[..., np.newaxis] * along - mid
     return Solved(
-        bone_frame(middle, hinge),
+        bone_frame(mid, hinge),
         bone_frame(rest, hinge),
         growth,
         np.maximum(distance - reach * growth, 0.0),

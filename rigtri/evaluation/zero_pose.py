@@ -36,7 +36,7 @@ class FkControl:
 
 @dataclass(frozen=True, eq=False)
 class IkLimb:
-    """A limb with an IK end. chain: root, middle and end joint. pole: −1 where there is none."""
+    """A limb with an IK end. chain: root, mid and end joint. pole: −1 where there is none."""
 
     chain: tuple[int, int, int]
     control: int
@@ -128,7 +128,7 @@ class ControlsAtZero:
         )
         return np.where(kept[:, np.newaxis, np.newaxis], rig.local, local)
 
-    def turn(self, node: int) -> Floats:
+    def world_rotation(self, node: int) -> Floats:
         """How a node is turned in the world while controls are zero, (4,), without scale; −1: not at all."""
         return from_axes(orthonormal_axes(self.world[node] if node >= 0 else _WORLD))
 
@@ -144,7 +144,7 @@ def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:
 
 
 def _chain(rig: Rig, note: Mapping[str, object]) -> tuple[int, int, int] | None:
-    """Root, middle and end of a note; None where one is not there."""
+    """Root, mid and end of a note; None where one is not there."""
     names = note.get("chain")
     if not isinstance(names, list | tuple) or len(names) != 3:
         return None

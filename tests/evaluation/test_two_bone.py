@@ -17,7 +17,7 @@ def solved(target, pole, *, lengths=(1.0, 1.0), count=1, **more):
     wide = [np.broadcast_to(v, (count, 3)) for v in (np.zeros(3), target, pole)]
     sizes = tuple(np.full(count, size) for size in lengths)
     given = {
-        "chord": np.broadcast_to([0.0, -1.0, 0.0], (count, 3)),
+        "root_to_end": np.broadcast_to([0.0, -1.0, 0.0], (count, 3)),
         "side": np.broadcast_to([0.0, 0.0, 1.0], (count, 3)),
     }
     found = two_bone(wide[0], sizes, wide[1], wide[2], **given, **more)

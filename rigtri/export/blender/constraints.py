@@ -81,7 +81,7 @@ def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: f
     from rest, in its own axes; of a roll, with y along the axis of the roll."""
     rig, world, child = plan.rig, plan.reference.world, rule.child
     above, place = int(rig.parents[driver]), world[driver, 3, :3]
-    hung, own = plan.reference.turn(above), nearest_rotation_of(plan.reference.local[driver])
+    hung, own = plan.reference.world_rotation(above), nearest_rotation_of(plan.reference.local[driver])
     rolls = rule.space == "roll"
     first = (
         rule.rest
@@ -97,7 +97,7 @@ def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: f
     zero = plan.socket(f"{name} zero", plan.node(above), stands[0], bone=bone)
     turned = plan.socket(name, plan.node(driver), stands[1], bone=bone)
     if rolls:
-        line = rotate(plan.reference.turn(child), axis)
+        line = rotate(plan.reference.world_rotation(child), axis)
         _turn_about(plan, child, f"{name} axis", turned, zero, line, 1.0, share)
         return
     hold = plan.ride("local", plan.node(int(rig.parents[child])), child)
@@ -125,7 +125,7 @@ def _aim(plan: Plan, rule: Constraint) -> None:
     drivers = zip(rule.drivers, rule.weights.tolist(), strict=True)
     points = [(plan.node(node), weight, world[node, 3, :3]) for node, weight in drivers if weight > 0]
     target = points[0][0] if len(points) == 1 else middle(plan, f"{name} aim", points)
-    turn = product(plan.reference.turn(above), rule.rest)
+    turn = product(plan.reference.world_rotation(above), rule.rest)
     aim, up = (rotate(turn, np.asarray(axis, dtype=np.float64)) for axis in (rule.aim, rule.up))
     stand = frame(place, aim, cross(aim, up))
     hung = plan.node(above)

@@ -77,7 +77,7 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, number: int) -> tuple[str, str,
     name = plan.called(ik.limb.control)
     carrier = world[above] if above >= 0 else np.eye(4)
     first, second = (transform_directions(line, carrier) for line in rest.lines)
-    side = rotate(plan.reference.turn(above), rest.side)
+    side = rotate(plan.reference.world_rotation(above), rest.side)
     root = world[ik.limb.chain[0], 3, :3]
     sizes = float(length(first)), float(length(second))
     hinge = normalise(cross(first, side))

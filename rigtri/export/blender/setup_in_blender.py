@@ -75,14 +75,14 @@ def plain(name: str) -> str:
     return re.sub(r"\.\d{3,}$", "", name)
 
 
-def called(name: str, wanted: str, longest: int) -> bool:
+def called(name: str, expected: str, longest: int) -> bool:
     """Whether Blender would call something so: whole, or cut where names end."""
-    cut = wanted.encode("utf-8")[:longest].decode("utf-8", "ignore")
-    return name in (wanted, cut) or plain(name) in (wanted, cut[: len(cut) - 4]) or plain(name) == cut
+    cut = expected.encode("utf-8")[:longest].decode("utf-8", "ignore")
+    return name in (expected, cut) or plain(name) in (expected, cut[: len(cut) - 4]) or plain(name) == cut
 
 
-def object_called(thing: Any, wanted: str) -> bool:
-    return any(called(thing.name, wanted, longest) for longest in (63, 255))
+def object_called(thing: Any, expected: str) -> bool:
+    return any(called(thing.name, expected, longest) for longest in (63, 255))
 
 
 def note_of(thing: Any) -> dict[str, Any]:
@@ -176,8 +176,8 @@ def find() -> tuple[list[Any], list[str]]:
             continue
         nodes.append(None)
         if found:
-            told = ", ".join(repr(bone or thing.name) for thing, bone in found[:4])
-            text = f"{len(found)} could be meant by {about['title']!r}: {told}; select one character alone"
+            names = ", ".join(repr(bone or thing.name) for thing, bone in found[:4])
+            text = f"{len(found)} could be meant by {about['title']!r}: {names}; select one character alone"
         else:
             text = f"no {kind} is {about['title']!r}{renamed(about)}"
         wrong.append(text)
@@ -305,7 +305,7 @@ class Setup:
             thing = self.target(word)[0]
             value = switches.get(thing.name, 1.0)
             property_of(thing, SWITCH, value, "1: IK moves the limb; 0: its FK controls")
-            self.tell(thing)
+            self.add_switch(thing)
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
@@ -325,19 +325,19 @@ class Setup:
         thing.hide_viewport = thing.hide_render = thing.hide_select = True
         return thing
 
-    def tell(self, thing: Any) -> None:
+    def add_switch(self, thing: Any) -> None:
         """A visible empty below an IK end, whose scale says in what is exported whether IK moves the limb.
 
         Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it.
         """
         for former in [child for child in thing.children if plain(child.name) == SWITCH]:
             bpy.data.objects.remove(former)  # of a file that came back
-        teller = self.added(SWITCH)
-        teller.name = SWITCH
-        teller.hide_viewport = teller.hide_render = False
-        teller.empty_display_size = 1e-4
-        teller.parent = thing
-        for curve in teller.driver_add("scale"):
+        switch = self.added(SWITCH)
+        switch.name = SWITCH
+        switch.hide_viewport = switch.hide_render = False
+        switch.empty_display_size = 1e-4
+        switch.parent = thing
+        for curve in switch.driver_add("scale"):
             self.by_switches(curve.driver, [("drive", self.master, DRIVE), ("ik", thing, SWITCH)])
             curve.driver.expression = "1 + drive * (ik - 0.5)"
 

@@ -189,9 +189,9 @@ class _Taking:
         self.changed += fresh
         self._keep(node, [track.path for track in moved.tracks])
 
-    def _keep(self, node: int, said: Sequence[str]) -> None:
+    def _keep(self, node: int, moved: Sequence[str]) -> None:
         """Note a node that moves by keys of ours alone."""
-        old = [self._old(node, path) for path in PATHS if path not in said]
+        old = [self._old(node, path) for path in PATHS if path not in moved]
         if any(track is not None and moves(track) for track in old):
             self.kept.append(self.rig.names[node])
 
