@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -106,6 +108,15 @@ def asset_files(*suffixes: str) -> list[Path]:
 def slow(*values: Any) -> Any:
     """One more case for ``parametrize``, for when there is time."""
     return pytest.param(*values, marks=pytest.mark.slow)
+
+
+def every_other(*choices: Sequence[Any]) -> list[Any]:
+    """Every other combination of some choices, which has each choice; with --slow all of them."""
+    places = product(*(range(len(some)) for some in choices))
+    return [
+        values if sum(place) % 2 == 0 else slow(*values)
+        for place, values in zip(places, product(*choices), strict=True)
+    ]
 
 
 def samples_of_all_kinds(*suffixes: str) -> list[Any]:

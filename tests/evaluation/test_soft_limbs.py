@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from places import SAMPLES, slow
+from places import SAMPLES, every_other, slow
 
 from rigtri.evaluation import sampling
 from rigtri.evaluation.constraint_solver import Parts
@@ -106,8 +106,7 @@ def bones(rig: Rig) -> tuple[float, float]:
     return float(np.linalg.norm(b - a)), float(np.linalg.norm(c - b))
 
 
-@pytest.mark.parametrize("knee", KNEES.values(), ids=list(KNEES))
-@pytest.mark.parametrize("soft", SOFTS)
+@pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS))
 def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_pole(
     soft: float, knee: tuple[float, float] | None
 ) -> None:
@@ -119,8 +118,7 @@ def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_po
     assert side.min() > -1e-6
 
 
-@pytest.mark.parametrize("knee", KNEES.values(), ids=list(KNEES))
-@pytest.mark.parametrize("soft", SOFTS)
+@pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS))
 def test_with_stretch_the_end_reaches_its_target(soft: float, knee: tuple[float, float] | None) -> None:
     rig = legged(knee, soft, stretch=True)
     near = abs(np.subtract(*bones(rig))) / sum(bones(rig))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import NO_ASSETS, asset_files
+from places import NO_ASSETS, asset_files, every_other
 from program import cli
 from rigs import chain, poses
 from scaled_limbs import NAMES, Limb, gltf, usd
@@ -65,9 +65,14 @@ def stretched(size: float, *joints: str) -> Limb:
 # Rotations.
 
 
-@pytest.mark.parametrize("size", [3.0, 0.7071, 1.001])
-@pytest.mark.parametrize("joints", [("elbow",), ("wrist",), ("elbow", "wrist"), ("root",)])
-@pytest.mark.parametrize("policy", ["snap", "split"])
+@pytest.mark.parametrize(
+    ("size", "joints", "policy"),
+    every_other(
+        [3.0, 0.7071, 1.001],
+        [("elbow",), ("wrist",), ("elbow", "wrist"), ("root",)],
+        ["snap", "split"],
+    ),
+)
 def test_in_usd_a_joint_of_such_rotations_turns_as_its_parent_and_nothing_moves(
     joints: tuple[str, ...], size: float, policy: str, tmp_path: Path
 ) -> None:

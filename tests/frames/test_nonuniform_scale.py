@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flat_options import axes_of
-from places import NO_ASSETS, USD, asset_files
+from places import NO_ASSETS, USD, asset_files, every_other
 from program import cli
 from scaled_limbs import NAMES, STRETCH, Limb, gltf, usd
 from second_opinions import validator
@@ -81,8 +81,7 @@ def frames(rig: Rig, world: Floats, joint: str) -> Floats:
     return normalise(world[..., rig.frame_of.get(node, node), :3, :3])
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "suffix"), every_other(list(CASES), SUFFIXES))
 def test_a_split_moves_nothing_and_a_second_run_changes_no_byte(
     case: str, suffix: str, tmp_path: Path
 ) -> None:
@@ -116,9 +115,7 @@ def test_every_joint_of_a_split_aims_as_it_was_told(case: str, suffix: str, tmp_
         assert np.allclose(np.cross(x, y), z, atol=2e-6)
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize("policy", ["snap", "skip"])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("case", "policy", "suffix"), every_other(list(CASES), ["snap", "skip"], SUFFIXES))
 def test_what_is_snapped_or_skipped_moves_nothing_and_stays(
     case: str, policy: str, suffix: str, tmp_path: Path
 ) -> None:

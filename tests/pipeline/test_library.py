@@ -14,7 +14,7 @@ import pytest
 from builds import everything
 from engines import NO_BLENDER
 from morphs import arm
-from places import ASSETS, NO_ASSETS, SAMPLES
+from places import ASSETS, NO_ASSETS, SAMPLES, slow
 from program import cli
 
 import rigtri
@@ -226,7 +226,7 @@ def test_a_rig_that_nobody_changed_is_written_as_it_was(tmp_path: Path) -> None:
     assert (tmp_path / "out.glb").read_bytes() == BIPED.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
 def test_what_is_taken_out_before_it_was_ever_written_leaves_the_file_as_it_was(
     name: str, tmp_path: Path
 ) -> None:

@@ -12,7 +12,7 @@ import jsonschema
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from places import ROOT, SAMPLES
+from places import ROOT, SAMPLES, every_other
 from ruamel.yaml import YAML
 
 from rigtri.pipeline.rigspec import json_positions
@@ -312,8 +312,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("line", WRONG)
-@pytest.mark.parametrize("extended", [False, True])
+@pytest.mark.parametrize(("line", "extended"), every_other(list(WRONG), [False, True]))
 def test_defaults_that_mean_nothing_are_refused(line: str, extended: bool, tmp_path: Path) -> None:
     head = write(tmp_path, f"defaults:\n  {line}\n", "studio.yaml").read_text()
     steps = "steps: [{do: orient-joints}]\n"
