@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.quaternions import conjugate, dot, rotation_angle, slerp
-from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.quaternions import angle_between, dot, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -199,5 +198,5 @@ def _line(times: Floats, values: Floats, left: Integers, right: Integers, at: In
 def _apart(a: Floats, b: Floats) -> Floats:
     """How far values are apart, (m,): turns in radians."""
     if a.shape[1] == 4:
-        return rotation_angle(product(conjugate(a), b))
+        return angle_between(a, b)
     return np.asarray(length(a - b)) if a.shape[1] == 3 else np.abs(a - b).max(axis=1)

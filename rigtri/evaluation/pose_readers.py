@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.maths.matrices import orthonormal_axes
-from rigtri.maths.quaternions import conjugate, from_axes, rotate, rotation_angle
+from rigtri.maths.quaternions import angle_between, conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
 from rigtri.maths.vectors import angle, dot, normalise
@@ -178,7 +178,7 @@ def _distances(reader: PoseReader, a: Floats, b: Floats) -> Floats:
     if reader.mode == "swing":
         return angle(rotate(a, reader.axis), rotate(b, reader.axis))
     if reader.mode == "both":
-        return rotation_angle(product(conjugate(a), b))
+        return angle_between(a, b)
     turn = twist(reader, a) - twist(reader, b)
     return np.abs(turn - 2.0 * np.pi * np.rint(turn / (2.0 * np.pi)))
 

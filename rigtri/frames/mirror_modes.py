@@ -13,7 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.maths.matrices import from_frame
+from rigtri.maths.matrices import from_frame, orthonormal_axes
+from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.joint_names import Side, side, twin
@@ -64,6 +65,11 @@ def mirrored_axes(axes: Floats, mirror: Mirror, across: Across) -> Floats:
     if mirror == "blender":
         return np.asarray(np.array([[-1.0], [1.0], [1.0]]) * across.directions(axes))
     return axes
+
+
+def world_rotation(rig: Rig, node: int) -> Floats:
+    """The axes of a node in the world as a rotation, (4,); −1: the world's own."""
+    return from_axes(orthonormal_axes(rig.world[node])) if node >= 0 else IDENTITY.copy()
 
 
 def side_of(rig: Rig, node: int) -> Side:

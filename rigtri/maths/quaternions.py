@@ -215,6 +215,11 @@ def make_continuous(q: ArrayLike) -> Floats:
     return np.asarray(q * signs[:, np.newaxis])
 
 
+def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
+    """How far unit quaternions are apart, (..., 4), (..., 4) → (...), in radians, 0 to π."""
+    return rotation_angle(multiply(conjugate(a), b))
+
+
 def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:
     """Rotations on the shorter arc from ``a`` to ``b``, (..., 4); ``share``, (...), from 0 to 1.
 

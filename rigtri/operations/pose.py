@@ -16,7 +16,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
 from rigtri.maths.matrices import compose
-from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, unit
+from rigtri.maths.quaternions import angle_between, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
@@ -146,7 +146,7 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
     for node, now in parts.items():
         was = still.part(node)
         far = float(np.abs(now.translation - was.translation).max()) > least[node]
-        turned = float(rotation_angle(multiply(conjugate(was.rotation), now.rotation))[0]) > NOTHING
+        turned = float(angle_between(was.rotation, now.rotation)[0]) > NOTHING
         grown = float(np.abs(now.scale - was.scale).max()) > NOTHING
         if not (far or turned or grown):
             continue

@@ -33,7 +33,7 @@ from rigtri.evaluation.timelines import (
     times_within,
 )
 from rigtri.evaluation.zero_pose import ControlsAtZero
-from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
+from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Interpolation, Path, Track
@@ -308,7 +308,7 @@ def _part(rig: Rig, node: int, path: Path) -> Floats:
 def _alike(now: Parts, target: Parts, size: float) -> bool:
     """Whether the two differ by no more than rounding."""
     moved = float(np.abs(target.translation - now.translation).max())
-    turned = float(rotation_angle(multiply(conjugate(now.rotation), target.rotation)).max())
+    turned = float(angle_between(now.rotation, target.rotation).max())
     grown = float(np.abs(target.scale - now.scale).max())
     return moved <= SAME * size and turned <= SAME and grown <= SAME
 

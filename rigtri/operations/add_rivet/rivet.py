@@ -23,8 +23,7 @@ from rigtri.evaluation.timelines import (
     times_and_jumps,
 )
 from rigtri.maths.arrays import Integers
-from rigtri.maths.quaternions import conjugate, from_axes, make_continuous, rotation_angle, slerp, to_axes
-from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp, to_axes
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length
@@ -311,7 +310,7 @@ class _Rivet:
 
     def _apart(self, values: Floats, others: Floats) -> Floats:
         """How far the end of what hangs on the rivet is moved, (f,), in file units."""
-        turned = rotation_angle(product(conjugate(values[:, 3:]), others[:, 3:]))
+        turned = angle_between(values[:, 3:], others[:, 3:])
         return np.asarray(length(values[:, :3] - others[:, :3]) + ARM * self.size * turned)
 
     def _off(self, held: SkinnedPoints, timeline: Timeline, tracks: Sequence[Track]) -> float:

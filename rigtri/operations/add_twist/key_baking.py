@@ -9,7 +9,7 @@ import numpy as np
 from rigtri.evaluation.sampling import Motion
 from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.quaternions import conjugate, multiply, rotation_angle, slerp
+from rigtri.maths.quaternions import angle_between, conjugate, multiply, rotation_angle, slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
@@ -89,7 +89,7 @@ class _Follower:
         off = np.zeros(len(span))
         for share, true in zip(_SHARES, trues, strict=True):
             shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
-            off = np.maximum(off, rotation_angle(multiply(conjugate(shown), true)))
+            off = np.maximum(off, angle_between(shown, true))
         middle = _single(times[:-1] + 0.5 * span)
         return np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
 

@@ -21,7 +21,7 @@ from rigtri.evaluation.solver import refuse_cycles
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.euler import ORDERS, Order, from_angles
 from rigtri.maths.matrices import SKEW, skew
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotation_angle
+from rigtri.maths.quaternions import IDENTITY, angle_between
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.constraints import (
     CHANNELS,
@@ -341,7 +341,7 @@ def _record(rig: Rig, rule: Constraint, node: int, note: dict[str, Any]) -> dict
     with np.errstate(all="ignore"):
         found = constrained_local(rig, rule, worlds(rig, local), local, own)
         parts, mine = to_parts(found[0]), to_parts(own[0])
-        turn = rotation_angle(multiply(conjugate(mine.rotation), parts.rotation))
+        turn = angle_between(mine.rotation, parts.rotation)
         angles = rotate_of(rule, parts.rotation) / _DEGREE
     if np.isfinite(angles).all():
         still = replace(rule, order="xyz", joint_orient=IDENTITY)

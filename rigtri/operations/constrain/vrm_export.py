@@ -18,7 +18,7 @@ from rigtri.evaluation.constraint_application import constrained_local
 from rigtri.evaluation.constraint_solver import nearest_rotation_of, to_parts
 from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import skew
-from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
+from rigtri.maths.quaternions import angle_between, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.bindings import NodeConstraint
@@ -132,7 +132,7 @@ def _why_elsewhere(rig: Rig, rule: Constraint) -> str:
 
 
 def _apart(a: Floats, b: Floats) -> float:
-    return float(rotation_angle(multiply(conjugate(nearest_rotation_of(a)), nearest_rotation_of(b))))
+    return float(angle_between(nearest_rotation_of(a), nearest_rotation_of(b)))
 
 
 def _even(world: Floats) -> bool:

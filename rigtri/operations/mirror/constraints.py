@@ -8,9 +8,9 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.constraint_solver import to_parts
-from rigtri.frames.mirror_modes import mirrored_axes
-from rigtri.maths.matrices import identity, orthonormal_axes
-from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotation_angle, to_axes
+from rigtri.frames.mirror_modes import mirrored_axes, world_rotation
+from rigtri.maths.matrices import identity
+from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.rig import Rig
@@ -90,15 +90,10 @@ def _joint_orient(rig: Rig, rule: Constraint, child: int, options: MirrorOptions
         return IDENTITY.copy()
     if _same(given, to_parts(local[rule.child]).rotation):
         return to_parts(local[child]).rotation
-    here, there = (_turn(rig, int(rig.parents[node])) for node in (rule.child, child))
+    here, there = (world_rotation(rig, int(rig.parents[node])) for node in (rule.child, child))
     seen = mirrored_axes(to_axes(multiply(here, given)), options.mode, options.across)
     return multiply(conjugate(there), from_axes(seen))
 
 
 def _same(one: Floats, two: Floats) -> bool:
-    return bool(rotation_angle(multiply(conjugate(one), two)) <= ALIKE)
-
-
-def _turn(rig: Rig, node: int) -> Floats:
-    """The axes of a node in the world as a rotation, (4,); −1: the world's own."""
-    return from_axes(orthonormal_axes(rig.world[node])) if node >= 0 else IDENTITY.copy()
+    return bool(angle_between(one, two) <= ALIKE)

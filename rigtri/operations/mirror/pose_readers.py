@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.maths.matrices import orthonormal_axes
-from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate
-from rigtri.maths.trigonometry import Floats
+from rigtri.frames.mirror_modes import world_rotation
+from rigtri.maths.quaternions import conjugate, multiply, rotate
 from rigtri.model.joint_names import twin
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.rig import Rig
@@ -99,8 +98,8 @@ def _goals(
     options: MirrorOptions,
 ) -> tuple[Goal, ...] | None:
     found = []
-    here, there = (_turn(rig, frame) for frame in frames)
-    resting, twins = (_turn(rig, driver) for driver in drivers)
+    here, there = (world_rotation(rig, frame) for frame in frames)
+    resting, twins = (world_rotation(rig, driver) for driver in drivers)
     for target in note["targets"]:
         name = str(target["name"])
         if "node" in target:
@@ -120,11 +119,6 @@ def _goals(
             x, y, z = seen.tolist()
             found.append(Goal(name, direction=(x, y, z)))
     return tuple(found)
-
-
-def _turn(rig: Rig, node: int) -> Floats:
-    """The axes of a node in the world as a rotation, (4,); −1: the world's own."""
-    return from_axes(orthonormal_axes(rig.world[node])) if node >= 0 else IDENTITY.copy()
 
 
 Triples = tuple[tuple[str, str, str], ...]

@@ -12,7 +12,7 @@ from rigtri.frames.mirror_modes import PLANES, Plane, mirrored_axes
 from rigtri.frames.mirror_plane import TOLERANCE, parting
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
-from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
+from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.joint_names import twin
@@ -139,7 +139,7 @@ def _compared(
     if axes:
         mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
         expected = from_axes(mirrored_axes(mine, options.mode, options.across))
-        angles = np.degrees(rotation_angle(multiply(conjugate(expected), now)))
+        angles = np.degrees(angle_between(expected, now))
     return [
         Pair(rig.title(a), rig.title(b), float(d), float(angle))
         for a, b, d, angle in zip(here, there, apart, angles, strict=True)

@@ -17,7 +17,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import alike, axis_fits, axis_straightened
 from rigtri.frames.nonuniform_scale import ScaleTable
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotates, rotation_angle, to_axes
+from rigtri.maths.quaternions import IDENTITY, angle_between, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
@@ -121,7 +121,7 @@ def apply_constraint_policy(
         leader = next(node for node in bond.nodes if node in own)
         leads = {node: kept.get(node, "no joint") for node in bond.tops if node not in own}
         common, why = _common(rig, scales, band, bond, leader, delta[leader], ChainMap(leads, held))
-        gave_way = [k for k in bond.nodes if k in own and _apart(delta[k], common) > UNCHANGED]
+        gave_way = [k for k in bond.nodes if k in own and angle_between(delta[k], common) > UNCHANGED]
         if gave_way:
             _report(rig, bond, leader, gave_way, why, policy, report)
         for node in (node for node in bond.nodes if node >= 0):
@@ -144,10 +144,6 @@ def _report(
         raise GeometryError(f"{text}. Leave it out with --exclude, or take --on-constraint freeze.")
     code = "constraint" if any(c.kind != "length" for c in bond.constraints) else "rotation-not-unit"
     report.warn(code, f"{text}.", joint=rig.title(gave_way[0]))
-
-
-def _apart(a: Floats, b: Floats) -> float:
-    return float(rotation_angle(multiply(conjugate(a), b)))
 
 
 def _names(rig: Rig, nodes: Sequence[int]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, determinant, skew
-from rigtri.maths.quaternions import conjugate, multiply, rotates, rotation_angle, to_axes
+from rigtri.maths.quaternions import angle_between, rotates, rotation_angle, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
@@ -197,7 +197,7 @@ def _scale_decision(outcome: Outcome, joint: int) -> dict[str, Any]:
     requested, taken = outcome.requested.delta[joint], outcome.delta[joint]
     if joint in outcome.split or joint in rig.frame_of:
         policy = "split"
-    elif float(rotation_angle(multiply(conjugate(requested), taken))) <= EXACT:
+    elif float(angle_between(requested, taken)) <= EXACT:
         policy = "in place"
     elif policy == "split":  # a constraint reads or writes its rotation
         policy = "skip"

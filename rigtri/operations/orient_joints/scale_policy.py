@@ -16,15 +16,16 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
+from rigtri.maths import quaternions
 from rigtri.maths.quaternions import (
     IDENTITY,
+    angle_between,
     conjugate,
     from_axes,
     from_axis_angle,
     multiply,
     norm,
     rotates,
-    rotation_angle,
     to_axes,
     unit,
 )
@@ -54,8 +55,7 @@ def cardinal_rotations() -> Floats:
 def nearest_cardinal(delta: Floats) -> Floats:
     """The cardinal rotations nearest to deltas, (k, 4), by the angle between them."""
     rotations = cardinal_rotations()
-    products = rotations * delta[:, np.newaxis]
-    overlap = np.abs(products[..., 0] + products[..., 1] + products[..., 2] + products[..., 3])
+    overlap = np.abs(quaternions.dot(rotations, delta[:, np.newaxis]))
     return np.asarray(rotations[np.argmax(overlap, axis=1)])
 
 
@@ -86,7 +86,7 @@ class ScalePolicy:
         requested = from_axes(axes)
         exact = nearest_exact(requested, scales, node, aim)
         policy = self.in_place if node in self.unsplittable else self.policy
-        if policy == "snap" or _apart(exact, requested) <= EXACT:
+        if policy == "snap" or angle_between(exact, requested) <= EXACT:
             return to_axes(exact)
         if policy == "skip":
             return np.eye(3)
@@ -106,7 +106,7 @@ class ScalePolicy:
         for node in np.flatnonzero(rotates(delta) & self.scales.uneven).tolist():
             axes = _axes_of(styles[node]) if node in styles else (0, 1)
             exact = nearest_exact(delta[node], self.scales, node, axes[0])
-            if _apart(exact, delta[node]) > EXACT:
+            if angle_between(exact, delta[node]) > EXACT:
                 found[node] = _unmirrored(delta[node], self.scales.sign[node], axes)
         return found
 
@@ -120,7 +120,7 @@ class ScalePolicy:
         for node in np.flatnonzero(rotates(delta) & scales.uneven).tolist():
             aim = _axes_of(styles[node])[0] if node in styles else 0
             exact[node] = nearest_exact(delta[node], scales, node, aim)
-            if _apart(exact[node], delta[node]) > EXACT:
+            if angle_between(exact[node], delta[node]) > EXACT:
                 refused.append((node, aim))
         if refused and self.policy == "error":
             names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k, _ in refused[:6])
@@ -137,7 +137,7 @@ class ScalePolicy:
     def _warn(self, node: int, requested: Floats, got: Floats, aim: int, report: Report) -> None:
         name, scales = self.rig.title(node), self.scales
         aim_error = np.degrees(angle(to_axes(requested)[aim], to_axes(got)[aim]))
-        whole = np.degrees(_apart(requested, got))
+        whole = np.degrees(angle_between(requested, got))
         what = "snapped to the nearest axes" if self.in_place == "snap" else "left as it was"
         scale, spread = str(first_uneven(self.rig, node, scales)), float(scales.spread[node])
         if scales.same[node] < SAME_SCALE:  # noise, but of something long
@@ -164,10 +164,6 @@ def _unmirrored(delta: Floats, sign: Floats, axes: tuple[int, int]) -> Floats:
     return from_axes(rows)
 
 
-def _apart(a: Floats, b: Floats) -> float:
-    return float(rotation_angle(multiply(conjugate(a), b)))
-
-
 def nearest_exact(requested: Floats, scales: ScaleTable, node: int, aim: int) -> Floats:
     """The nearest delta, (4,), that keeps every scale of a node diagonal: by its aim, then as a whole.
 
@@ -184,8 +180,7 @@ def nearest_exact(requested: Floats, scales: ScaleTable, node: int, aim: int) ->
         for axis in odd or (None,):
             candidate = cardinal if axis is None else _freed(cardinal, axis, requested, aim)
             aimed = float(dot(to_axes(candidate)[aim], target))
-            products = candidate * requested
-            overlap = abs(float(products[0] + products[1] + products[2] + products[3]))
+            overlap = abs(float(quaternions.dot(candidate, requested)))
             nearer = aimed > closest + SAME_AIM
             if nearer or (aimed > closest - SAME_AIM and overlap > most + EXACT):
                 best, closest, most = candidate, aimed, overlap

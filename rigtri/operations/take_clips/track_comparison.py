@@ -13,8 +13,7 @@ import numpy as np
 
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.quaternions import conjugate, dot, make_continuous, norm, rotation_angle, slerp, unit
-from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.quaternions import angle_between, dot, make_continuous, norm, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
@@ -35,7 +34,7 @@ _STEEPER = 1.5
 def differences(path: str, a: Floats, b: Floats) -> Floats:
     """How far values, (k, c), are apart, (k,): turns in radians."""
     if path == "rotation":
-        return rotation_angle(product(conjugate(unit(a)), unit(b)))
+        return angle_between(unit(a), unit(b))
     return np.asarray(length(a - b)) if path == "translation" else np.abs(a - b).max(axis=1, initial=0.0)
 
 

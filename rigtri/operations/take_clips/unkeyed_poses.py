@@ -15,7 +15,7 @@ from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
-from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
+from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
@@ -105,7 +105,7 @@ def _dot(a: Floats, b: Floats) -> Floats:
 def _otherwise(now: Parts, rest: Parts, rig: Rig) -> dict[Path, Floats]:
     """What of a node is not as at rest."""
     size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
-    turned = float(rotation_angle(multiply(conjugate(rest.rotation), now.rotation))[0])
+    turned = float(angle_between(rest.rotation, now.rotation)[0])
     apart: dict[Path, float] = {
         "translation": float(np.abs(now.translation - rest.translation).max()) / size,
         "rotation": turned,

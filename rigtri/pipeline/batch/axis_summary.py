@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigtri.evaluation import bind_pose
-from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
+from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length
 from rigtri.model.rig import Rig
@@ -71,7 +71,7 @@ def _turns(frames: Floats) -> Floats:
 def angles(one: bytes, other: bytes) -> Floats:
     """How far the frames of each joint are apart, in degrees."""
     a, b = (np.frombuffer(turns, dtype="<i2").reshape(-1, 4).astype(np.float64) for turns in (one, other))
-    found: Floats = rotation_angle(multiply(conjugate(a), b)) * (180.0 / np.pi)
+    found: Floats = angle_between(a, b) * (180.0 / np.pi)
     return found
 
 
