@@ -24,7 +24,7 @@ def size_of(rig: Rig) -> float:
 
 
 def controls_and_poles(rig: Rig) -> frozenset[int]:
-    """The nodes whose keys say that a control is at work: controls and poles."""
+    """The nodes whose keys make a control active: controls and pole vectors."""
     kinds = ("control", "poleVector")
     return frozenset(rig.nodes_of(*kinds))
 

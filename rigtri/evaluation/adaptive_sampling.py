@@ -1,7 +1,7 @@
 """Adaptive sampling: times as near to each other as what happens between them needs.
 
 An interval whose deviation is above a bound is divided, and its parts are looked at again. What is sampled,
-how far it is off and how often it may be divided is the caller's to say: `adaptive_key_times` for values
+how far it is off and how often it may be divided, the caller decides: `adaptive_key_times` for values
 with a bound of their own, `rigtri.evaluation.curve_refinement` for a rig that a solver moves.
 """
 
@@ -49,7 +49,7 @@ def refine_times(times: Floats, deviations: Deviations, division: Division) -> F
 
 
 def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
-    """The times between so many pieces of each interval, each once, as far as float32 tells them apart."""
+    """The times between so many pieces of each interval, each once, as far as float32 has them."""
     many = np.maximum(pieces - 1, 0)
     which = np.repeat(np.arange(len(start)), many)
     step = np.arange(len(which)) - np.repeat(np.cumsum(many) - many, many) + 1

@@ -1,7 +1,7 @@
 """Constraints evaluated over all frames at once: matrices first, translation, rotation and scale last.
 
-``f`` is the number of frames, ``d`` of drivers. A driver whose frame cannot be told in some frame
-(a scale of zero) does not count there; where none is left, or nothing can be told, the child
+``f`` is the number of frames, ``d`` of drivers. A driver without a valid frame at some time
+(a scale of zero) does not count there; where none is left, or the result is not finite, the child
 keeps its own matrix. Nodes hold no shear: of a matrix with shear (a driver whose axes are
 stretched unlike) position, nearest rotation and the lengths of the axes are taken.
 
@@ -31,7 +31,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Constraint
 
-# Sine of the angle between aim and up below which up tells nothing (rounding of float32 positions).
+# Sine of the angle between aim and up below which up gives no direction (rounding of float32 positions).
 PARALLEL = 1e-6
 # Of the numbers' size: a target nearer than this to its child has no direction.
 _HERE = 1e-12

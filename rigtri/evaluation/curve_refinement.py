@@ -30,7 +30,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
-# Samples a second, at most and on average, where none are asked for; a short clip has those of a second.
+# Samples a second, at most and on average, where no number is given; a short clip has those of a second.
 MOST_A_SECOND = 1024.0
 # Times are float32: so much of a piece is a whole one.
 _WHOLE = 1.001
@@ -50,8 +50,8 @@ class Deviation(NamedTuple):
 
 
 class Curve(Protocol):
-    """What is sampled. at: the parts that keys at some times say, (f, ·) each. off: how far the rig is off
-    while what is keyed has the parts ``shown``; it is asked for no more than one block of times.
+    """What is sampled. at: the parts of keys at some times, (f, ·) each. off: how far the rig is off
+    while what is keyed has the parts ``shown``; it gets no more than one block of times.
     """
 
     def at(self, times: Floats) -> dict[int, Parts]: ...
@@ -153,7 +153,7 @@ def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers
 
 
 def _line(parts: Mapping[int, Parts], left: Integers, share: Floats) -> dict[int, Parts]:
-    """What lines and great arcs between samples ``left`` and the next ones say, (m, ·) each."""
+    """Lines and great arcs between samples ``left`` and the next ones, (m, ·) each."""
 
     def ends(values: Floats) -> tuple[Floats, Floats]:
         return np.take(values.T, left, axis=1).T, np.take(values.T, left + 1, axis=1).T
@@ -222,7 +222,7 @@ class _Curve:
 
     @cached_property
     def lever_arms(self) -> dict[int, float]:
-        """How far what hangs on each of the nodes goes, up to the next of them, in file units."""
+        """How far nodes below each of the nodes are from it, up to the next of them, in file units."""
         rig, nodes = self.rig, set(self.nodes)
         far = np.full(len(rig), 0.05 * self.size)
         for node in range(len(rig) - 1, -1, -1):
@@ -238,7 +238,7 @@ class _Curve:
         return self.solver.steps_for(self.rig.with_ancestors(self.nodes))
 
     def apart(self, a: PoseCache, b: PoseCache, count: int) -> Deviation:
-        """How far what hangs on the nodes is apart, at most."""
+        """How far the nodes, and what is below them, are apart, at most."""
         most = Deviation(np.zeros(count), np.full(count, -1))
         for node in self.nodes:
             one, other = a.world(node), b.world(node)

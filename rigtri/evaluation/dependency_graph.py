@@ -169,7 +169,7 @@ def _paths(rig: Rig, step: Uses, setter: Mapping[int, int]) -> Paths:
         if node in setter:
             found.setdefault(setter[node], (node,))
     for node in step.needs:
-        # A control over a joint that is not a child of what carries it: the way goes through the control.
+        # A control over a joint that is not a child of what moves it: the path goes through the control.
         path = list(getattr(step, "through", {}).get(node, ()))
         above = node
         while above >= 0:

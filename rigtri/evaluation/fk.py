@@ -2,7 +2,7 @@
 
 A joint whose parent has the control above is moved in its parent's space, so nothing of the world
 takes part: rotation = rest · channel, in the joint's own axes. Any other joint is carried
-rigidly by what its control hangs below, and then moved by the channels.
+rigidly by the parent of its control's offset, and then moved by the channels.
 
 Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger"; "Matrix parent constraint"
 (article): local = offset · driver · parent⁻¹.
@@ -68,7 +68,7 @@ class Fk:
 
     @property
     def _carrier(self) -> int:
-        """What carries the joint while its channels are zero: the joint of the control above, else that."""
+        """What moves the joint while its channels are zero: the joint of the control above, else that."""
         return self.reference.control_of.get(self.own.above, self.own.above)
 
     @property
@@ -116,7 +116,7 @@ class Fk:
         return there, multiply(self._moves, still)
 
     def run(self, posed: PoseCache) -> None:
-        """Move the joint as the control's channels say."""
+        """Move the joint by the control's channels."""
         rest, moves = self._carried(posed)
         posed.set(self.joint, self.moved(rest, posed.part(self.own.control), moves))
 
@@ -156,12 +156,12 @@ class Fk:
         return own * grown
 
     def channels(self, posed: PoseCache, target: Parts) -> Parts:
-        """The channels that give the joint its local parts ``wanted``."""
+        """The channels that give the joint its local parts ``target``."""
         rest, moves = self._carried(posed)
         return self.needed(rest, target, moves)
 
     def needed(self, rest: Parts, target: Parts, moves: Floats | None = None) -> Parts:
-        """The channels that take the joint from ``rest`` to its local parts ``wanted``; see `moved`."""
+        """The channels that take the joint from ``rest`` to its local parts ``target``; see `moved`."""
         turn = product(conjugate(rest.rotation), target.rotation)
         if self._axes is not None:
             turn = product(product(conjugate(self._axes), turn), self._axes)

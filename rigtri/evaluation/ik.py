@@ -1,6 +1,6 @@
 """IK of a limb: its end follows a control, its bend a pole vector; and the positions that both need.
 
-The solver turns the rest pose of the limb, carried by what the limb hangs on, from the triangle
+The solver turns the rest pose of the limb, moved by the node above the limb, from the triangle
 that its joints make there to the one that reaches the target. A control that rounding has put
 beside its joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls
 of the limb's joints work below the solver: their channels come on top of what it has found.
@@ -37,7 +37,7 @@ _BENDS, _STRAIGHTENS = 0.15, 0.02
 
 
 class _Rest(NamedTuple):
-    """What stays the same in all frames. lines: of the bones, seen from what the limb hangs on, (3,) each.
+    """What stays the same in all frames. lines: of the bones, seen from the node above the limb, (3,) each.
 
     upper, lower: the frames of the bones, seen from its turn. between, last: how the parents of the
     mid and the end joint are turned, seen from its turn. side: the way it bends, in its axes.
@@ -106,7 +106,7 @@ class Ik:
 
     @property
     def above(self) -> int:
-        """What the limb hangs on, −1 for nothing."""
+        """The node above the limb, −1 for none."""
         return int(self.rig.parents[self.limb.chain[0]])
 
     @cached_property
@@ -136,7 +136,7 @@ class Ik:
 
     @cached_property
     def _pole(self) -> Floats:
-        """Where the pole tells the rest pose from, (3,): the pole, or the plane where the pole was moved."""
+        """The pole of the rest pose, (3,): the pole vector, or a point of the limb's plane if that was moved."""
         a, b, c = self._points
         line = self._line
         bend = (b - a) - dot(b - a, line) * line
@@ -148,14 +148,14 @@ class Ik:
             near = length(cross(normalise(across), normalise(bend))) <= _ROUNDING
             if straight or (near and dot(across, bend) > 0):
                 return np.asarray(place)
-        if straight:  # nothing says where it bends: an axis of its own, the same one every time
+        if straight:  # no direction to bend to: an axis of its own, the same one every time
             return np.asarray(a + cross(line, np.eye(3)[np.argmin(np.abs(line))]))
         return np.asarray(b + normalise(bend) * (length(b - a) + length(c - b)))
 
     @cached_property
     def rest(self) -> _Rest:
         """The triangle is the one of the joints, in the plane of the pole: turns are counted from it, so
-        bones lie where the solver wants them. What parts the mid joint from that plane, which is
+        bones lie where the solver expects them. What parts the mid joint from that plane, which is
         rounding, is not seen."""
         world, above = self.reference.world, self.above
         a, b, c = self._points
@@ -184,7 +184,7 @@ class Ik:
 
     @cached_property
     def start(self) -> Floats:
-        """Where the limb's root is, (1, 3), seen from what it hangs on."""
+        """Where the limb's root is, (1, 3), seen from the node above it."""
         return self._own(self.limb.chain[0]).translation
 
     def lengths(self, posed: PoseCache) -> tuple[Floats, Floats]:
@@ -240,7 +240,7 @@ class Ik:
         return product(conjugate(self.reference.world_rotation(self.limb.control)), joint)
 
     def run(self, posed: PoseCache) -> None:
-        """Move the limb's joints to where control and pole want them."""
+        """Move the limb's joints to where control and pole vector direct them."""
         control = self.limb.control
         hand = product(_rotation_of(posed, control), self.grip)
         found = self.solved(posed, self.target(posed), self.place(posed), hand)

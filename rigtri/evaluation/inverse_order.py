@@ -1,6 +1,6 @@
 """The order in which controls are solved for a motion: each after the nodes that its parts are relative to.
 
-A step of its own finds each control, so that what follows a control, or hangs below it, comes after.
+A step of its own finds each control, so that what follows a control, or is below it, comes after.
 """
 
 from __future__ import annotations

@@ -26,12 +26,12 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import length
 
-# Takes a node and its wanted parts, and gives those that will be read from the file again.
+# Takes a node and its target parts, and gives those that will be read from the file again.
 Keep = Callable[[int, Parts], Parts]
 
 
 class KeepRequest(NamedTuple):
-    """What is to be kept of a node in some frames. free: where that cannot be told it stays as it is."""
+    """Parts of a node to be kept in some frames. free: where they are not finite, the node stays as it is."""
 
     node: int
     parts: Parts
@@ -71,7 +71,7 @@ class Block(NamedTuple):
 def solve_controls(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block: int = BLOCK) -> list[Block]:
     """The controls' parts for a motion, node → (f, ·) each, by the joints that they move; in blocks.
 
-    keep: rounds and thins out what is to be stored of a control, and says what is read from it; it
+    keep: rounds and thins out what is to be stored of a control, and returns what is read from it; it
     is given all frames at once. From one control to the next places are forgotten where there are
     several blocks, so that no more is held than what goes in and comes out.
     """
@@ -109,7 +109,7 @@ def _serve(
 
 
 def _next_request(asking: Asking, kept: Parts | None, of: Block | None) -> KeepRequest | None:
-    """What is asked next; None at the end. of: the block, where there are others besides."""
+    """The next request; None at the end. of: the block, where there are others besides."""
     try:
         return asking.send(kept)
     except StopIteration:

@@ -39,7 +39,7 @@ def subdivide_spline(track: Track, times: Floats) -> Floats:
     Values of rotations are as long as the spline is there: made unit, the curve beside them would differ.
     """
     keys, rows = track.times, track.values.copy()
-    # Outside of its keys a spline holds its value; there the outer tangents had no say.
+    # Outside of its keys a spline holds its value; there the outer tangents have no effect.
     if times[0] < keys[0]:
         rows[0, 0] = 0.0
     if times[-1] > keys[-1]:

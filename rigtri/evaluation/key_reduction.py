@@ -11,7 +11,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 
 # Keys of turns are no farther apart than this where there is one between them to be kept, in radians: below
-# a quarter turn, with room. Nobody can tell the way of a half turn; players that go straight from one to the
+# a quarter turn, with room. The way of a half turn is ambiguous; players that go straight from one to the
 # next quaternion are within 0.7° of the arc at 80°, and 8° off near a half turn.
 WIDEST_TURN = 80.0 * np.pi / 180.0
 # Of that: so much more is rounding, so that a second run finds the same keys.
@@ -35,7 +35,7 @@ def key_tolerances(rig: Rig, far: float, size: float) -> tuple[Floats, Floats]:
 
 
 def lever_arms(rig: Rig, size: float) -> Floats:
-    """How far what hangs on each node reaches at rest, (n,), a twentieth of ``size`` at least."""
+    """How far the nodes below each node reach from it at rest, (n,), a twentieth of ``size`` at least."""
     world = rig.world[:, 3, :3]
     reach = np.full(len(rig), 0.05 * size)
     for node in range(len(rig) - 1, -1, -1):
@@ -63,7 +63,7 @@ def reduce_keys(times: Floats, values: Floats, bound: float) -> Integers:
     if last < 1 or (_constant(values[[last // 2, last]], values, bound) and _constant(values, values, bound)):
         return np.array([0])
     kept = np.ones(last + 1, dtype=bool)
-    # A key that its neighbours do not tell stays; only between such keys there is something to be thinned.
+    # A key that its neighbours do not interpolate stays; only between such keys others may go.
     kept[1:-1] = _off_their_neighbours(times, values, bound)
     gaps = _gaps(kept)
     while len(gaps):
@@ -95,7 +95,7 @@ def _narrow(times: Floats, turns: Floats, keys: Integers) -> Integers:
     turns: (f, 4), on great arcs between the keys.
     """
     most = WIDEST_TURN * (1.0 + _ROUNDING)
-    # The cosine of half a turn is told without its angle.
+    # The cosine of half the angle is cheaper than the angle.
     start, end = turns[keys[:-1]], turns[keys[1:]]
     wide = np.flatnonzero((np.abs(dot(start, end)) < _LEAST_COSINE) & (np.diff(keys) > 1))
     angles = _apart(start[wide], end[wide])
@@ -115,9 +115,9 @@ def _constant(rows: Floats, values: Floats, bound: float) -> bool:
 
 
 def _off_their_neighbours(times: Floats, values: Floats, bound: float) -> Booleans:
-    """Whether each value but the ends, (f − 2,), is farther than the bound from what its neighbours tell.
+    """Whether each inner value, (f − 2,), is farther than the bound from what its neighbours interpolate.
 
-    Of turns most are told by chords, without angles: a straight line between two quaternions is off the arc
+    Rotations are mostly decided by chords, without angles: a line between two quaternions is off the arc
     of φ between them by t(1 − t)(1 − 2t)φ³/6 and terms of φ⁵; up to a right angle by a quarter more at most.
     """
     last = len(times) - 1
@@ -166,7 +166,7 @@ def is_reduction_of(times: Floats, values: Floats, there: Floats, bound: float, 
 
 def _rounded(times: Floats, values: Floats, bound: float, same: float) -> Floats:
     """How far rounding may part values, (f,): more where they go fast, as a limb's that passes straight, by
-    what they go while float32 tells no times apart; but never more than the bound.
+    what they go while float32 cannot distinguish times; but never more than the bound.
     """
     unclear = _UNCLEAR * float(np.spacing(np.float32(np.abs(times).max(initial=0.0))))
     speed = _apart(values[1:], values[:-1]) / np.diff(times)
@@ -187,7 +187,7 @@ def _off(times: Floats, values: Floats, left: Integers, right: Integers, at: Int
 
 
 def _line(times: Floats, values: Floats, left: Integers, right: Integers, at: Integers) -> Floats:
-    """What lines, or great arcs, between two values each say at the times ``at``, (m, c)."""
+    """Lines, or great arcs, between two values each, at the times ``at``, (m, c)."""
     share = (times[at] - times[left]) / (times[right] - times[left])
     start, end = (np.take(values.T, rows, axis=1).T for rows in (left, right))
     if values.shape[1] == 4:

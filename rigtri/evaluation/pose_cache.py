@@ -16,15 +16,15 @@ from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
 # What stands for a scale of zero, as a share of the largest beside it, where the turn of a flat frame is
-# asked for: near enough to the limit, and what the iteration of the nearest rotation can take.
+# needed: near enough to the limit, and what the iteration of the nearest rotation can take.
 FLAT = 1e-3
 
 
 class PoseCache:
     """Local parts and world matrices of a rig's nodes, one row a frame; a single row where nothing moves.
 
-    A node's place in the world is worked out when it is first asked for, so what moves it must be
-    set before.
+    A node's world matrices are computed when they are first needed, so its parts, and those of the nodes
+    above it, must be set before.
     """
 
     def __init__(self, rig: Rig, parts: Mapping[int, Parts] | None = None) -> None:
@@ -56,7 +56,7 @@ class PoseCache:
         self.parts[node] = parts
 
     def forget(self) -> None:
-        """Give up places in the world, and their memory; they are worked out again when asked for."""
+        """Drop world matrices, and their memory; they are computed again when they are needed."""
         self._worlds.clear()
 
     def world(self, node: int) -> Floats:
@@ -93,7 +93,7 @@ class PoseCache:
     def mended(self, found: Parts, start: Floats, carrier: int, above: int) -> Parts:
         """Local parts below ``above`` of what stands at ``start``, (4, 4), seen from its carrier.
 
-        found: what the matrices say, (1 or f, ·). Of a flat one, the turn is told without the scales of zero;
+        found: the parts of the matrices, (1 or f, ·). The rotation of a flat one is that without zero scales;
         and all of it where ``above`` is flat, which hides what is below it anyway.
         """
         if all(np.isfinite(each).all() for each in found):

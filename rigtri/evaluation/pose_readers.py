@@ -2,7 +2,7 @@
 
 ``dot`` and ``cone`` ask how much an axis of the driver points at each target; ``rbf`` weighs
 several poses by how near they are. All is seen from a frame, which is the driver's parent
-unless another is named, and evaluated for many times at once from what a note says.
+unless another is named, and evaluated for many times at once from metadata.
 
 Source: GDC 2018, slide "PSD node": the dot product of the driver's axis and the direction to
 the target.
@@ -29,7 +29,7 @@ KINDS: tuple[Kind, ...] = ("dot", "cone", "rbf")
 KERNELS: tuple[Kernel, ...] = ("linear", "gaussian")
 MODES: tuple[Mode, ...] = ("swing", "twist", "both")
 
-# Poses nearer to each other, in radians, are one: no weights can tell them apart.
+# Poses nearer to each other, in radians, are one: no weights can separate them.
 SAME_POSE = 1e-4
 # A single pose fades out at a right angle; several at the nearest other.
 ALONE = np.pi / 2
@@ -156,7 +156,7 @@ def poses_of(reader: PoseReader) -> Floats:
 
 
 def same_poses(reader: PoseReader) -> tuple[str, str] | None:
-    """The names of two poses that the reader cannot tell apart; None where there are none."""
+    """The names of two poses that the reader cannot distinguish; None where there are none."""
     poses = poses_of(reader)
     apart = _distances(reader, poses[:, np.newaxis], poses)
     for row, column in np.argwhere(apart < SAME_POSE).tolist():

@@ -1,8 +1,8 @@
 """Clips sampled: local and world matrices, and morph weights, at given times.
 
 Plain evaluation, the truth that everything is measured against. ``f`` is the
-number of times, ``n`` of nodes. All times asked for are evaluated in one go;
-`Motion` is a clip made ready for being asked often.
+number of times, ``n`` of nodes. All times are evaluated in one go;
+`Motion` is a clip prepared for many evaluations.
 
 Source: glTF 2.0 §3.5.3, §3.7.3, §3.11 and appendix C; UsdSkel (joint-local S·R·T).
 """
@@ -99,7 +99,7 @@ class Motion:
         return local
 
     def _sampled(self, path: str, still: Floats, times: Floats) -> Floats:
-        """What the driven nodes have of one path, (f, d, c); ``still``, (n, c), where no track tells it."""
+        """What the driven nodes have of one path, (f, d, c); ``still``, (n, c), where no track drives it."""
         found = None
         for pack in self.packs:
             if pack.path != path:
@@ -241,7 +241,7 @@ def _turned(values: Floats, left: Integers, inside: Floats) -> Floats:
 
 
 def _turn_between(here: Floats, there: Floats, share: Floats) -> Floats:
-    """slerp wants unit values; their stored length travels along, as in a renderer's mixer."""
+    """slerp takes unit values; their stored length is interpolated beside it, as in a renderer's mixer."""
     size, end = norm(here)[..., np.newaxis], norm(there)[..., np.newaxis]
     with np.errstate(divide="ignore", invalid="ignore"):
         blended = slerp(here / size, there / end, share[..., 0])

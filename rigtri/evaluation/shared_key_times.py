@@ -17,7 +17,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 
-# One array: who shares it, and what it says of the joints.
+# One array: the animation that holds it, and the path that it drives.
 Array = tuple[Hashable, Path]
 
 

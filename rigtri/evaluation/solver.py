@@ -1,6 +1,6 @@
 """The solver of a rig: which controls, limbs and constraints are active, and in which order they work.
 
-Source: docs/evaluation.md, which says in words what is done here.
+Source: docs/evaluation.md, which describes the same in words.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Solver:
 
     @cached_property
     def _looked_at(self) -> set[int]:
-        """What rules, IK ends, poles and controls beside their joints hang on, and all nodes above that."""
+        """The nodes that constraints, IK controls, poles and indirect FK controls use, and all above."""
         own = self._of_limbs
         looking = [node for rule in constraints_of(self.rig).values() for node in rule.sources]
         looking += [int(self.rig.parents[child]) for child in self.rules if child not in own]

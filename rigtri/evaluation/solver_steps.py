@@ -63,7 +63,7 @@ class RootStep:
 class ConstraintStep:
     """Rules of one child, in the order in which they come on top of each other.
 
-    riders: FK controls that hang below the child's own control, and ride on the child wherever rules
+    riders: FK controls below the child's own control, and ride on the child wherever rules
     have it, because something looks at what is below them.
     """
 

@@ -21,7 +21,7 @@ from rigtri.model.rig import Rig
 
 # float32 readers see no difference below this share; a second run must change no byte.
 SAME_VALUE = 1e-6
-# Formats that keep times as float32 can tell two keys this far apart, as a share of the time.
+# Formats that keep times as float32 can distinguish two keys this far apart, as a share of the time.
 _SINGLE = np.float32
 # The key of the clip that `played_at_once` makes.
 PLAYED = ("played", "")
@@ -132,7 +132,7 @@ def _is_default(clip: Clip) -> bool:
 def put_tracks(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
     """The rig with tracks put into a timeline: each takes the place of the one that drove the same.
 
-    A track that says what the one before it said leaves it as it is, to the bit.
+    A track with the same curve as the one before it leaves that as it is, to the bit.
     """
     clips = list(rig.clips)
     for track in tracks:
@@ -223,7 +223,7 @@ def as_float32(times: Floats) -> Floats:
 
 
 def just_before(times: Floats) -> Floats:
-    """The last times before these that float32 can tell from them."""
+    """The last float32 times before these."""
     return np.asarray(np.nextafter(times.astype(_SINGLE), _SINGLE(-np.inf)).astype(np.float64))
 
 
@@ -248,7 +248,7 @@ def steps_only(timeline: Timeline) -> bool:
 
 
 def without_steps(track: Track) -> Track:
-    """A track that says the same without holding values: a key just before each jump keeps it.
+    """The same curve without held values: a key just before each jump keeps it.
 
     The jump then takes the last bit of its time in float32. Other tracks are as they were.
     """
@@ -264,14 +264,14 @@ def without_steps(track: Track) -> Track:
 def merged_weights(was: Track, times: Floats, columns: Sequence[int], values: Floats) -> Track:
     """A weights track with some of its columns replaced: keys at the union of both times.
 
-    values: (f, len(columns)) at ``times``, linear between. The other columns go on saying what
-    they said: exactly, but for the rounding of values that new keys repeat between old ones.
+    values: (f, len(columns)) at ``times``, linear between. The other columns keep the values that
+    they had: exactly, but for the rounding of values that new keys repeat between old ones.
     ValueError for splines, whose curves no union of keys can keep.
     """
     if was.interpolation == "CUBICSPLINE" and len(was.times) > 1:
         raise ValueError("splines cannot take keys of another track")
     was = without_steps(was)
-    # What has one key says the same at all times.
+    # One key holds at all times.
     old = was.times if len(was.times) > 1 else was.times[:0]
     together = np.unique(np.concatenate([old, times]))
     rows = sample(was, together)

@@ -60,7 +60,7 @@ class TwistJoint:
 
 
 def twist_joints(rig: Rig) -> list[TwistJoint]:
-    """The twist joints that a rig's notes tell of, in the order of the nodes.
+    """The twist joints of a rig's metadata, in the order of the nodes.
 
     Raises NameNotFoundError for a joint that is no longer there, GeometryError for a bone
     without length.
@@ -69,7 +69,7 @@ def twist_joints(rig: Rig) -> list[TwistJoint]:
 
 
 def is_twist(note: Mapping[str, Any] | None) -> bool:
-    """Whether a note tells of a twist joint."""
+    """Whether metadata is that of a twist joint."""
     return note is not None and note.get("type") == "twist"
 
 

@@ -15,7 +15,7 @@ from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats, exponential
 from rigtri.maths.vectors import cross, dot, length, normalise
 
-# As shares of the limb: a target nearer than this to the root tells no direction, and a pole nearer than
+# As shares of the limb: a target nearer than this to the root gives no direction, and a pole nearer than
 # this to the line to the target no side: files hold float32, some nodes deep.
 NOWHERE, ON_LINE = 1e-7, 1e-5
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
@@ -25,7 +25,7 @@ BEYOND, _NEWTON = 5.0, 12
 class Solved(NamedTuple):
     """The frames, xyzw (f, 4), of the upper and the lower bone: x along the bone, z about which it
     bends; how much longer bones are made, (f,); how far short of the target the end stays, (f,), in
-    file units; and where neither target nor pole told a direction, (f,) bool.
+    file units; and where target or pole gives no direction, (f,) bool.
     """
 
     upper: Floats
@@ -113,7 +113,7 @@ def distance_for(reach: Floats, total: Floats, soft: float) -> Floats:
 
 
 def sides(along: Floats, pole: Floats, side: Floats, total: Floats) -> tuple[Floats, Booleans]:
-    """Unit directions, (f, 3), square to ``along``, on the pole's side; and where the pole told none."""
+    """Unit directions, (f, 3), square to ``along``, on the pole's side; and where the pole gives none."""
     across = pole - dot(pole, along)[..., np.newaxis] * along
     lost = length(across) <= ON_LINE * total
     own = side - dot(side, along)[..., np.newaxis] * along

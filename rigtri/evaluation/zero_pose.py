@@ -26,7 +26,7 @@ _WORLD = np.eye(4)
 
 @dataclass(frozen=True, eq=False)
 class FkControl:
-    """A control over one joint. above: the control that its offset hangs below, −1 for none."""
+    """A control over one joint. above: the control that its offset is a child of, −1 for none."""
 
     control: int
     offset: int
