@@ -35,7 +35,7 @@ spec_option = click.option(
     required=True,
     metavar="FILE",
     type=click.Path(dir_okay=False),
-    help="The rig spec: YAML, TOML or JSON.",
+    help="The rig spec: YAML or JSON.",
 )
 set_option = click.option(
     "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Give a variable of the spec a value."
@@ -68,7 +68,7 @@ def command(**values: Any) -> None:
     Examples:
         rigtri build hero.glb --spec rig.yaml -o out.glb
         rigtri build --spec rig.yaml --explain
-        rigtri build hero.glb --spec studio.toml --set side=left -o out.glb --report out.json
+        rigtri build hero.glb --spec studio.yaml --set side=left -o out.glb --report out.json
     """
     from rigtri.pipeline.rigspec.load import load
 

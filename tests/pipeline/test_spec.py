@@ -223,14 +223,11 @@ def test_a_second_build_changes_no_byte(tmp_path: Path) -> None:
     assert (tmp_path / "twice.glb").read_bytes() == (tmp_path / "once.glb").read_bytes()
 
 
-def test_yaml_toml_and_json_say_the_same(tmp_path: Path) -> None:
+def test_yaml_and_json_say_the_same(tmp_path: Path) -> None:
     yaml = load(write(tmp_path, "steps:\n- {do: add-controls, chain: [a, no], size: 2}\n"))
-    toml = load(
-        write(tmp_path, '[[steps]]\ndo = "add-controls"\nchain = ["a", "no"]\nsize = 2\n', "rig.toml")
-    )
     told = {"steps": [{"do": "add-controls", "chain": [["a", "no"]], "size": 2.0}]}
     found = load(write(tmp_path, json.dumps(told, indent="\t"), "rig.json"))
-    assert yaml.canonical() == toml.canonical() == found.canonical()
+    assert yaml.canonical() == found.canonical()
     assert yaml.steps[0].request["chains"] == (("a", "no"),)
 
 
@@ -273,12 +270,6 @@ def test_all_faults_are_told_at_once_with_their_places(tmp_path: Path) -> None:
     assert "Did you mean 'exclude'?" in told[7, 13]
     assert "'driver' is missing" in told[11, 5]
     assert "(it is 99)" in told[9, 12]
-
-
-def test_a_fault_of_toml_has_the_place_of_its_value(tmp_path: Path) -> None:
-    text = 'version = 1\n\n[[steps]]\ndo = "orient-joints"\n\n[[steps]]\ndo = "add-twist"\n  count = 99\n'
-    with pytest.raises(SpecError, match=r"rig\.toml:8:11 step 2 \(add-twist\): count"):
-        load(write(tmp_path, text, "rig.toml"))
 
 
 def test_options_that_contradict_each_other_are_told_with_their_step(tmp_path: Path) -> None:
@@ -383,7 +374,7 @@ def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
         load(tmp_path / "rig.yaml")
     with pytest.raises(FileError, match="is a folder"):
         load(tmp_path / "folder.yaml")
-    with pytest.raises(FileError, match=r"a \.yaml, \.yml, \.toml or \.json"):
+    with pytest.raises(FileError, match=r"a \.yaml, \.yml or \.json"):
         load(SAMPLES / "biped.glb")
     (tmp_path / "latin.yaml").write_bytes(b"name: \xe9\n")
     with pytest.raises(FileError, match="no UTF-8"):

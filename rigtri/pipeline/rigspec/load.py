@@ -91,7 +91,7 @@ def load(
     folders: Mapping[str, Path] | None = None,
     source: Path | str | None = None,
 ) -> Spec:
-    """The spec in a YAML, TOML or JSON file.
+    """The spec in a YAML or JSON file.
 
     variables: values instead of those in the spec. folders: what paths that begin with these are seen from,
     by their names; the working folder unless said. source: a character, whose names are looked for where
