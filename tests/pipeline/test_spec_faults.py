@@ -190,7 +190,7 @@ steps:
         ((5, 25), " there is no option 'cont'."),
         ((5, 48), " No joint is named 'foream_"),
         ((7, 37), " No joint is named 'chst'. "),
-        ((7, 52), " No node is named 'hnd_L'. "),
+        ((7, 52), " No joint is named 'hnd_L'."),
         ((8, 29), " No skin is named 'no'. The"),
     ]
 
@@ -311,7 +311,7 @@ def test_files_are_found_beside_the_spec_that_names_them(tmp_path: Path) -> None
     spec = load(write(tmp_path, "extends: studio/studio.yaml\n"))
     assert spec.steps[0].request["frames"] == str(tmp_path / "studio" / "f.json")
     spec = load(write(tmp_path, "extends: studio/studio.yaml\nsteps: [{do: take-clips}]\n"))
-    assert spec.steps[0].request["edited"] == str(tmp_path / "studio" / "f.json")
+    assert spec.steps[0].request["from_"] == str(tmp_path / "studio" / "f.json")
 
 
 def test_a_path_in_a_variable_is_seen_from_who_gives_it(
@@ -402,7 +402,7 @@ def test_a_variable_that_is_set_has_the_type_of_the_one_in_the_spec(tmp_path: Pa
     text = "variables: {n: 2, on: false, who: '12'}\n"
     text += "steps: [{do: add-twist, joint: '${who}', to: a, count: '${n}', upper: '${on}'}]\n"
     (only,) = load(write(tmp_path, text), variables={"n": "4", "on": "true", "who": "13"}).steps
-    assert (only.request["count"], only.request["upper"], only.request["joints"]) == (4, True, ("13",))
+    assert (only.request["count"], only.request["upper"], only.request["joint"]) == (4, True, ("13",))
 
 
 # Bounds

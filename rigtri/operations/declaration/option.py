@@ -74,6 +74,11 @@ class Option:
         return f"--{self.key}"
 
     @property
+    def is_file(self) -> bool:
+        """Whether it names another file that the operation reads."""
+        return self.kind is not None and self.kind.name.endswith("file")
+
+    @property
     def one_word(self) -> bool:
         """Whether a command line has one word for it, whatever its Python type is."""
         return self.kind is not None and self.kind.name in _ONE_WORD

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
+from rigtri.operations.declaration.option import options_of
+from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed
 from rigtri.pipeline.rigspec.planned_step import PlannedStep as PlannedStep
@@ -23,9 +25,6 @@ from rigtri.pipeline.steps.request import Request
 if TYPE_CHECKING:
     from rigtri.pipeline.rigspec.models.base import StepModel
     from rigtri.pipeline.rigspec.models.spec import SpecModel
-
-# Options that name files, by operation; a spec is done again when one of them has changed.
-_FILES = ("like", "frames", "edited", "described")
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ class Spec:
 
     def files(self) -> tuple[Path, ...]:
         """All files that the spec is made of or that its steps read, besides the character."""
-        named = [step.request.values.get(name) for step in self.steps for name in _FILES]
+        named = [step.request.values.get(name) for step in self.steps for name in _files_of(step.do)]
         return (*self.sources, *dict.fromkeys(Path(name) for name in named if name))
 
     def needed(self) -> tuple[tuple[Path, str], ...]:
@@ -147,9 +146,10 @@ def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], 
     models = step_models()
     for number, one in enumerate(tree.steps):
         model = models.get(str(one.get("do"))) if isinstance(one, dict) else None
+        files = _files_of(str(one["do"])) if model else ()
         for name, about in model.model_fields.items() if model else ():
             option = about.alias or name
-            if name in _FILES and isinstance(one.get(option), str) and one[option]:
+            if name in files and isinstance(one.get(option), str) and one[option]:
                 keys: Keys = ("steps", number, option)
                 spot = tree.at(keys)
                 says = tree.place(("variables", spot.variable)) if spot.variable else spot.place
@@ -160,6 +160,15 @@ def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], 
                 except FileError as error:
                     lost.append((keys, Fault(spot.place, where_of(tree, keys), str(error))))
     return frozenset(used), lost
+
+
+def _files_of(do: str) -> list[str]:
+    """The options of an operation that name files; a spec is done again when one of them has changed."""
+    try:
+        declared = options_class(do)
+    except ModuleNotFoundError:
+        return []
+    return [name for name, one in options_of(declared).items() if one.is_file]
 
 
 def need_extra() -> None:

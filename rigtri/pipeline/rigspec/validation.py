@@ -162,7 +162,7 @@ def _near(tree: Tree, loc: tuple[str | int, ...]) -> str:
 
     do = loc[1] if loc[0] == "defaults" else loc[2] if len(loc) > 2 else ""
     model: type[BaseModel] = step_models().get(str(do), SpecModel)
-    if loc[-1] == "auto" in model.model_fields:  # what the option is called inside, and its only value
+    if loc[-1] == "auto" and "limbs" in model.model_fields:  # the only value of that option
         return " Did you mean 'limbs: auto'?"
     known = [str(field.alias or name) for name, field in model.model_fields.items()]
     return did_you_mean(str(loc[-1]), known) or f" There are {', '.join(known)}."

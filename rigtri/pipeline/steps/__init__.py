@@ -42,7 +42,7 @@ def applied(name: str, options: Any, reading: ReadOptions) -> Step:
     reading: how the files are read that it works with. Raises FileError where files that the options name
     are not there.
     """
-    files = {one: getattr(options, one.name) for one in options_of(type(options)).values() if _is_file(one)}
+    files = {one: getattr(options, one.name) for one in options_of(type(options)).values() if one.is_file}
     files = {one: path for one, path in files.items() if isinstance(path, str)}
     for one, path in files.items():
         if path != "-":
@@ -58,10 +58,6 @@ def applied(name: str, options: Any, reading: ReadOptions) -> Step:
         return result
 
     return step
-
-
-def _is_file(one: Option) -> bool:
-    return one.kind is not None and one.kind.name.endswith("file")
 
 
 class _Files:

@@ -21,11 +21,12 @@ class StepModel(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=False, populate_by_name=False)
 
-    do: str
     optional: Flag = Field(
         False,
         description="Leave the step out, with a warning, where a file has not the joints that it names.",
     )
+
+    do: str
 
     def values(self) -> dict[str, Any]:
         """Values of the command's parameters."""
