@@ -136,7 +136,7 @@ class Ik:
 
     @cached_property
     def _pole(self) -> Floats:
-        """The pole of the rest pose, (3,): the pole vector, or a point of the limb's plane if that was moved."""
+        """The pole of the rest pose, (3,): the pole vector, or a point in the limb's plane."""
         a, b, c = self._points
         line = self._line
         bend = (b - a) - dot(b - a, line) * line

@@ -29,7 +29,7 @@ _KEPT = ("control", "offset", "poleVector", "group")
 
 
 def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:
-    """The pose, one row for each node that is asked for. What cannot be as asked is a warning of the report.
+    """The pose, one row for each requested node. What cannot be as requested is a warning of the report.
 
     Raises UsageError, NameNotFoundError (a clip), GeometryError (a circle).
     """
@@ -95,7 +95,7 @@ def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str,
 def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     """The rig with a pose for its rest pose: of joints and all else that moves but the controls. Clips stay.
 
-    Controls, poles and offsets stay: from where they are at rest it is told what their keys mean.
+    Controls, poles and offsets stay: their keys are relative to where they are at rest.
     Bind poses do not change, so meshes show the pose. Raises as `pose_of`, and GeometryError for a
     pose that is no numbers.
     """

@@ -44,7 +44,7 @@ from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.report import Report
 
 _PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
-# Joints that move by more, as a share of the size, are told.
+# Joints that move by more, as a share of the size, are reported.
 NEAR = 1e-5
 # Values that differ by less, in radians or as a share of the size, were found from the same pose.
 SAME = 1e-5
@@ -175,7 +175,7 @@ class _Limb:
         found = SolvedControls(PoseCache(self.rig, before.parts))
         match_limb(found, ik, before, Solver(self.rig, ()).rules, lambda node, parts: _single(parts))
         channels = dict(found.controls)
-        if self.timeline is not None:  # at rest offsets say what the controls' channels start from
+        if self.timeline is not None:  # at rest the controls' channels start from their offsets
             for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries)):
                 stand = _single(fk.beneath(found.posed))
                 if all(np.isfinite(each).all() for each in stand):

@@ -78,7 +78,7 @@ def _moment(clip: str, times: Floats) -> Moment:
 
 
 def _scaled(step: Step) -> Iterator[int]:
-    """The controls whose scale a step uses: its own, and the root's that its own hangs below."""
+    """The controls whose scale a step uses: its own, and that of the root control above it."""
     base = step.base if isinstance(step, ConstraintStep) else step
     if isinstance(base, Fk | RootStep):
         yield base.own.control

@@ -28,7 +28,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     """The rig without the nodes and notes of rigtri; the axes of joints stay as they are.
 
     ``report.added`` is left empty; ``report.removed`` names every node and note that goes.
-    Raises GeometryError where a node of someone else hangs below one of ours.
+    Raises GeometryError where a node of someone else is a child of one of ours.
     """
     gone = _gone(rig)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
@@ -157,7 +157,7 @@ def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
 
 
 def _others(rig: Rig) -> tuple[NodeConstraint, ...]:
-    """The node constraints that no rule of ours is told by."""
+    """The node constraints that none of our constraints is exported to."""
     ours = constraints_from_metadata(rig)
     return tuple(c for c in rig.node_constraints if ours.get(c.node) != c.kind)
 

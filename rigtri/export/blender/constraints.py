@@ -1,7 +1,7 @@
 """Constraints and twist joints in Blender: the constraint of the same meaning for each, or none.
 
 What follows stands on sockets that ride on its drivers, so that offsets are places and no numbers of a
-constraint, and one that is seen from a node's own space is told from two sockets.
+constraint, and one that is seen from a node's own space is made of two sockets.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _COPIES = {"t": "COPY_LOCATION", "r": "COPY_ROTATION", "s": "COPY_SCALE"}
 
 
 def follow(plan: Plan, rule: Constraint, report: Report) -> None:
-    """A rule as constraints of its child; a warning where Blender has none that says the same."""
+    """A rule as constraints of its child; a warning where Blender has no equivalent."""
     child = plan.rig.title(rule.child)
     if not rule.weights.any() or not rule.sets:
         return
@@ -77,7 +77,7 @@ def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: fl
 
 
 def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
-    """A turn that is told from the driver's parent: what one socket sees of the other is the child's turn
+    """A rotation relative to the driver's parent: what one socket sees of the other is the child's turn
     from rest, in its own axes; of a roll, with y along the axis of the roll."""
     rig, world, child = plan.rig, plan.reference.world, rule.child
     above, place = int(rig.parents[driver]), world[driver, 3, :3]
@@ -176,10 +176,10 @@ def twist(plan: Plan, found: TwistJoint) -> None:
 def _turn_about(
     plan: Plan, child: int, name: str, turned: str, zero: str, line: Floats, weight: float, share: float
 ) -> None:
-    """A socket on what the child hangs on turns about a line as ``turned`` twists about its y axis."""
+    """A socket on the child's parent rotates about a line as ``turned`` twists about its y axis."""
     above = int(plan.rig.parents[child])
     stand = frame(plan.reference.world[child, 3, :3], line, np.zeros(3))
-    # Blender's local space of an object is what it hangs on, so that has to stand in the same frame.
+    # Blender's local space of an object is its parent, so that has to stand in the same frame.
     holder = plan.socket(f"{name} frame", plan.node(above), stand, bone=True)
     turner = plan.socket(name, holder, stand, bone=True)
     plan.constrain(turner, "TRANSFORM", turned, space=zero, weight=weight)
@@ -192,7 +192,7 @@ def _left_out(report: Report, what: str) -> None:
 
 
 def left_out(plan: Plan, report: Report) -> None:
-    """Warnings for what rigtri has noted that no constraint of Blender's can say."""
+    """Warnings for what rigtri has noted that no constraint of Blender's can do."""
     rig = plan.rig
     for node, note in sorted(rig.metadata.items()):
         title, kind = rig.title(node), note.get("type")

@@ -1,7 +1,7 @@
 """Controls in Blender: FK controls, IK controls with pole vectors, and root controls.
 
 Each joint copies a socket that rides on its control. The control's offset stands where its joint would be
-while the control is zero: on the joint above, turned by IK where the limb's switch says so. IK is solved by
+while the control is zero: on the joint above, turned by IK where the limb's switch is on. IK is solved by
 bones of the script's own, which lie along the limb, for bones of a file point where their joints' axes do.
 """
 
@@ -72,7 +72,7 @@ def _limb(plan: Plan, ik: Ik, pole: str | None) -> None:
 
 
 def _bones(plan: Plan, ik: Ik, pole: str | None, number: int) -> tuple[str, str, str]:
-    """The bones that solve a limb, as words: what it hangs on, the upper and the lower one."""
+    """The bones that solve a limb, as words: the node above it, the upper and the lower one."""
     world, rest, above = plan.reference.world, ik.rest, ik.above
     name = plan.called(ik.limb.control)
     carrier = world[above] if above >= 0 else np.eye(4)

@@ -1,7 +1,7 @@
 """The set-up of a rig in Blender as plain lists, which the script reads: nodes, sockets, bones, constraints.
 
 All matrices are those of the file, row-vector and in the world, while controls are zero; Blender's axes
-are the script's matter. What a constraint is on, or looks at, is told by a word: ``n3`` is a node of the
+are the script's matter. What a constraint is on, or looks at, is given by a word: ``n3`` is a node of the
 file, ``s3`` a socket (an empty object that rides on something), ``b3`` a bone of the script's own.
 
 Source: docs/blender.md.
@@ -20,7 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.rig import Rig
 
-# What of a note tells a node from others, whatever Blender calls it.
+# The metadata that identifies a node, whatever Blender calls it.
 _TELLING = ("type", "kind", "joint", "chain", "child")
 
 

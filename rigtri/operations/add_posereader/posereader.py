@@ -85,7 +85,7 @@ class AddPosereaderOptions:
     fps: float | None = None
 
     def checked(self) -> AddPosereaderOptions:
-        """These options. UsageError where they say nothing, or contradict each other."""
+        """These options. UsageError where they are incomplete, or contradict each other."""
         if not self.driver:
             raise UsageError("name the joint to read: --driver JOINT")
         if not self.targets:
@@ -134,7 +134,7 @@ def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -
 
 
 def options_of(note: Mapping[str, Any]) -> AddPosereaderOptions:
-    """What a pose reader's note says of how it was made.
+    """The options that a pose reader was made with, from its metadata.
 
     Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
     """

@@ -91,7 +91,7 @@ def reader_keys(
     if np.abs(found - found[0]).max() <= STILL:
         return times[:1], found[:1]
     if steps_only(moving) and not isinstance(rig.clips[timeline.members[0]].key, tuple):
-        # Weights are linear in a file that can say so for each track: hold each to the next.
+        # Weights are interpolated linearly: a key just before the next one holds each value.
         ends = just_before(times[1:])
         kept = ends > times[:-1]
         together = np.concatenate([times, ends[kept]])

@@ -67,7 +67,7 @@ def restore_replaced_keys(
     """The rig with the keys back that the pose readers ``nodes`` have replaced, and which those are.
 
     The last reader first, as each keeps what the one before it has left. Keys of clips and meshes
-    that are not there any more stay away, and are told (``keys-gone``).
+    that are not there any more are not restored, with a warning (``keys-gone``).
     """
     driven: dict[int, set[int]] = {}
     for node in sorted(nodes, reverse=True):

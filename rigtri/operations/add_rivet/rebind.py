@@ -19,7 +19,7 @@ from rigtri.report import Report
 def rebind_rivets(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
     """The rig with the rivets of some meshes, by their nodes, where their triangles are now, in every clip.
 
-    One that cannot be baked stays as it is, and is told.
+    One that cannot be baked stays as it is, with a warning.
     """
     clips = range(len(rig.clips))
     for node in _rivets(rig, meshes):

@@ -36,7 +36,7 @@ from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptio
 from rigtri.operations.rigtri_nodes import add, find, group, noted, stand
 from rigtri.report import Report
 
-# Something so long, as a share of the mesh, may hang on a rivet: turns count by what its end moves.
+# Something so long, as a share of the mesh, may be attached to a rivet: rotations count as its end moves.
 ARM = 0.1
 # What moves less than this share of the mesh stands still, and gets one key.
 STILL = 1e-8
@@ -72,7 +72,7 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
 
 
 def options_of(note: Mapping[str, Any]) -> AddRivetOptions:
-    """What a rivet's note says of how it was made; its place is left to the caller."""
+    """The options that a rivet was made with, from its metadata; its place is left to the caller."""
     return AddRivetOptions(
         mesh=note["mesh"], name=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
     )
@@ -309,7 +309,7 @@ class _Rivet:
             return np.nan_to_num(self._apart(values, between), nan=0.0)
 
     def _apart(self, values: Floats, others: Floats) -> Floats:
-        """How far the end of what hangs on the rivet is moved, (f,), in file units."""
+        """How far the end of what is attached to the rivet is moved, (f,), in file units."""
         turned = angle_between(values[:, 3:], others[:, 3:])
         return np.asarray(length(values[:, :3] - others[:, :3]) + ARM * self.size * turned)
 

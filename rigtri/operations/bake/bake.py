@@ -200,7 +200,7 @@ class _Baker:
 
     @cached_property
     def movers(self) -> frozenset[int]:
-        """The nodes whose keys say that a control is at work: controls and poles."""
+        """The nodes whose keys make a control active: controls and pole vectors."""
         return controls_and_poles(self.rig)
 
     def _times_from(self, timeline: Timeline, replaced: Collection[tuple[int, Path]]) -> Timeline:
@@ -309,7 +309,7 @@ class _Baker:
         tracks: list[Track] = []
 
         def keep(node: int, parts: Parts) -> Parts:
-            """Tracks for a control, and what they say at all times."""
+            """Tracks for a control, and their values at all times."""
             at_zero = PoseCache(self.rig).part(node)
             own = self._tracks(timeline, times, held, node, parts, at_zero)
             tracks.extend(own)

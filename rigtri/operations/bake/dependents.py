@@ -61,7 +61,7 @@ def _nodes_that_move(rig: Rig, rivet: int) -> set[int]:
 def rebake_followers(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
     """The rig with rivets and pose readers where joints have them now: at rest, and in ``clips``.
 
-    One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, and is told.
+    One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, with a warning.
     """
     for node in rivets_and_readers(rig):
         module = posereader if rig.type_of(node) == "poseReader" else rivet

@@ -18,7 +18,7 @@ from rigtri.report import Notice
 def fidelity(
     rig: Rig, blocks: Sequence[Block], times: Floats, *, clip: str, size: float, tolerance: float
 ) -> tuple[dict[str, float], list[Notice]]:
-    """What is told of a clip, as shares of ``size`` and degrees; and a warning of what is off by more.
+    """The record of a clip, as shares of ``size`` and degrees; and a warning about what is off by more.
 
     blocks: what controls make of a motion at ``times``, and that motion. size: in file units.
     tolerance: as a share of it.

@@ -59,7 +59,7 @@ class ConstrainOptions:
     space: of orient, ``world`` axes or turns from rest in ``local`` axes; roll: only the turn about
     this axis of the child. aim, up: axes of the child; world_up: what up leans to, ``up_vector`` (in
     the world, or in the axes of ``up_object``) or the place of ``up_object``. limb: of polevector.
-    vrm: also as VRMC_node_constraint where that says the same.
+    vrm: also as VRMC_node_constraint where that can hold it.
     """
 
     kind: ConstraintKind

@@ -38,7 +38,7 @@ def export_node_constraint(
 ) -> tuple[Rig, str, Said | None]:
     """The rig with the rule as a node constraint too, "" and its kind; or the rig, why not, and None.
 
-    known: constraints of the file; one that says just this is used as it is.
+    known: constraints of the file; an equal one is used as it is.
     """
     kind = _kind(rule)
     why = _why_not(rig, rule) or _why_no_frame(rig, rule) or _why_elsewhere(rig, rule)
@@ -57,9 +57,9 @@ def export_node_constraint(
 
 
 def remove_node_constraint(rig: Rig, node: int) -> Rig:
-    """The rig without the node constraint that the rule of a node of ours was also told by.
+    """The rig without the node constraint that a constraint of ours was exported to.
 
-    The note says by ``vrm`` that there is one, and of which kind.
+    Its metadata has ``vrm``: that there is one, and of which kind.
     """
     note = rig.metadata[node]
     child = rig.known(note.get("child"))
@@ -78,7 +78,7 @@ def _kind(rule: Constraint) -> Said | None:
 
 
 def _why_not(rig: Rig, rule: Constraint) -> str:
-    """Why no node constraint says a rule, by its options alone; "" where one may."""
+    """Why no node constraint can hold a constraint, by its options alone; "" where one may."""
     if rig.rules.orient_locked:
         return "a VRM 0 file has none"
     if _kind(rule) is None:
@@ -95,7 +95,7 @@ def _why_not(rig: Rig, rule: Constraint) -> str:
 
 
 def _why_no_frame(rig: Rig, rule: Constraint) -> str:
-    """Why the nodes are none that viewers turn as the rule says."""
+    """Why viewers would not rotate these nodes as the constraint does."""
     child, driver = rule.child, rule.drivers[0]
     if any(c.node == child and c.kind != "tail" for c in rig.node_constraints):
         return "the node has a node constraint already"

@@ -27,7 +27,7 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report, *,
     """The rig with its armatures where controls had the bones, as in ``described``, with a notice.
 
     of: the nodes of ``rig`` by those of ``described``. binds: bind poses go along with their armature.
-    What a clip moves, and what hangs on nothing, stays.
+    What a clip moves, and what has no parent, stays.
     """
     theirs, ours = bind_poses(described), bind_poses(rig)
     keyed = {track.node for clip in rig.clips for track in clip.tracks}

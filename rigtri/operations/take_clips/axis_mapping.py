@@ -42,7 +42,7 @@ class Counterparts:
     """The pairs of two rigs with their C and G. moving: nodes of the other that any of its clips moves.
 
     The rest of a node that moves and is no joint may be the frame that the DCC has shown while it
-    wrote: such a node has the axes that its parent's turn tells.
+    wrote: such a node has the axes that its parent's rotation gives.
     """
 
     def __init__(self, rig: Rig, other: Rig) -> None:

@@ -15,7 +15,7 @@ from rigtri.operations.take_clips.track_comparison import differing, same_knots,
 
 
 class Comparison:
-    """What both files say in one clip. tolerance: a share of the size, by which the same may be off.
+    """One clip in both files. tolerance: a share of the size, by which the same may be off.
 
     clock: EDITED's times as the rig's, once `settled`.
     """
@@ -50,7 +50,7 @@ class Comparison:
         return [(old, now) for old, now in olds if old is not None]
 
     def agree(self, pair: Pair) -> bool:
-        """Whether a track says what RIG says, by the clock as it is set."""
+        """Whether a track gives the motion of RIG, by the clock as it is set."""
         was, bound = pair[0], self.tolerances.of(pair[1])
         now = self.clock.to_rig_time(pair[1])
         return not differing(was, now, bound).any() or self.same_knots(was, now, bound) is not None

@@ -40,7 +40,7 @@ class Taken:
 
 
 class ClipNames:
-    """The clips of two files. said: the user's names for clips of the edited file, by their names there or
+    """The clips of two files. user_names: the user's names for clips of EDITED, by their names there or
     globs: a name, ``#2`` for a clip by its number, "" for the one without a name.
     """
 

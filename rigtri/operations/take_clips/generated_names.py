@@ -50,7 +50,7 @@ class MadeNames:
         self.alone = [t for t in every if self._moves_only(without_copy(t.name), t)]
 
     def part_of(self, name: str, known: Container[str]) -> str | None:
-        """The clip that a name says it is part of: one of some, or one of which there are several parts."""
+        """The clip that a part belongs to by its name: one of some, or one that has several parts."""
         name = without_copy(name)
         if name in known:
             return name
@@ -66,7 +66,7 @@ class MadeNames:
         return None
 
     def is_merged(self, timeline: Timeline) -> bool:
-        """Whether it is all that plays, under a name that says so."""
+        """Whether it is all that plays, under a name for that."""
         return len(self.every) == 1 and timeline.name in _MERGED
 
     def is_of_object(self, timeline: Timeline) -> bool:
@@ -78,7 +78,7 @@ class MadeNames:
 
     @property
     def frame(self) -> float:
-        """One frame of this file, as the ends of clips tell it: by so much they may be off."""
+        """One frame of this file, as the ends of clips give it: by so much they may be off."""
         return max(frame_of(timeline.clip) for timeline in self.every) * (1.0 + SAME_SIZE)
 
     def alike(self, a: Clip, b: Clip, factor: float = 1.0) -> bool:
@@ -86,7 +86,7 @@ class MadeNames:
         return all(abs(x - y / factor) <= self.frame for x, y in zip(span(a), span(b), strict=True))
 
     def _moves_only(self, name: str, timeline: Timeline) -> bool:
-        """Whether a clip moves nothing but nodes called so and what hangs on them."""
+        """Whether a clip moves nothing but nodes called so and those below them."""
         if name not in self.objects:
             return False
         below = np.array([known == name for known in self.edited.names])

@@ -24,7 +24,7 @@ from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
 _PATH: Path = "translation"
-# Scales that tell off from nothing, and nothing from on.
+# Scales between off and none, and between none and on.
 _OFF, _ON = 0.75, 1.25
 
 
@@ -37,7 +37,7 @@ class Switches:
 
 
 def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
-    """What a file says of its IK ends: ``ends`` has their nodes there, and what they are in the rig."""
+    """The switches of a file's IK ends: ``ends`` has their nodes there, and what they are in the rig."""
     sizes: dict[int, float] = {}
     for node, above in enumerate(edited.parents.tolist()):
         if above in ends and SWITCH.fullmatch(edited.names[node]):

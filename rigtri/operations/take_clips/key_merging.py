@@ -15,7 +15,7 @@ from rigtri.model.animation import Path, Track
 
 
 def merged(was: Track, now: Track, changed: Booleans, *, missed: float, bound: float) -> Track:
-    """``now`` from each changed key to the next one that says what ``was`` says, which stays elsewhere.
+    """``now`` from each changed key to the next one that agrees with ``was``, which stays elsewhere.
 
     changed: (k,), of the keys of ``now``. missed: times that differ by less are one. bound: how far
     keys that are left out of ``now`` may be off. Tracks of two kinds are not mixed: then it is ``now``.
@@ -74,7 +74,7 @@ def _runs(changed: Booleans) -> list[tuple[int, int]]:
 
 
 def thinned(track: Track, bound: float) -> Track:
-    """A track without the keys that the others tell within a bound; its first and its last stay."""
+    """A track without the keys that the others interpolate within a bound; its first and its last stay."""
     if track.interpolation != "LINEAR" or len(track.times) < 3:
         return track
     keys = _needed(track.path, track.times, track.values, bound)

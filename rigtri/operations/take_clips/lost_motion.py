@@ -24,7 +24,7 @@ from rigtri.report import Report
 def warn_lost_motion(seen: Comparison, most: float, report: Report) -> None:
     """A warning where joints move otherwise between EDITED's keys for those that RIG's controls had there.
 
-    most: what is not told, as a share of the size. Only tracks count that say what RIG's say at their keys.
+    most: what is not reported, as a share of the size. Only tracks count that agree with RIG's at their keys.
     """
     rig, home = seen.both.rig, seen.taken.home
     if home is None:

@@ -36,7 +36,7 @@ class MorphNames:
         return None if mesh is None else mesh.morph_weights
 
     def of(self, node: int) -> tuple[str, ...]:
-        """The names of the targets of a node; none where nothing says them."""
+        """The names of the targets of a node; none where they are not known."""
         mesh = self._meshes.get(node)
         return () if mesh is None else mesh.morph_names
 
@@ -50,7 +50,7 @@ class MorphNames:
     ) -> Track | None:
         """A track of another file's weights as one of a node here; None where the targets are others.
 
-        What the other file lacks stays as ``was`` says it, or as it rests. theirs: the targets of that file;
+        What the other file lacks stays as in ``was``, or as it rests. theirs: the targets of that file;
         ours: its times as those of ``was``.
         """
         rest = self.at_rest(node)

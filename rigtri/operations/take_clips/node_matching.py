@@ -17,7 +17,7 @@ from rigtri.model.rig import Rig
 class Pairs:
     """What is one node. of: by node of the rig the node of the other. unclear: names of several.
 
-    placed: nodes of the rig that were told by their place, as they have no name in one of the files.
+    placed: nodes of the rig that were matched by position, as they have no name in one of the files.
     """
 
     of: dict[int, int]
@@ -46,7 +46,7 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
 
 
 def why_apart(rig: Rig, other: Rig) -> str:
-    """Why nodes without names cannot be told by their place; empty where they can."""
+    """Why nodes without names cannot be matched by position; empty where they can."""
     if len(rig) != len(other):
         return f"RIG has {len(rig)} nodes and EDITED {len(other)}"
     if not np.array_equal(rig.parents, other.parents):

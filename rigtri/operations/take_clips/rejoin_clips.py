@@ -17,7 +17,7 @@ from rigtri.report import Report
 
 # As that of take-clips: how far what nobody has edited may be off, as a share of the size.
 _TOLERANCE = 1e-5
-# Less than that between keys is not told, as a share of the size: what bake leaves there, too.
+# Less than that between keys is not reported, as a share of the size: what bake leaves there, too.
 _BETWEEN = 1e-3
 
 
@@ -74,14 +74,14 @@ def _is(parts: Sequence[Timeline], title: str) -> bool:
 
 
 def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report) -> tuple[Track, ...]:
-    """The tracks of a clip where the clip of the other file lies, and what was lost between its keys told."""
+    """The tracks of a clip in the time range of the other file's, with a warning about lost motion."""
     tracks = whole.clip.tracks
     if whole.home is None or not both.of:
         return tracks
     seen = Comparison(both, whole, _TOLERANCE)
     try:
         seen.settled()
-    except GeometryError:  # nothing says where it lies, so it stays
+    except GeometryError:  # its time is not known, so it stays
         return tracks
     warn_lost_motion(seen, between, report)
     if not seen.clock.shift:

@@ -34,7 +34,7 @@ from rigtri.report import Report
 
 # Matrices that differ by less, moves as a share of the largest, went through another program's float32.
 _SAME = 1e-4
-# Where nothing stands otherwise than there but for rounding, there is nothing to tell.
+# Where nothing stands otherwise than there but for rounding, there is nothing to report.
 _SAME_PLACE = 1e-5
 
 
@@ -50,7 +50,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
     both = pairs(described, rig)
     found = {both.of[node]: note for node, note in notes.items() if node in both.of}
-    # A group says nothing but where the others are; as a Scope without notes it is no node.
+    # A group only holds the others; as a Scope without notes it is no node.
     missing = [node for node in notes if node not in both.of and notes[node].get("type") != "group"]
     if not any(note.get("type") != "group" for note in found.values()):
         many = [described.names[node] for node in missing if described.names[node] in both.unclear]
@@ -140,7 +140,7 @@ def _rested(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> 
     """The rig with its nodes ``of`` (those of the other by theirs) at rest where they are there.
 
     Joints keep their own rest, and so does what no clip moves but controls, so that keys below it mean what
-    they did; all where there are no clips; and, with a warning, what hangs on something else there.
+    they did; all where there are no clips; and, with a warning, what has another parent there.
     """
     moving = {track.node for clip in rig.clips for track in clip.tracks}
     ours, theirs_at = dict[int, Floats](), {node: _zero(described, node) for node in of}
@@ -196,7 +196,7 @@ def _zero(rig: Rig, node: int) -> Floats:
 
 
 def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
-    """Whether two nodes hang on nodes of one name; what changes no place is passed over."""
+    """Whether the parents of two nodes have one name; what changes no place is passed over."""
     return _placing(rig, node) == _placing(described, theirs)
 
 

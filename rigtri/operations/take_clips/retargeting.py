@@ -66,7 +66,7 @@ class Transfer:
     def nodes(self) -> list[int]:
         """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
 
-        A mesh that hangs elsewhere in the other file is drawn otherwise; it has no motion of its own.
+        A mesh with another parent in the other file is drawn otherwise; it has no motion of its own.
         """
         both, rig = self.both, self.both.rig
         carried = [n for n in both.of if (rig.is_joint[n] or n in rig.own) and self.is_carried(n)]
@@ -87,7 +87,7 @@ class Transfer:
         return Transferred(self._sampled(node, left), sampled=True)
 
     def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
-        """Keys wherever anything that moves the node, or what it hangs on, has one."""
+        """Keys wherever anything that moves the node, or a node above it, has one."""
         both = self.both
         apart, parent = [], int(both.rig.parents[node])
         while parent >= 0 and parent not in both.of:

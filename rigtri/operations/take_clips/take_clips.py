@@ -63,7 +63,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             f"from_ is to be a Rig, the one with the motion, not {type(edited).__name__}; "
             "read(path).rig is that of a file"
         )
-    # Where Blender's IK was on or off, as the script of export-blender lets a file tell.
+    # Where Blender's IK was on or off, as the script of export-blender stores it.
     of = pairs(rig, edited).of
     switched = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
     if switched.on | switched.off:
@@ -199,7 +199,7 @@ class _Taking:
         return self.seen.tracks.get((node, path))
 
     def _fresh(self, theirs: Track) -> Track | None:
-        """What a track at EDITED's times becomes here; None where the rig says it already."""
+        """What a track at EDITED's times becomes here; None where the rig has it already."""
         bound, now = self.tolerances.of(theirs), self.clock.to_rig_time(theirs)
         self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
@@ -234,7 +234,7 @@ class _Taking:
         return key_tolerances(self.rig, self.thin * self.both.size, self.both.size)
 
     def _rest(self, track: Track) -> Floats:
-        """What the rig says at rest, (1, c)."""
+        """The rig's values at rest, (1, c)."""
         rig, node = self.rig, track.node
         if track.path == "weights":
             weights = MorphNames(rig).at_rest(node)

@@ -21,7 +21,7 @@ from rigtri.operations.take_clips.track_comparison import MISSED
 
 # Frames: ends that are nearer are one. A DCC begins and ends a clip up to a frame beside its own frames.
 _NEAR = 1.5
-# No DCC has fewer frames a second: what is farther apart has keys by hand, which tell no frame.
+# No DCC has fewer frames a second: what is farther apart has keys by hand, which give no frame rate.
 _FEWEST = 12.0
 
 
@@ -109,7 +109,7 @@ class Ranges:
         return held(track, *own) if own is not None else track
 
     def notice(self, name: str) -> str:
-        """What a user is told of it."""
+        """The warning about it."""
         (a, b), (c, d), (e, f) = self.theirs, self.ours, self.taken
         now = "" if (a, b) == (e, f) else f", moved to {e:.6g} to {f:.6g}"
         what = "it was taken as a whole" if self.whole else "what it has keys of was taken"
@@ -123,8 +123,8 @@ def ranges(
 ) -> Ranges | None:
     """Settle where EDITED's clip lies, and if RIG's is to have its range; None where both have one range.
 
-    pairs: what drives the same in both. same: whether a track says what RIG says, by the clock as it is set.
-    Raises GeometryError where EDITED has a part of the motion, and nothing says of which time.
+    pairs: what drives the same in both. same: whether a track agrees with RIG's, by the clock as set.
+    Raises GeometryError where EDITED has a part of the motion, and its time is not known.
     """
     assert taken.home is not None  # a new clip has its own range
     ours, there = span(taken.home.clip), span(taken.clip)
@@ -161,7 +161,7 @@ def ranges(
 
 
 def _agreeing(clock: Clock, shift: float, pairs: Sequence[Pair], same: Callable[[Pair], bool]) -> int:
-    """How many tracks that move say what RIG says where the clip is moved by ``shift``."""
+    """How many tracks that move give the motion of RIG where the clip is moved by ``shift``."""
     clock.settle(shift)
     return sum(moves(pair[1]) and same(pair) for pair in pairs)
 

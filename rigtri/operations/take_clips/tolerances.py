@@ -22,7 +22,7 @@ from rigtri.operations.take_clips.retargeting import Transfer
 SAME_WEIGHT = 1e-4
 # float32 has so much of a number of size 1, half so much.
 _FLOAT, _HALF = 2.0**-23, 2.0**-11
-# Three angles worked out of a float32 matrix tell the turn within so many bits, over the cosine of the
+# Three angles worked out of a float32 matrix give the rotation within so many bits, over the cosine of the
 # middle one; measured: 7.2. Below the least cosine two axes count as one.
 _ANGLE_NOISE, _LEAST_COSINE = 10.0 * _FLOAT, 16.0 * _FLOAT
 # OpenUSD's sparse writer leaves a sample of an array of halves out that is no farther from the one before.

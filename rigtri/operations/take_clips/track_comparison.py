@@ -23,7 +23,7 @@ MISSED = 1e-4
 # Gaps between keys this much longer than a frame were made by hand.
 _GAP = 1.5
 # Exporters leave out all keys between the first and the last where no number moves by more than this,
-# in EDITED's units: Blender's does, unless it is told to keep them.
+# in EDITED's units: Blender's does, unless it is set to keep them.
 _STILL = 1e-4
 # Tangents that differ by less, as a share of the larger, are one: float32, twice divided by a frame rate.
 SAME_TANGENT = 1e-3
@@ -39,7 +39,7 @@ def differences(path: str, a: Floats, b: Floats) -> Floats:
 
 
 def off(was: Track, now: Track, missed: float = MISSED) -> Floats:
-    """How far a track is at its keys from what the other says there, or from what a DCC makes of it, (k,)."""
+    """How far a track is at its keys from the other one, or from what a DCC makes of that, (k,)."""
     values, times = key_values(now), now.times
     if np.array_equal(was.times, times) and np.array_equal(was.values, now.values):
         return np.zeros(len(times))
@@ -52,7 +52,7 @@ def off(was: Track, now: Track, missed: float = MISSED) -> Floats:
 
 
 def differing(was: Track, now: Track, bound: Floats) -> Booleans:
-    """The keys, (k,), at which a track says something else; of splines also beside a curve that does."""
+    """The keys, (k,), at which a track differs; of splines also beside a curve that does."""
     found = off(was, now) > bound
     if was.interpolation == now.interpolation == "CUBICSPLINE" and len(now.times) > 1:
         for share in (0.25, 0.5, 0.75):
@@ -124,7 +124,7 @@ def _nearest(known: Floats, times: Floats) -> Floats:
 def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
     """Whether none of the splines of a clip came back with a tangent that it had, though some were not flat.
 
-    A DCC keeps tangents or drops them all, and makes its own; a hand moves some. Two, at least, tell.
+    A DCC keeps tangents or drops them all, and makes its own; a hand moves some. Two, at least, are evidence.
     """
     bent = 0
     for was, now in pairs:
@@ -160,7 +160,7 @@ def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) 
         return None
     knots = was.times[(was.times >= now.times[0]) & (was.times <= now.times[-1])]
     at = np.clip(np.searchsorted(now.times, knots), 1, len(now.times) - 2)
-    # A key between two frames: the frames tell it no nearer than the curve bends at either.
+    # A key between two frames: the frames give it no nearer than the curve bends at either.
     on_frame = np.abs(_nearest(now.times, knots)[:, 0] - knots) <= MISSED
     bends = _bends(now)
     bend = np.where(on_frame, 0.0, np.maximum(bends[at - 1], bends[at]))
