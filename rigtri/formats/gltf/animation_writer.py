@@ -8,14 +8,20 @@ Source: glTF 2.0 §3.7.3, §3.11; KHR_animation_pointer.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.gltf.accessors import FLOAT, Accessors
-from rigtri.formats.gltf.animation_reader import POINTER, pointer_of
+from rigtri.formats.gltf.animation_channels import (
+    channels_by_sampler,
+    drive_node,
+    driven_attachment,
+    drop_channels,
+    drop_empty_animations,
+)
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.float32_rounding import Singles, round_tracks, to_singles
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
@@ -210,7 +216,7 @@ class ClipWriter:
     def _retarget(self, track: Track, node: int) -> None:
         number, channel = _place(track)
         target = self._draft.edit("animations", number, "channels", channel, "target")
-        _aim(self._draft, (number, channel), target, node)
+        drive_node(self._draft, (number, channel), target, node)
 
     def _settle_samplers(self, outputs: dict[Any, Singles]) -> None:
         """New outputs for samplers; channels that share one and part ways get samplers of their own."""
@@ -218,7 +224,9 @@ class ClipWriter:
         for (number, channel), rows in outputs.items():
             sampler = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
             by_sampler.setdefault((number, sampler), []).append((channel, rows))
-        sharing = _sharing(self._draft.gltf.get("animations", []), {number for number, _ in by_sampler})
+        sharing = channels_by_sampler(
+            self._draft.gltf.get("animations", []), {number for number, _ in by_sampler}
+        )
         for (number, sampler), users in by_sampler.items():
             groups: dict[bytes, list[tuple[int, Singles]]] = {}
             for channel, rows in users:
@@ -282,10 +290,10 @@ class ClipWriter:
             return
         for number, animation in enumerate(self._draft.gltf.get("animations", [])):
             for channel, raw in enumerate(animation.get("channels", [])):
-                node = _drives_payload(raw)
+                node = driven_attachment(raw)
                 if node in self._moved:
                     target = self._draft.edit("animations", number, "channels", channel, "target")
-                    _aim(self._draft, (number, channel), target, self._moved[node])
+                    drive_node(self._draft, (number, channel), target, self._moved[node])
 
     def _add_animation(self, clip: Clip) -> int:
         animations = self._draft.need("animations", empty=[])
@@ -315,7 +323,9 @@ class ClipWriter:
         """Give a channel other key times or another interpolation, in a sampler of its own."""
         channel = _place(track)[1]
         old = self._draft.gltf["animations"][number]["channels"][channel]["sampler"]
-        if _sharing(self._draft.gltf["animations"], {number})[number, old] == 1:  # nobody else wants it
+        if (
+            channels_by_sampler(self._draft.gltf["animations"], {number})[number, old] == 1
+        ):  # nobody else wants it
             before, now = self._draft.gltf["animations"][number]["samplers"][old], self._sampler(track)
             if "interpolation" not in before and (now["interpolation"] == "LINEAR" or len(track.times) == 1):
                 now.pop("interpolation")  # one key holds either way
@@ -353,34 +363,6 @@ class ClipWriter:
         return self._storage.add(rows, kind, "animation", bounds=bounds)
 
 
-def drop_channels(draft: CopyOnWrite, number: int, lost: Collection[int]) -> None:
-    """Take channels out of an animation, and the samplers that only they were using."""
-    animation = draft.edit("animations", number)
-    channels = animation.get("channels", [])
-    kept = [channel for k, channel in enumerate(channels) if k not in lost]
-    used = {channel.get("sampler") for channel in kept}
-    gone = {channels[k].get("sampler") for k in lost} - used
-    places = [k for k in range(len(animation.get("samplers", []))) if k not in gone]
-    moved = {old: new for new, old in enumerate(places)}
-    animation["samplers"] = [animation["samplers"][k] for k in places]
-    animation["channels"] = [
-        channel
-        if moved.get(channel.get("sampler"), channel.get("sampler")) == channel.get("sampler")
-        else {**channel, "sampler": moved[channel["sampler"]]}
-        for channel in kept
-    ]
-
-
-def drop_empty_animations(draft: CopyOnWrite) -> None:
-    """An animation without channels is not allowed; nothing refers to animations by number."""
-    animations = draft.gltf.get("animations", [])
-    if any(not animation.get("channels") for animation in animations):
-        kept = [animation for animation in animations if animation.get("channels")]
-        draft.edit("animations")[:] = kept
-        if not kept:
-            draft.gltf.pop("animations")
-
-
 def _same(now: Floats, then: Floats) -> bool:
     if now is then or now.shape != then.shape or not now.size:
         return now is then or now.shape == then.shape
@@ -394,42 +376,3 @@ def _place(track: Track) -> tuple[int, int]:
         raise ValueError("only a track that was read has a place in the file")
     number, channel = track.key
     return int(number), int(channel)
-
-
-def _sharing(animations: list[Any], among: set[int]) -> dict[tuple[int, int], int]:
-    """How many channels use each sampler of some animations."""
-    users: dict[tuple[int, int], int] = {}
-    for number in among:
-        for channel in animations[number].get("channels", []):
-            sampler = channel.get("sampler")
-            if type(sampler) is int:
-                users[number, sampler] = users.get((number, sampler), 0) + 1
-    return users
-
-
-def _drives_payload(channel: Any) -> int | None:
-    """The node whose morph weights, lights or instances a channel drives."""
-    target = channel.get("target")
-    if not isinstance(target, dict):
-        return None
-    if target.get("path") == "weights":
-        node = target.get("node")
-        return node if type(node) is int else None
-    pointer = (pointer_of(target) or "").split("/")
-    shown = pointer[3:4] == ["weights"] or pointer[3:5] in (
-        ["extensions", "KHR_lights_punctual"],
-        ["extensions", "EXT_mesh_gpu_instancing"],
-    )
-    return int(pointer[2]) if pointer[1:2] == ["nodes"] and shown and pointer[2].isdecimal() else None
-
-
-def _aim(draft: CopyOnWrite, place: tuple[int, int], target: dict[str, Any], node: int) -> None:
-    """Let a channel drive another node, by number or by pointer."""
-    pointer = pointer_of(target)
-    if target.get("path") != "pointer" or pointer is None:
-        target["node"] = node
-        return
-    parts = pointer.split("/")
-    parts[2] = str(node)
-    path = ("animations", place[0], "channels", place[1], "target", "extensions", POINTER)
-    draft.edit(*path)["pointer"] = "/".join(parts)

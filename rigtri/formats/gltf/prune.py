@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.animation_writer import drop_channels, drop_empty_animations
+from rigtri.formats.gltf.animation_channels import drop_channels, drop_empty_animations
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.garbage_collect import collect_garbage
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
