@@ -57,7 +57,7 @@ QUICK = (
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="write goldens anew; then look at git diff")
     parser.addoption("--slow", action="store_true", help="run the proofs too")
-    parser.addoption("--sample", metavar="K/N", default="1/1", help="of the proofs, the Kth of N parts")
+    parser.addoption("--sample", metavar="K/N", default="1/1", help="of all tests, the Kth of N parts")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -66,7 +66,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark the quick tests and the proofs; leave out the proofs that are not asked for."""
+    """Mark the quick tests and the proofs; leave out proofs without --slow, and what --sample leaves out."""
     kept, left_out = [], []
     for item in items:
         folder = item.path.relative_to(TESTS) if item.path.is_relative_to(TESTS) else None
@@ -74,8 +74,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker("quick")
         if folder is not None and (folder.parts[0] == "proofs" or _is_of_a_real_file(item)):
             item.add_marker("slow")
-        asked_for = config.getoption("--slow") and _is_in_part(item, config.getoption("--sample"))
-        (left_out if item.get_closest_marker("slow") and not asked_for else kept).append(item)
+        left = item.get_closest_marker("slow") and not config.getoption("--slow")
+        left = left or not _is_in_part(item, config.getoption("--sample"))
+        (left_out if left else kept).append(item)
     items[:] = kept
     config.hook.pytest_deselected(items=left_out)
 
