@@ -20,7 +20,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from rigtri.operations.declaration.option import Kind, Option, options_of
 from rigtri.operations.options.orient_joints import StyledChain
-from rigtri.operations.registry import options_class
+from rigtri.operations.registry import OPERATIONS, options_class
 from rigtri.pipeline.rigspec.models import values
 from rigtri.pipeline.rigspec.models.base import StepModel
 
@@ -56,7 +56,19 @@ def step_model(name: str) -> type[StepModel]:
     declared: Any = options_class(name)
     words = str(declared.__doc__).partition("\n")[0]
     fields = {"do": (Literal[name], ...), **_fields(declared)}
-    return create_model(name.title().replace("-", ""), __base__=StepModel, __doc__=words, **fields)
+    return create_model(_model_name(name), __base__=StepModel, __doc__=words, **fields)
+
+
+def __getattr__(name: str) -> type[StepModel]:
+    """A model by its name, for pickle: specs travel to the processes of a batch."""
+    for operation in OPERATIONS:
+        if name == _model_name(operation):
+            return step_model(operation)
+    raise AttributeError(name)
+
+
+def _model_name(operation: str) -> str:
+    return operation.title().replace("-", "")
 
 
 def _fields(declared: Any) -> dict[str, Any]:
