@@ -2,8 +2,8 @@
 
 With row matrices, C of the child, D of a driver and the parent's P: where ``world' = C·world``, an
 offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
-take the parent's turn off. What the axes themselves define (skipped channels, lengths of axes,
-turns in own axes) cannot always be expressed in others; `lost_rules` names it.
+take the parent's delta off. What the axes themselves define (skipped channels, lengths of axes,
+rotations in own axes) cannot always be expressed in others; `lost_rules` names it.
 
 Source: derived from `rigtri.model.constraints`; docs/exactness.md.
 """
@@ -24,7 +24,7 @@ from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 _SAME = 1e-9
-# What a turn of frames gives new numbers; the rest of a note stays as it was written.
+# What a change of frames gives new numbers; the rest of a note stays as it was written.
 _REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "rollAxis")
 
 
@@ -45,7 +45,7 @@ def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]
 
 
 def _seen(vector: Sequence[float], own: Floats) -> list[float]:
-    """A vector of a node's axes, seen from its new ones; the very numbers where it does not turn."""
+    """A vector of a node's axes, seen from its new ones; the very numbers where it keeps its frame."""
     if not (own != IDENTITY).any():
         return list(vector)
     return [float(x) for x in rotate(conjugate(own), np.array(vector, dtype=np.float64))]
@@ -79,7 +79,7 @@ def _reoriented_reader(rig: Rig, note: Mapping[str, Any], delta: Floats) -> Mapp
 
 
 def lost_rules(rig: Rig, delta: Floats) -> list[int]:
-    """The nodes of rules that mean something else after the turns, (n, 4), and have to be set again."""
+    """The nodes of rules that mean something else after the deltas, (n, 4), and have to be set again."""
     return [node for node, rule in constraints_of(rig).items() if _lost(rig, rule, delta)]
 
 

@@ -53,9 +53,9 @@ class Across:
         """The same for row vectors with 1 behind them, (4, 4)."""
         return from_frame(self.directions(np.eye(3)), self.points(np.zeros(3)))
 
-    def turn(self, turn: Floats) -> Floats:
+    def rotation(self, rotation: Floats) -> Floats:
         """The mirror image of a rotation of the world, (4,): the other way about the mirrored axis."""
-        return np.concatenate([-self.directions(turn[:3]), turn[3:]])
+        return np.concatenate([-self.directions(rotation[:3]), rotation[3:]])
 
 
 def mirrored_axes(axes: Floats, mirror: Mirror, across: Across) -> Floats:

@@ -2,9 +2,9 @@
 
 A constraint keeps its meaning, for every motion and every weight, exactly when
 
-* rotation, tail: source and node turn alike (their parents do not matter);
-* roll: the parents of source and node turn alike, and in the new frame of the node
-  the roll axis is again one of its axes (the turn of the source does not matter);
+* rotation, tail: source and node get the same delta (their parents do not matter);
+* roll: the parents of source and node get the same delta, and in the new frame of the node
+  the roll axis is again one of its axes (the delta of the source does not matter);
 * aim: in the new frame of the node the aim axis is again one of the six.
 
 Then nothing but the letter of the axis is to be written anew.
@@ -28,7 +28,7 @@ SAME = 1e-9
 
 
 def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
-    """The two nodes that must turn alike, the leading one first; −1 is the world, which never turns."""
+    """The two nodes that must take one delta, the leading one first; −1 is the world, which takes none."""
     if constraint.kind == "aim":
         return None
     first, second = constraint.source, constraint.node
@@ -38,7 +38,7 @@ def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
 
 
 def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
-    """The constraints that would not mean the same after the turns, (n, 4)."""
+    """The constraints that would not do the same after the deltas, (n, 4)."""
     return [c for c in rig.node_constraints if not (_alike(rig, c, delta) and axis_fits(c, delta[c.node]))]
 
 
@@ -57,7 +57,7 @@ def axis_fits(constraint: NodeConstraint, delta: Floats) -> bool:
 
 
 def axis_straightened(constraint: NodeConstraint, delta: Floats, noise: float) -> Floats:
-    """A turn, (4,), that makes the axis an axis again, where ``delta`` misses that by ``noise`` (radians)."""
+    """A delta, (4,), that makes it an axis again, where ``delta`` misses that by ``noise`` (radians)."""
     axis = _seen(constraint, delta)
     nearest = np.rint(axis)
     if not nearest.any() or axis_fits(constraint, delta) or np.abs(axis - nearest).max() > noise:

@@ -22,7 +22,7 @@ from rigtri.model.rig import Rig
 # up to 1.6e-5 of noise on characters nobody scaled. Turning them moves points by at most half
 # of that times the bone's reach, a share of the size well inside the tolerance of 1e-5.
 SAME_SCALE = 2e-5
-# A turn this near to a signed permutation of the axes is one.
+# A rotation this near to a signed permutation of the axes is one.
 SAME_AXIS = 1e-9
 # What float64 leaves beside the diagonal of a scale that was turned exactly, as a share of the scale.
 LAST_BITS = 1e-12
@@ -77,7 +77,7 @@ class ScaleTable:
     def uneven(self) -> Booleans:
         """Which nodes, (n,), have a scale that is not uniform, beyond the noise of exporters.
 
-        Two pairs that are alike make all three alike: otherwise a turn about either odd axis
+        Two pairs that are alike make all three alike: otherwise a rotation about either odd axis
         would be exact but not both, and a second run would find a third.
         """
         over = self.apart > self.same[:, np.newaxis]

@@ -1,7 +1,7 @@
 """Changing joint frames: bind matrices, children, clips and constraints follow. Only here do frames change.
 
 The change of frame C of a joint is a rotation seen in the joint's own old
-frame: a unit quaternion per node, identity where nothing turns. With row
+frame: a unit quaternion per node, identity where nothing changes. With row
 matrices and p the parent::
 
     world' = C·world          local' = C·local·Cp⁻¹
@@ -37,7 +37,7 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
 
     Nothing that can be seen moves. A node that itself shows a mesh, camera or
     light hands it to a new child ``<name>_payload`` that keeps the old axes.
-    ValueError where a node's scale does not allow the turn: ask `ScaleTable.allows` first; and
+    ValueError where a node's scale does not allow the delta: ask `ScaleTable.allows` first; and
     where constraints would no longer mean the same: ask `rigtri.frames.node_constraints.broken`.
     scales: those of ``rig``, where the caller has them.
     """
@@ -50,7 +50,7 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
         raise ValueError(f"{[rig.title(node) for node in refused]} would shear: non-uniform scale")
     if lost := broken(rig, delta):
         names = [rig.title(constraint.node) for constraint in lost]
-        raise ValueError(f"the constraints of {names} compare axes that would not turn alike")
+        raise ValueError(f"the constraints of {names} compare axes that would get different deltas")
     above = np.where((rig.parents >= 0)[:, np.newaxis], delta[rig.parents], IDENTITY)
     fold = scales.fold(delta)
     rig = _reorient_rest(rig, delta, above, fold, scales)
@@ -64,22 +64,22 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
     return _hand_over_payload(rig, delta)
 
 
-def split(rig: Rig, turns: Mapping[int, Floats]) -> Rig:
+def split(rig: Rig, deltas: Mapping[int, Floats]) -> Rig:
     """Give nodes new axes, (4,) each, although their scales forbid it: by nodes above that hold them.
 
     The new node ``<name>_orient`` takes the translation and rotation of its node, turned; the
-    node keeps the opposite turn and its scale: ``S·R·T = (S·C⁻¹)·(C·R·T)``. Exact for any
-    scale, also one that is animated. The turn is that of the rotation R: S may mirror, C·R
+    node keeps the opposite rotation and its scale: ``S·R·T = (S·C⁻¹)·(C·R·T)``. Exact for any
+    scale, also one that is animated. The delta is that of the rotation R: S may mirror, C·R
     does not. Nothing below moves, no inverse bind changes.
     """
-    if not turns:
+    if not deltas:
         return rig
     signs = ScaleTable.of(rig).sign
-    above = rig.insert_above({node: f"{rig.names[node] or 'joint'}_orient" for node in turns})
+    above = rig.insert_above({node: f"{rig.names[node] or 'joint'}_orient" for node in deltas})
     translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
     notes, lifted = dict(above.metadata), {}
-    for before, node in enumerate(sorted(turns)):
-        delta, holder, old = turns[node], node + before, node + before + 1
+    for before, node in enumerate(sorted(deltas)):
+        delta, holder, old = deltas[node], node + before, node + before + 1
         translation, rotation, scale = _parts(rig, node, signs[node])
         translations[holder], rotations[holder] = translation, multiply(rotation, delta)
         translations[old], rotations[old] = 0.0, conjugate(delta)
@@ -106,9 +106,9 @@ def _parts(rig: Rig, node: int, sign: Floats) -> tuple[Floats, Floats, Floats]:
     return translation, from_axes(axes), np.abs(scale) * sign
 
 
-def _lifted(track: Track, turns: Mapping[int, Floats]) -> Track:
-    """A track of a split node on the node above it, where it moves or turns."""
-    delta = turns.get(track.node)
+def _lifted(track: Track, deltas: Mapping[int, Floats]) -> Track:
+    """A track of a split node on the node above it, where it moves or rotates."""
+    delta = deltas.get(track.node)
     if delta is None or track.path not in ("translation", "rotation"):
         return track
     values = multiply(track.values, delta) if track.path == "rotation" else track.values
@@ -116,14 +116,14 @@ def _lifted(track: Track, turns: Mapping[int, Floats]) -> Track:
 
 
 def _rescaled(delta: Floats, fold: Floats, scales: ScaleTable) -> Booleans:
-    """Which nodes, (n,), may have other scales after their turns; the others keep theirs to the bit."""
+    """Which nodes, (n,), may have other scales after their deltas; the others keep theirs to the bit."""
     return np.asarray(rotates(delta) & (scales.uneven | scales.mixed) | rotates(fold))
 
 
 def _reoriented_scale(
     scale: Floats, node: Integers | int, delta: Floats, fold: Floats, scales: ScaleTable
 ) -> Floats:
-    """Scales, (..., 3), of nodes after their turns: permuted, unsigned, or untouched to the bit."""
+    """Scales, (..., 3), of nodes after their deltas: permuted, unsigned, or untouched to the bit."""
     squares = to_axes(delta[node]) ** 2
     mixed = np.asarray(sum(squares[..., :, k] * scale[..., k, np.newaxis] for k in range(3)))
     folded = rotates(fold[node])[..., np.newaxis]

@@ -1,8 +1,8 @@
 """Tolerances: nearly uniform scales and nearly unit rotations that count as exact.
 
-A turn is exact for uniform scales and unit rotations. What falls short of that moves
+A reorientation is exact for uniform scales and unit rotations. What falls short of that moves
 something, by a share of how far what hangs at the joint reaches; where that would be
-seen, the joint counts as one of non-uniform scale, or turns as its parent does.
+seen, the joint counts as one of non-uniform scale, or takes the delta of its parent.
 
 Source: docs/exactness.md, "Scale" and "Quaternions that are not unit".
 """
@@ -23,7 +23,7 @@ from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 
 # How much of the tolerance all that is nearly uniform along a line of joints may use up, and all
-# that is nearly unit: both are bounds that only the worst of turns in the worst of poses reaches.
+# that is nearly unit: both are bounds that only the worst of deltas in the worst of poses reaches.
 SCALES_MAY, ROTATIONS_MAY = 0.9, 0.3
 # Half a unit in the last place of float32 numbers near 1, of squares and of scales.
 ROUNDING = 1.2e-7
@@ -56,7 +56,7 @@ def same_scales(
 
 def against_parent(rig: Rig, delta: Floats) -> Integers:
     """The nodes of rotations that are not unit and that viewers of the rig's format would show elsewhere
-    after the turns, (n, 4), for their parents turn otherwise.
+    after the deltas, (n, 4), for their parents take others.
 
     Of anything that is off by more than float32 rounding and six digits: where points are not at hand.
     """
@@ -66,7 +66,7 @@ def against_parent(rig: Rig, delta: Floats) -> Integers:
 
 
 def ties(rig: Rig, reach: LeverArm, tolerance: float) -> tuple[NodeConstraint, ...]:
-    """Each node whose rotations are not unit, tied to its parent: they must turn alike.
+    """Each node whose rotations are not unit, tied to its parent: both must take the same delta.
 
     A quaternion of length L is the matrix L²·R + (1 − L²)·1 to a viewer that takes it as it is,
     and the frames C of joint and parent give C·(L²·R + (1 − L²)·1)·Cp⁻¹. That is such a matrix

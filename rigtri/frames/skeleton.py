@@ -193,9 +193,9 @@ def _own_frames(tree: Skeleton, world: Floats) -> Floats:
     # A joint of scale 0 has no axes to measure; what it shows is all the same a point.
     world[joints, :3, :3] = np.where(np.isfinite(unscaled), unscaled, world[joints, :3, :3])
     for joint in rig.frame_of:
-        _, turn, scale = decompose(rig.local[joint])
+        _, own, scale = decompose(rig.local[joint])
         axes = world[joint, :3, :3] * np.where(scale < 0, -1.0, 1.0)[:, np.newaxis]
-        world[joint, :3, :3] = rotate_before(conjugate(turn), from_frame(axes, np.zeros(3)))[:3, :3]
+        world[joint, :3, :3] = rotate_before(conjugate(own), from_frame(axes, np.zeros(3)))[:3, :3]
     return world
 
 

@@ -105,13 +105,13 @@ def unposed(rig: Rig, node: int) -> Floats:
 def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
     """Give a node a local matrix without shear, (4, 4); bits that only ``noise`` would change stay."""
     translation, rotation = rig.translation.copy(), rig.rotation.copy()
-    turn = from_axes(orthonormal_axes(place))
+    new = from_axes(orthonormal_axes(place))
     least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
     if length(place[3, :3] - translation[node]) > least:
         translation[node] = place[3, :3]
     # q and −q are one rotation; of a half turn, rounding picks either.
-    if min(np.abs(turn - rotation[node]).max(), np.abs(turn + rotation[node]).max()) > _SAME_PLACE:
-        rotation[node] = turn
+    if min(np.abs(new - rotation[node]).max(), np.abs(new + rotation[node]).max()) > _SAME_PLACE:
+        rotation[node] = new
     if rig.has_matrix[node]:
         matrix = rig.matrix.copy()
         # A matrix keeps its own scale, as translation and rotation beside a scale do.

@@ -111,7 +111,7 @@ def _goals(
         elif "rotation" in target:
             # What turns the driver from rest to the pose, in the world, mirrored as turns are.
             pose = multiply(here, np.array(target["rotation"], dtype=np.float64))
-            turn = options.across.turn(multiply(pose, conjugate(resting)))
+            turn = options.across.rotation(multiply(pose, conjugate(resting)))
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
             found.append(Goal(name, rotation=(x, y, z, w)))
         else:

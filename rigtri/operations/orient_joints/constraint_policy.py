@@ -1,8 +1,8 @@
 """The policy for joints that node constraints compare: re-orient them alike, or not at all.
 
-Joints whose frames a constraint compares turn alike or not at all: they take the turn of
-the one that leads, a source before what it drives. A constraint that turns or aims
-about an axis holds its joint where the new frame has no such axis. All else turns freely.
+Joints whose frames a constraint compares are re-oriented alike or not at all: they take the delta of
+the one that leads, a source before what it drives. A constraint that rotates or aims about an axis
+holds its joint where the new frame has no such axis. All others are free.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Policy = Literal["freeze", "error"]
 
 @dataclass
 class Bond:
-    """Nodes that can only turn alike (−1 is the world), or one that an axis holds.
+    """Nodes that can only take one delta (−1 is the world), or one that an axis holds.
 
     tops: those that nothing leads; they come first, and are none where constraints go in a circle.
     """

@@ -50,8 +50,8 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     targets = find_targets(rig, options)
     policy, tied = _scale_policy(rig, targets, options)
     requested = requested_frames(targets, options, policy, report)
-    parted = _splits(rig, requested, targets, policy, options)
-    delta = _allowed(rig, requested, parted, targets, policy, report, exactly=options.frames is not None)
+    splits = _find_splits(rig, requested, targets, policy, options)
+    delta = _allowed(rig, requested, splits, targets, policy, report, exactly=options.frames is not None)
     constrained = apply_constraint_policy(
         delta,
         requested.joints,
@@ -66,8 +66,8 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
         targets,
         requested,
         policy,
-        _at_joints(rig, constrained.delta, targets, requested, parted),
-        parted,
+        _at_joints(rig, constrained.delta, targets, requested, splits),
+        splits,
         constrained.skipped,
         constrained.follows,
     )
@@ -77,7 +77,7 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     messages.record(outcome, report)
     _warn_lost(rig, constrained.delta, report)
     out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
-    return split(_marked(out, outcome), parted)
+    return split(_marked(out, outcome), splits)
 
 
 def _scale_policy(
@@ -92,7 +92,7 @@ def _scale_policy(
     return ScalePolicy(options.on_nonuniform_scale, rig, replace(scales, same=same), unsplittable), tied
 
 
-def _splits(
+def _find_splits(
     rig: Rig,
     requested: RequestedFrames,
     targets: Targets,
@@ -116,7 +116,7 @@ def _splits(
 def _allowed(
     rig: Rig,
     requested: RequestedFrames,
-    parted: dict[int, Floats],
+    splits: dict[int, Floats],
     targets: Targets,
     policy: ScalePolicy,
     report: Report,
@@ -125,10 +125,10 @@ def _allowed(
 ) -> Floats:
     """What nodes take in place, (n, 4), for the sake of their scales; ``exactly``: however small."""
     delta = requested.delta.copy()
-    delta[list(parted)] = IDENTITY
+    delta[list(splits)] = IDENTITY
     delta = policy.allowed(_at_nodes(rig, delta), targets.styles, report)
     if not exactly:  # what the snap left over is noise too
-        joints = [joint for joint in requested.joints if joint not in rig.frame_of and joint not in parted]
+        joints = [joint for joint in requested.joints if joint not in rig.frame_of and joint not in splits]
         delta[joints] = requested.band.apply(delta[joints], joints)
     return delta
 
@@ -144,11 +144,11 @@ def _at_nodes(rig: Rig, delta: Floats) -> Floats:
 
 
 def _at_joints(
-    rig: Rig, delta: Floats, targets: Targets, requested: RequestedFrames, parted: dict[int, Floats]
+    rig: Rig, delta: Floats, targets: Targets, requested: RequestedFrames, splits: dict[int, Floats]
 ) -> Floats:
     """What joints take of deltas of nodes, (n, 4), or by a node of their own."""
     taken = requested.delta.copy()
-    joints = [joint for joint in targets.tree.joints if joint not in parted]
+    joints = [joint for joint in targets.tree.joints if joint not in splits]
     taken[joints] = delta[[rig.frame_of.get(joint, joint) for joint in joints]]
     return taken
 
