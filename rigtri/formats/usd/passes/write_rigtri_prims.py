@@ -28,7 +28,6 @@ from rigtri.formats.usd.reading.control_shape_reader import NAME
 from rigtri.formats.usd.reading.joint_tokens import child_token
 from rigtri.formats.usd.reading.metadata_attributes import TWIN, api_name, attributes_of
 from rigtri.formats.usd.reading.node_keys import kind, parts
-from rigtri.formats.usd.reading.reader import GROUP
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import OPS
 from rigtri.maths.matrices import inverse, multiply
@@ -37,6 +36,8 @@ from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
+# The Scope that holds rigtri's prims; it has no transform, so it is not Xformable to USD.
+GROUP = "rigtri"
 # What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
 SOURCE = "rigtri:source"
 
