@@ -13,6 +13,7 @@ from typing import Protocol, TypeVar
 
 from rigtri.errors import GeometryError
 from rigtri.model.constraints import ROTATION, TRANSLATION, Constraint, constraints_of
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 
 Dependencies = dict[int, set[int]]
@@ -58,11 +59,13 @@ def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
     """For each node those that it depends on. without: a node whose note does not count."""
     found: Dependencies = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
-    for node, note in rig.metadata.items():
-        if note.get("type") in ("control", "poleVector") and node != without:
-            named = note.get("chain") or ([note.get("joint")] if note.get("kind") == "fk" else [])
-            for name in named if isinstance(named, list | tuple) else []:
-                joint = rig.known(name)  # a note may name what has since been renamed
+    chains = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
+    for node, record in rig.records(ControlRecord).items():
+        chains[node] = record.chain or ((record.joint,) if record.kind == "fk" else ())
+    for node in rig.nodes_of("control", "poleVector"):
+        if node != without:
+            for name in chains.get(node, ()):
+                joint = rig.known(name)  # it may have been renamed since
                 if joint is not None:
                     found.setdefault(joint, set()).add(node)
     for node, rule in constraints_of(rig).items():

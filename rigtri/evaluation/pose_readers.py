@@ -10,9 +10,9 @@ the target.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rigtri.maths.quaternions import angle_between, conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
 from rigtri.maths.vectors import angle, dot, normalise
+from rigtri.model.metadata import PoseReaderRecord
 
 Kind = Literal["dot", "cone", "rbf"]
 Kernel = Literal["linear", "gaussian"]
@@ -68,25 +69,25 @@ class PoseReader:
     rest: Floats | None = None
 
     @staticmethod
-    def of_note(note: Mapping[str, Any]) -> PoseReader:
-        """The reader that a note describes."""
+    def of_record(record: PoseReaderRecord) -> PoseReader:
+        """The reader that a record describes."""
 
-        def numbers(value: Any) -> Floats | None:
+        def numbers(value: Sequence[float] | None) -> Floats | None:
             return None if value is None else np.array(value, dtype=np.float64)
 
         degree = float(np.pi) / 180.0
         return PoseReader(
-            kind=note["reader"],
-            axis=np.array(note["axis"], dtype=np.float64),
+            kind=record.reader,
+            axis=np.array(record.axis, dtype=np.float64),
             targets=tuple(
-                Target(t["name"], numbers(t.get("direction")), numbers(t.get("rotation")), t.get("node", ""))
-                for t in note["targets"]
+                Target(target.name, numbers(target.direction), numbers(target.rotation), target.node)
+                for target in record.targets
             ),
-            inner=float(note.get("inner", 0.0)) * degree,
-            outer=float(note.get("outer", 90.0)) * degree,
-            kernel=note.get("kernel", "linear"),
-            mode=note.get("mode", "swing"),
-            rest=numbers(note.get("rest")),
+            inner=record.inner * degree,
+            outer=record.outer * degree,
+            kernel=record.kernel,
+            mode=record.mode,
+            rest=numbers(record.rest),
         )
 
 

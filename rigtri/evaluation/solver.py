@@ -19,6 +19,7 @@ from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.model.animation import Path
 from rigtri.model.constraints import Constraint, constraints_of
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
 
@@ -184,6 +185,6 @@ class Solver:
 
 def refuse_cycles(rig: Rig) -> None:
     """ControlCycleError where controls and constraints depend on each other, whichever are active."""
-    fk = {node for node, note in rig.metadata.items() if note.get("kind") in ("fk", "root")}
+    fk = {node for node, record in rig.records(ControlRecord).items() if record.kind != "ik"}
     for driven in (None, fk):
         _ = Solver(rig, driven).steps

@@ -8,9 +8,8 @@ Source: "Matrix parent constraint" (twist distribution, announced).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,6 +27,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.swing_twist import twist_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
 
 
@@ -65,18 +65,13 @@ def twist_joints(rig: Rig) -> list[TwistJoint]:
     Raises NameNotFoundError for a joint that is no longer there, GeometryError for a bone
     without length.
     """
-    return [twist_of(rig, node, note) for node, note in sorted(rig.metadata.items()) if is_twist(note)]
+    return [twist_of(rig, node, record) for node, record in sorted(rig.records(TwistRecord).items())]
 
 
-def is_twist(note: Mapping[str, Any] | None) -> bool:
-    """Whether metadata is that of a twist joint."""
-    return note is not None and note.get("type") == "twist"
-
-
-def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> TwistJoint:
-    """The twist joint ``node`` of a note."""
-    joint, to, driver = (rig.find(str(note[key])) for key in ("joint", "to", "driver"))
-    own_axis = _own_axis(rig, joint, to, note.get("axis"))
+def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
+    """The twist joint ``node`` of a record."""
+    joint, to, driver = map(rig.find, (record.joint, record.to, record.driver))
+    own_axis = _own_axis(rig, joint, to, record.axis)
     upper = driver == joint
     path = driver_path(rig, driver, -1 if upper else joint)
     local = [rig.local[k] for k in path]
@@ -91,7 +86,7 @@ def twist_of(rig: Rig, node: int, note: Mapping[str, Any]) -> TwistJoint:
         rest=_rotation(local),
         axis=axis,
         own_axis=own_axis,
-        weight=sign * float(note["weight"]),
+        weight=sign * record.weight,
         standing=from_axes(orthonormal_axes(rig.local[node])),
     )
 
@@ -112,7 +107,7 @@ def bone(rig: Rig, joint: int, to: int) -> Floats:
     return transform_points(rig.world[to, 3, :3], inverse(rig.world[joint]))
 
 
-def _own_axis(rig: Rig, joint: int, to: int, given: Any) -> Floats:
+def _own_axis(rig: Rig, joint: int, to: int, given: Triple | None) -> Floats:
     """The axis in the space of ``joint``, (3,): the given one, else the line to ``to``."""
     line = bone(rig, joint, to) if given is None else np.array(given, dtype=np.float64)
     axis = normalise(line)

@@ -7,7 +7,7 @@ own numbers are the truth.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +17,7 @@ from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotatio
 from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 
 # Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
@@ -53,24 +54,20 @@ class ControlsAtZero:
         self.fk: dict[int, FkControl] = {}  # by joint
         self.limbs: list[IkLimb] = []
         self.roots: list[FkControl] = []
-        poles = {
-            _chain(rig, note): node for node, note in rig.metadata.items() if note.get("type") == "poleVector"
-        }
-        for node, note in sorted(rig.metadata.items()):
-            if note.get("type") != "control":
-                continue
-            joint = rig.known(note.get("joint"))
+        poles = {_chain(rig, record.chain): node for node, record in rig.records(PoleVectorRecord).items()}
+        for node, record in sorted(rig.records(ControlRecord).items()):
+            joint = rig.known(record.joint)
             if joint is None:
                 continue
-            kind, offset = note.get("kind"), int(rig.parents[node])
-            if kind == "ik":
-                chain = _chain(rig, note)
+            offset = int(rig.parents[node])
+            if record.kind == "ik":
+                chain = _chain(rig, record.chain)
                 if chain is not None and self._bends(chain):
-                    soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
-                    self.limbs.append(IkLimb(chain, node, poles.get(chain, -1), soft, stretch))
-            elif offset >= 0 and kind in ("fk", "root"):
+                    pole = poles.get(chain, -1)
+                    self.limbs.append(IkLimb(chain, node, pole, record.soft, record.stretch))
+            elif offset >= 0:
                 own = FkControl(node, offset, joint, int(rig.parents[offset]))
-                if kind == "fk":
+                if record.kind == "fk":
                     self.fk[joint] = own
                 else:
                     self.roots.append(own)
@@ -143,10 +140,7 @@ def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:
     return world
 
 
-def _chain(rig: Rig, note: Mapping[str, object]) -> tuple[int, int, int] | None:
-    """Root, mid and end of a note; None where one is not there."""
-    names = note.get("chain")
-    if not isinstance(names, list | tuple) or len(names) != 3:
-        return None
-    a, b, c = (rig.known(name) for name in names)
-    return None if a is None or b is None or c is None else (a, b, c)
+def _chain(rig: Rig, names: Sequence[str]) -> tuple[int, int, int] | None:
+    """Root, mid and end of a limb; None where one is not there."""
+    joints = [joint for joint in map(rig.known, names) if joint is not None]
+    return (joints[0], joints[1], joints[2]) if len(joints) == len(names) == 3 else None

@@ -15,7 +15,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import world_of
-from rigtri.evaluation.twist_joints import is_twist
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.limits import refuse_unworkable
 from rigtri.maths.matrices import nearest_rotation
@@ -173,9 +172,7 @@ class _Builder:
         """
         options, found = self.options, list[int]()
         if options.selection.named or options.whole_character:
-            found = [
-                k for k in chosen(self.tree, options.selection) if not is_twist(self.rig.metadata.get(k))
-            ]
+            found = [k for k in chosen(self.tree, options.selection) if self.rig.type_of(k) != "twist"]
             if not options.selection.named:
                 found = [joint for joint in found if self.tree.carries[joint]]
         missing = {node for limb in self.limbs for node in limb.triple}.difference(found)

@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation.twist_joints import is_twist
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
@@ -114,7 +113,7 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
 def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
     """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
-    below = [k for k in tree.below[joint] if k not in eyes and not is_twist(tree.rig.metadata.get(k))]
+    below = [k for k in tree.below[joint] if k not in eyes and tree.rig.type_of(k) != "twist"]
     weighted = [k for k in below if tree.carries[k]]
     some = weighted or below
     if not some:

@@ -17,6 +17,7 @@ from rigtri.maths.matrices import determinant
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project
+from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
@@ -222,12 +223,8 @@ def _up(aim: Floats, normal: Floats, source: str) -> Floats:
 
 def _known(rig: Rig, title: str) -> list[int]:
     """The joints of a limb that an earlier run has made, root first."""
-    found = [
-        (int(note["part"]), node)
-        for node, note in rig.metadata.items()
-        if note.get("type") == "limb" and note.get("limb") == title
-    ]
-    return [node for _, node in sorted(found)]
+    parts = {node: limb.part for node, limb in rig.records(LimbRecord).items() if limb.limb == title}
+    return sorted(parts, key=lambda node: (parts[node], node))
 
 
 def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) -> tuple[Rig, list[int]]:

@@ -24,6 +24,7 @@ from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import constraints_of
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
@@ -198,7 +199,11 @@ def test_a_mirrored_reader_reads_the_same_of_the_mirrored_pose(built: Rig) -> No
         for side in "LR":
             note = said(built, f"bent_{side}")
             driver, frame = (world[built.find(note[key])][np.newaxis] for key in ("driver", "frame"))
-            both_sides.append(float(weights(PoseReader.of_note(note), driver, frame, {})[0, 0]))
+            both_sides.append(
+                float(
+                    weights(PoseReader.of_record(PoseReaderRecord.from_dict(note)), driver, frame, {})[0, 0]
+                )
+            )
         assert both_sides[0] == pytest.approx(both_sides[1], abs=1e-6)
         read_out.append(both_sides[0])
     assert read_out[0] == pytest.approx(1.0)

@@ -23,6 +23,7 @@ from rigtri.formats import read
 from rigtri.maths.matrices import compose, identity
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.maths.trigonometry import Floats, exponential
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
@@ -188,7 +189,10 @@ def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_pa
     times = np.linspace(0, second, 9)
     world = sampling.worlds(rig, sampling.locals_at(rig, rig.clips[0], times))
     said = weights(
-        PoseReader.of_note(note), world[:, rig.find(note["driver"])], world[:, rig.find(note["frame"])], {}
+        PoseReader.of_record(PoseReaderRecord.from_dict(note)),
+        world[:, rig.find(note["driver"])],
+        world[:, rig.find(note["frame"])],
+        {},
     )
     assert_allclose(said[:, 0], weights_of(tmp_path / f"out.{kind}", times)[:, 0], atol=2e-4)
 
@@ -418,7 +422,7 @@ def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str
         clip = each.clip("walk")
         world = sampling.worlds(each, sampling.locals_at(each, clip, sampling.key_times(clip)))
         driver, frame = (world[:, each.find(note[key])] for key in ("driver", "frame"))
-        found.append(weights(PoseReader.of_note(note), driver, frame, {}))
+        found.append(weights(PoseReader.of_record(PoseReaderRecord.from_dict(note)), driver, frame, {}))
     assert_allclose(found[1], found[0], atol=1e-6)
     assert np.ptp(found[0]) > 0.01
 

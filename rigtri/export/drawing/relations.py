@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import recognise
 
@@ -11,12 +12,9 @@ from rigtri.recognition.limbs import recognise
 def limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
     """Root, middle and end of limbs, recognised or with a pole vector; and that, or −1."""
     found = {limb.triple: -1 for limb in recognise(rig)}
-    for node, note in sorted(rig.metadata.items()):
-        chain = (
-            [rig.known(name) for name in note.get("chain", ())] if note.get("type") == "poleVector" else []
-        )
-        known = [joint for joint in chain if joint is not None]
-        if len(known) >= 3 and len(known) == len(chain):
+    for node, record in sorted(rig.records(PoleVectorRecord).items()):
+        known = [joint for joint in map(rig.known, record.chain) if joint is not None]
+        if len(known) >= 3 and len(known) == len(record.chain):
             found[known[0], known[1], known[-1]] = node
     return found
 
@@ -26,10 +24,8 @@ def follows(rig: Rig) -> Iterator[tuple[str, int, int]]:
     for constraint in rig.node_constraints:
         if constraint.kind != "length" and constraint.source != constraint.node:
             yield constraint.kind, constraint.source, constraint.node
-    for note in rig.metadata.values():
-        drivers = note.get("drivers") if note.get("type") == "constraint" else None
-        child = rig.known(note.get("child"))
-        for name in drivers if isinstance(drivers, list) and child is not None else ():
-            driver = rig.known(name)
+    for record in rig.records(ConstraintRecord).values():
+        child = rig.known(record.child)
+        for driver in map(rig.known, record.drivers):
             if driver is not None and child is not None and driver != child:
-                yield str(note["kind"]), driver, child
+                yield record.kind, driver, child

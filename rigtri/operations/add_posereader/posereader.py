@@ -31,6 +31,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Track
 from rigtri.model.mesh_triangles import meshes_named
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_posereader.morph_drives import morph_drives
@@ -189,7 +190,7 @@ class _Builder:
         self.seen = ReaderFrame(rig, self.driver, self.frame, report)
         self.axis = normalise(np.array(options.axis, dtype=np.float64))
         self.note = dict(note) if note is not None else self._note()
-        self.reader = PoseReader.of_note(self.note)
+        self.reader = PoseReader.of_record(PoseReaderRecord.from_dict(self.note))
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
             raise GeometryError(
                 f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "

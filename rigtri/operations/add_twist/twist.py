@@ -18,6 +18,7 @@ from rigtri.maths.matrices import inverse, nearest_rotation, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.mesh import Mesh
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, WeightRedistribution
 from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
@@ -213,7 +214,7 @@ def _keys(
     """Keys for a twist joint, and how well they follow, by clip."""
     if not options.keys:
         return rig, []
-    rig, found = keyed(rig, twist_of(rig, node, note))
+    rig, found = keyed(rig, twist_of(rig, node, TwistRecord.from_dict(note)))
     driver = str(note["driver"])
     for clip, (off, refined) in found.items():
         if off > BOUND and refined:

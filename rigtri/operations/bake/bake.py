@@ -37,7 +37,7 @@ from rigtri.evaluation.timelines import (
     timelines,
     times_and_jumps,
 )
-from rigtri.evaluation.twist_joints import is_twist, twist_joints
+from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
@@ -233,7 +233,7 @@ class _Baker:
 
     def _to_joints(self, timeline: Timeline) -> None:
         solver = self._solver(controls_with_keys(self.rig, timeline))
-        nodes = [node for node in solver.sets if not is_twist(self.rig.metadata.get(node))]
+        nodes = [node for node in solver.sets if self.rig.type_of(node) != "twist"]
         if not solver.steps or not nodes:
             return
         replaced = {
@@ -285,7 +285,7 @@ class _Baker:
             return
         posed = solver.run({})
         self.report.extend(solver_warnings(solver, posed, lambda _: "the rest pose"))
-        moved = [node for node in solver.sets if not is_twist(rig.metadata.get(node))]
+        moved = [node for node in solver.sets if rig.type_of(node) != "twist"]
         moves, _ = self.bounds
         least = np.minimum(moves, NOTHING * self.size)
         self.rig, found = at_rest(self.rig, {node: posed.parts[node] for node in moved}, least)

@@ -16,12 +16,7 @@ from rigtri.report import Report
 
 def rivets_and_readers(rig: Rig) -> list[int]:
     """The nodes of pose readers and then of rivets: morph weights move the points that hold rivets."""
-    return [
-        node
-        for kind in ("poseReader", "rivet")
-        for node, note in sorted(rig.metadata.items())
-        if note.get("type") == kind
-    ]
+    return sorted(rig.nodes_of("poseReader")) + sorted(rig.nodes_of("rivet"))
 
 
 def rivets_of_constraints(rig: Rig) -> frozenset[int]:

@@ -34,7 +34,7 @@ from rigtri.model.constraints import (
     constraint_metadata,
     constraints_of,
 )
-from rigtri.model.metadata import ConstraintKind, WorldUp
+from rigtri.model.metadata import ConstraintKind, ControlRecord, PoleVectorRecord, WorldUp
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
@@ -214,11 +214,10 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
             raise UsageError(f"--child {options.child} is no joint of the limb; --limb alone is enough")
         return triple
     child, chains = rig.find(options.child, "node"), set()
-    for node, note in rig.metadata.items():
-        if note.get("type") in ("control", "poleVector"):
-            chain = tuple(k for name in note.get("chain", ()) if (k := rig.known(name)) is not None)
-            if len(chain) == 3 and (child == node or child in chain):
-                chains.add(chain)
+    for node, record in (rig.records(ControlRecord) | rig.records(PoleVectorRecord)).items():
+        chain = tuple(k for k in map(rig.known, record.chain) if k is not None)
+        if len(chain) == 3 and (child == node or child in chain):
+            chains.add(chain)
     if len(chains) != 1:
         raise UsageError(
             f"'{rig.title(child)}' is of {len(chains)} limbs with an IK control or pole vector; "

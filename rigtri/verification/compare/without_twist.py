@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rigtri.evaluation import sampling, skinning
-from rigtri.evaluation.twist_joints import is_twist
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.vectors import distance
 from rigtri.model.mesh import Mesh
@@ -86,7 +85,7 @@ def twist_movement(document: Source) -> float:
 
 
 def _twist_joints(rig: Rig) -> set[int]:
-    return {node for node, note in rig.metadata.items() if is_twist(note)}
+    return set(rig.nodes_of("twist"))
 
 
 def _changed_vertices(mine: Mesh, theirs: Mesh) -> Booleans:
