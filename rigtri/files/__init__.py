@@ -1,0 +1,7 @@
+"""Files as the operating system knows them: how they appear, where temporary ones lie, who works on them.
+
+`atomic_write` lets one file appear whole, `staged_output` an output with its companions, all or none;
+`background_copy` copies large files meanwhile, `temp_dirs` has temporary folders that are gone with their
+process, `worker_process` a child that may crash, `input_stream` and `text_files` open what users name.
+Nothing here knows a rig or a format, and nothing is imported from other rooms but errors.
+"""
