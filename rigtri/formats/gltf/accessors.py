@@ -112,11 +112,11 @@ class Accessors:
 
     def read(self, index: int) -> Floats:
         """The numbers of accessor ``index``, (count, width)."""
-        with np.errstate(invalid="ignore"):  # some NaN are signalling ones, of which nobody wants to hear
+        with np.errstate(invalid="ignore"):  # some NaN are signalling ones: no warnings about them
             return self.read_aloud(index)
 
     def read_aloud(self, index: int) -> Floats:
-        """As `read`, for who asks for very many and has told numpy not to speak of what is invalid."""
+        """As `read`, for callers that read very many and have silenced numpy's warnings themselves."""
         layout = self.layout(index)
         return self._read_plain(layout) if layout.plain else self._converted(index, layout)
 
@@ -150,7 +150,7 @@ class Accessors:
         numbers = self._elements(layout)
         if layout.sparse:
             numbers = self._replaced(numbers, accessor.need("sparse"), layout)
-        # Some NaN are signalling ones, of which nobody wants to hear.
+        # Some NaN are signalling ones: no warnings about them.
         with np.errstate(invalid="ignore"):
             return _whole(numbers.astype(np.float64), layout)
 

@@ -41,7 +41,7 @@ _NODE_POINTER = re.compile(r"/nodes/(0|[1-9]\d{0,8})/(translation|rotation|scale
 def target_of(channel: dict[str, Any]) -> tuple[int, str] | None:
     """The node and property that a channel drives; None where it drives something else.
 
-    The node is what the file says, in range or not. A pointer to a node's
+    The node is the file's own number, in range or not. A pointer to a node's
     property is the same as a channel with that node and path.
     """
     target = channel.get("target")
@@ -106,7 +106,7 @@ class ClipReader:
 
     def read(self) -> tuple[Clip, ...]:
         """All animations as clips. FileError, naming animation and channel, for what is broken."""
-        # Some NaN are signalling ones, of which nobody wants to hear; asked for once, not for each accessor.
+        # Some NaN are signalling ones: no warnings about them; set once, not for each accessor.
         with np.errstate(invalid="ignore"):
             clips = tuple(
                 self._clip(number, animation)

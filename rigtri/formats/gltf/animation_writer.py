@@ -366,7 +366,7 @@ class ClipWriter:
 def _same(now: Floats, then: Floats) -> bool:
     if now is then or now.shape != then.shape or not now.size:
         return now is then or now.shape == then.shape
-    # The first number tells most apart.
+    # The first number differs in most.
     return now.item(0) == then.item(0) and bool((now == then).all())
 
 

@@ -27,7 +27,7 @@ from rigtri.formats.gltf.uris import encode_data, escape, is_data
 Role = Literal[
     "inverse bind matrices", "animation", "shapes", "influences 4", "influences 8", "influences 16"
 ]
-# Attributes of vertices that share a view must say their stride.
+# Attributes of vertices that share a view must state their stride.
 _STRIDES: dict[Role, int] = {"shapes": 12, "influences 4": 4, "influences 8": 8, "influences 16": 16}
 Numbers = NDArray[Any]
 OWN_NAME = "rigtri"
@@ -45,7 +45,7 @@ class _Tail:
 
 
 class Storage:
-    """Takes new numbers for accessors and says in the end what becomes of the buffers."""
+    """Takes new numbers for accessors and decides in the end what becomes of the buffers."""
 
     def __init__(self, draft: CopyOnWrite, accessors: Accessors, container: Container) -> None:
         self._draft, self._accessors, self._container = draft, accessors, container

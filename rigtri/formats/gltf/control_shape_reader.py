@@ -49,7 +49,7 @@ def _read(gltf: Value, accessors: Accessors, node: Hashable) -> Lines | None:
 
 
 def _color(gltf: Value, primitive: Value) -> tuple[float, ...] | None:
-    """The colour of a material that says nothing but that."""
+    """The colour of a material that states nothing but that."""
     materials = list(gltf.each("materials"))
     material = materials[primitive.need("material").index(len(materials), "material")]
     look = material.need("pbrMetallicRoughness")

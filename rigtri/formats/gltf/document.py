@@ -115,7 +115,7 @@ class GltfDocument:
         return self._drawn.outlines(closely=closely)
 
     def scenery(self, *, closely: bool = False) -> Scenery:
-        """Scenes, lenses, lights and materials of the nodes that show something, and what avatars say."""
+        """Scenes, lenses, lights and materials of the nodes that show something, and what avatars state."""
         facts = read_scenery(self.container.gltf, self.tree)
         if not closely:
             return facts
@@ -235,7 +235,7 @@ class GltfDocument:
         return rig
 
     def _notes(self, extras: Sequence[object]) -> dict[int, dict[str, Any]]:
-        """What rigtri has stored, by node; what another version has stored is told and left alone."""
+        """What rigtri has stored, by node; what another version has stored is reported and left alone."""
         found: dict[int, dict[str, Any]] = {}
         for node, extra in enumerate(extras):
             note = extra.get("rigtri") if isinstance(extra, dict) else None

@@ -61,12 +61,12 @@ def _unshown(gltf: dict[str, Any], images: Images) -> Iterator[str]:
     packed, other = 0, dict[str, None]()
     listed = list(Value(gltf, "").each("images"))
     for texture in Value(gltf, "").each("textures"):
-        with suppress(FileError):  # of images that are missing, which is told with their files
-            told = texture.object().get("extensions")
-            known = [told[name] for name in _IMAGES if isinstance(told, dict) and name in told]
+        with suppress(FileError):  # of images that are missing, which is reported with their files
+            used = texture.object().get("extensions")
+            known = [used[name] for name in _IMAGES if isinstance(used, dict) and name in used]
             source = Value(known[0], texture.where).get("source") if known else texture.get("source")
             if source is None:
-                packed += isinstance(told, dict) and _KTX2 in told
+                packed += isinstance(used, dict) and _KTX2 in used
                 continue
             number = source.index(len(listed), "image")
             if not shows(images(listed[number].object())):

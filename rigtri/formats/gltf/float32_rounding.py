@@ -96,7 +96,8 @@ def _keep_ways_round(before: Sequence[Track], rows: Singles) -> None:
 
 def _nudge(rows: Singles, before: Floats) -> None:
     """Move keys by a rounding step or two until every dot product has its sign, with some room."""
-    # Of unit turns, as players see them: of turns that are half a turn apart to the bit, their length tells.
+    # Of unit turns, as players see them: of turns that are half a turn apart to the bit, their length
+    # decides.
     size = norm(before)[:, np.newaxis]
     turns = before / np.where(size > 0, size, 1.0)
     negative = dots(turns[:-1], turns[1:]) < 0

@@ -110,11 +110,11 @@ def _drop_bytes(
             start = view.get("byteOffset", 0)
             end = start + view["byteLength"]
         spans.setdefault(buffer, set()).add((-(-start // 4) * 4, end // 4 * 4))
-    for buffer, wanted in spans.items():
+    for buffer, ends in spans.items():
         taken = list(_taken(gltf, storage, buffer, accessors))
         gone = [
             (start, end)
-            for start, end in sorted(wanted)
+            for start, end in sorted(ends)
             if start < end and not any(first < end and start < last for first, last in taken)
         ]
         left = gltf["buffers"][buffer]["byteLength"] - sum(end - start for start, end in gone)

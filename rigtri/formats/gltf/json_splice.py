@@ -34,7 +34,7 @@ def splice(
     spelling: Spelling,
     ends: Mapping[int, int] = MappingProxyType({}),
 ) -> str:
-    """``text``, which says ``old``, with what of ``new`` is another object spelled anew.
+    """``text``, which spells ``old``, with what of ``new`` is another object spelled anew.
 
     ends: where values end, by where they start, as far as known; these are not read again.
     ValueError for a new number that JSON cannot hold.

@@ -33,7 +33,7 @@ def parse(text: str, *, lenient: bool = False) -> Any:
 def parse_placed(text: str, *, lenient: bool = False) -> tuple[Any, dict[int, int]]:
     """As `parse`; also where the values of the outermost object end, by where they start."""
     if not lenient:
-        with suppress(ValueError, StopIteration, IndexError):  # which the whole told at once explains
+        with suppress(ValueError, StopIteration, IndexError):  # which parsing the whole text explains
             return _members(text)
     return parse(text, lenient=lenient), {}
 

@@ -12,7 +12,7 @@ from typing import Any
 from rigtri.errors import FileError
 
 VARIANTS = "KHR_materials_variants"
-# What members mean that are not there: who states it says nothing new.
+# What members mean that are not there: stating it adds nothing.
 _DEFAULTS: dict[str, Any] = {
     "alphaMode": "OPAQUE",
     "alphaCutoff": 0.5,
@@ -64,16 +64,16 @@ class Materials:
         if material is None:
             return _DEFAULTS
         if index not in self._materials:
-            said = {
+            stated = {
                 name: what for name, what in self._facts(material, "", 0) if name != "pbrMetallicRoughness"
             }
             textures = {
                 f"{texture} {name}": value
                 for texture, members in _OF_TEXTURES.items()
-                if f"{texture} image" in said
+                if f"{texture} image" in stated
                 for name, value in members.items()
             }
-            self._materials[index] = {**_DEFAULTS, **textures, **said}
+            self._materials[index] = {**_DEFAULTS, **textures, **stated}
         return self._materials[index]
 
     def _facts(self, value: Any, name: str, depth: int) -> Iterator[tuple[str, Any]]:
@@ -81,7 +81,7 @@ class Materials:
             yield name, value
             return
         if not value:
-            yield name, "there"  # an extension such as KHR_materials_unlit says all by being there
+            yield name, "there"  # an extension such as KHR_materials_unlit means all by being there
         for key, item in value.items():
             place = f"{name} {key}".strip()
             if key == "index" and name.lower().endswith("texture"):

@@ -93,7 +93,7 @@ class MeshReader:
                 try:
                     rows, targets = self._rows(primitive), len(list(primitive.each("targets")))
                 except FileError:
-                    continue  # it cannot be read, as reading it will say
+                    continue  # it cannot be read, as reading it will report
                 sizes[node, number] = rows + rows * targets // OFFSETS_TO_A_POINT
         left, crowd = sum(sizes.values()), set()
         for place in sorted(sizes, key=lambda place: -sizes[place]):
@@ -104,7 +104,7 @@ class MeshReader:
         return crowd
 
     def _rows(self, primitive: Value) -> int:
-        """How many points a primitive has, 0 where it does not say."""
+        """How many points a primitive has, 0 where that is not stated."""
         item = primitive.need("attributes").get("POSITION")
         if item is None:
             return 0
@@ -166,7 +166,7 @@ class MeshReader:
         return box[:, 0] if box.shape[1] == 1 else box
 
     def weighted(self, number: int, count: int) -> Booleans:
-        """Which of the ``count`` joints of skin ``number`` move any point; all where nobody can tell."""
+        """Which of the ``count`` joints of skin ``number`` move any point; all where that is unknown."""
         moves, known = np.zeros(count, dtype=bool), False
         for node, primitives in self._shown():
             if self._nodes[node].get("skin") != number:

@@ -19,7 +19,7 @@ from rigtri.errors import FileError
 MAP_FROM = 16 * 1024 * 1024
 # So much is copied at a time; of what the kernel cannot copy, that much is in memory.
 CHUNK = 1 << 25
-# The kernel copies faster in few large steps; a step of all would not hear an interrupt for long.
+# The kernel copies faster in few large steps; a step of all would delay an interrupt.
 AT_ONCE = 1 << 30
 # Shorter ranges are not worth a system call of their own.
 WORTHWHILE = 1 << 18

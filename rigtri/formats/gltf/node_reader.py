@@ -105,7 +105,7 @@ def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice]
     matrix.reshape(count, 16)[:, ::5] = 1.0
     rest = Rest(np.zeros((count, 3)), rotation, np.ones((count, 3)), matrix, np.zeros(count, dtype=bool))
     nodes = gltf.object().get("nodes", [])
-    if not _read_together(nodes, rest, tree.place):  # something is wrong, which reading one by one tells
+    if not _read_together(nodes, rest, tree.place):  # something is wrong, which reading one by one finds
         for index, item in enumerate(gltf.each("nodes")):
             _read_node(item, rest, tree.place[index])
     for index, node in enumerate(nodes):

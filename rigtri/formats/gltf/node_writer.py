@@ -165,7 +165,7 @@ class NodeWriter:
         return above
 
     def _single_root(self) -> int | None:
-        """The node that GODOT_single_root says all others are under, as a node of the rig."""
+        """The node that all others are under by GODOT_single_root, as a node of the rig."""
         gltf = self._draft.gltf
         if "GODOT_single_root" not in gltf.get("extensionsUsed", []) or not gltf.get("nodes"):
             return None
@@ -293,8 +293,8 @@ class NodeWriter:
     def _add_constraint(self, constraint: NodeConstraint) -> None:
         holder = self._node(constraint.node)
         source = self.index[constraint.source]
-        told = stored(constraint.kind, source, constraint.axis.tolist())
-        holder["extensions"] = {**holder.get("extensions", {}), CONSTRAINT: told}
+        data = stored(constraint.kind, source, constraint.axis.tolist())
+        holder["extensions"] = {**holder.get("extensions", {}), CONSTRAINT: data}
         used = self._draft.need("extensionsUsed", empty=[])
         if CONSTRAINT not in used:
             used.append(CONSTRAINT)

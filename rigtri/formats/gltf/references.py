@@ -57,7 +57,7 @@ def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:
 
 
 def _named(value: Any, kind: str) -> Iterator[int]:
-    """Every index below ``value`` that its key says is one of ``kind``."""
+    """Every index below ``value`` that its key marks as one of ``kind``."""
     left = [value]
     for item in left:  # it grows as it is walked
         if isinstance(item, list):

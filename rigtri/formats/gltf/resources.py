@@ -43,7 +43,7 @@ def files(gltf: dict[str, Any], source: Path) -> Iterator[tuple[Path, str]]:
     """The files that a glTF refers to, there or not, each with what it is."""
     for path, uri in uris(gltf):
         if uri and is_file(uri):
-            with suppress(FileError):  # a name of no file, which reading tells where it matters
+            with suppress(FileError):  # a name of no file, which reading reports where it matters
                 where = _spelled(path)
                 yield file_of(uri, source.parent, where, allow_external=True), f"{where} of {source}"
 
@@ -53,7 +53,7 @@ def names(gltf: dict[str, Any], source: Path) -> list[str]:
     found: dict[str, None] = {}
     for path, uri in uris(gltf):
         if uri and is_file(uri):
-            with suppress(FileError):  # one outside, which reading tells where it matters
+            with suppress(FileError):  # one outside, which reading reports where it matters
                 file = file_of(uri, source.parent, _spelled(path))
                 found[file.relative_to(source.parent).as_posix()] = None
     return list(found)

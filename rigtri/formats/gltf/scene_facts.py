@@ -1,4 +1,4 @@
-"""What a glTF file shows that no pose tells, from its JSON alone.
+"""What a glTF file shows besides poses, from its JSON alone.
 
 Source: glTF 2.0 §3.5.1 (scenes), §3.10 (cameras), §3.7.2 (primitives);
 KHR_lights_punctual; KHR_node_visibility.

@@ -1,4 +1,4 @@
-"""Weights of meshes shared anew among joints, as a rig's spreads and folds say.
+"""Weights of meshes shared anew among joints, as a rig's redistributions and merges require.
 
 Accessors may be shared, so changed influences get new ones; the old bytes stay. Whole numbers
 stay whole, and a fifth joint of a point opens a second set. A fold gives points back what they

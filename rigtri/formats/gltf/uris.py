@@ -17,7 +17,7 @@ from rigtri.errors import FileError
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _DRIVE = re.compile(r"[A-Za-z]:")
-# The name of a buffer file that rigtri has put beside a .gltf; the digits say what is in it.
+# The name of a buffer file that rigtri has put beside a .gltf; the digits are a hash of its content.
 _OWN = re.compile(r"\.rigtri-[0-9a-f]{8}\.bin$")
 
 

@@ -18,7 +18,7 @@ _AIM_AXES = {
     for word, sign in (("Positive", 1.0), ("Negative", -1.0))
 }
 _ROLL_AXES = {letter: _AIM_AXES[f"Positive{letter}"] for letter in "XYZ"}
-# Kind of constraint → the property of its axis, and what it may say.
+# Kind of constraint → the property of its axis, and its values.
 _KINDS: tuple[Kind, ...] = ("roll", "aim", "rotation")
 _AXES: dict[str, tuple[str, dict[str, tuple[float, ...]]]] = {
     "roll": ("rollAxis", _ROLL_AXES),
@@ -79,8 +79,8 @@ def stored_axis(kind: str, axis: Sequence[float]) -> tuple[str, str]:
 
 def stored(kind: str, source: int, axis: Sequence[float]) -> dict[str, object]:
     """The extension of a node that follows ``source``, a file index, in full."""
-    told: dict[str, object] = {"source": source, "weight": 1.0}
+    data: dict[str, object] = {"source": source, "weight": 1.0}
     if _AXES[kind][1]:
         key, word = stored_axis(kind, axis)
-        told = {key: word, **told}
-    return {"specVersion": "1.0", "constraint": {kind: told}}
+        data = {key: word, **data}
+    return {"specVersion": "1.0", "constraint": {kind: data}}

@@ -1,4 +1,4 @@
-"""What the VRM family says that no axes tell, as plain facts: springs, expressions, bones, meta.
+"""What the VRM family states besides axes, as plain facts: springs, expressions, bones, meta.
 
 Vectors in the frames of nodes and axes of constraints are left out: they are compared in the
 world (`compare.attachments`). Nodes are named by reference, meshes by the nodes that show them.
@@ -16,7 +16,7 @@ from rigtri.formats.vrm.node_constraints import CONSTRAINT
 from rigtri.model.scene_facts import Reference
 
 BLOCKS = ("VRM", "VRMC_vrm", "VRMC_springBone", "VRMC_vrm_animation")
-# The properties that name nodes; VRM 0 says −1 for none.
+# The properties that name nodes; VRM 0 has −1 for none.
 _NODES = ("node", "source", "center", "bones", "firstPersonBone")
 # Among them those that mean what the node shows, by the list they stand in.
 _SHOWN = ("morphTargetBinds", "meshAnnotations")

@@ -37,7 +37,7 @@ def read_vrm_0(vrm: Value, above: Sequence[int], found: Bindings) -> None:
 
 
 def _bone(holder: Value, key: str, count: int) -> int | None:
-    """A node of VRM 0, which says −1 where there is none."""
+    """A node of VRM 0, which has −1 where there is none."""
     return None if holder.object().get(key, -1) == -1 else holder.need(key).index(count, "node")
 
 

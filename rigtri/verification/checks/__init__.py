@@ -22,7 +22,7 @@ def check(path: Path | str, *, allow_external_paths: bool = False, external: boo
 
     A file that cannot be read at all has the one finding ``file.unreadable``.
     allow_external_paths: read buffers and layers outside the folder of the file. external: for
-    USD, add what OpenUSD's own validators say.
+    USD, add what OpenUSD's own validators report.
 
     Every id is in `RULES`, but those of OpenUSD, which have a colon.
     """
@@ -37,7 +37,7 @@ def check(path: Path | str, *, allow_external_paths: bool = False, external: boo
 
 def unreadable(path: Path, error: FileError) -> list[Finding]:
     """The finding of a file that cannot be read."""
-    # The remedy of the finding says it already.
+    # The finding has a remedy of its own.
     text = str(error).removeprefix(f"{path}: ").rstrip(". ")
     text = text.removesuffix(RULES[UNREADABLE].remedy.rstrip(".")).rstrip(". ")
     findings = Findings(RULES)

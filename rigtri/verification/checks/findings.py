@@ -32,7 +32,7 @@ class Finding:
 
 
 class Findings:
-    """Collects the findings of one file. The same words in the same place are said once."""
+    """Collects the findings of one file. The same message in the same place is kept once."""
 
     def __init__(self, rules: Mapping[str, Rule]) -> None:
         self._rules = rules

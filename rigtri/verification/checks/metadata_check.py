@@ -1,6 +1,6 @@
 """What rigtri stores on nodes, prims and joints, judged as schemas/node.schema.json describes it.
 
-The description itself is read: `told` knows of JSON Schema what that file uses, and passes over
+The description itself is read: `violations` knows of JSON Schema what that file uses, and passes over
 keys that it does not name, which newer versions may have.
 """
 
@@ -13,7 +13,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-# How a list is meant in USD and in Python.
+# What a list is called in USD and in Python.
 _KINDS: Mapping[str, Callable[[Any], bool]] = {
     "object": lambda value: isinstance(value, dict),
     "array": lambda value: isinstance(value, list | tuple),
@@ -74,7 +74,7 @@ def broken(note: Any, is_node: Callable[[str], bool]) -> str:
 
 
 def violations(value: Any, form: Any, name: str) -> Iterator[str]:
-    """What of a value is not as its description says, in words."""
+    """What of a value is not as its schema requires, in words."""
     form = _resolved(form)
     if "type" in form and not _KINDS[form["type"]](value):
         yield f"{name} is {value!r:.60}, no {form['type']}"

@@ -1,4 +1,4 @@
-"""What a format says in the axes of nodes, compared in the world: offsets, directions, constraints.
+"""What a format stores in the axes of nodes, compared in the world: offsets, directions, constraints.
 
 New axes give all of it new numbers; it means the same where its numbers, seen from the
 world at rest, are the same. Verification only.
@@ -26,7 +26,7 @@ SAME_AXES = 1e-4
 
 
 def compare_attached(before: Rig, after: Rig, m: Correspondence) -> list[str]:
-    """What no longer says the same, in words."""
+    """What no longer means the same, in words."""
     if not (before.bound or after.bound or before.node_constraints or after.node_constraints):
         return []
     with np.errstate(all="ignore"):
@@ -87,7 +87,7 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
         now = there.get((c.kind, int(m.node[c.node]), int(m.node[c.source])))
         title = f"the {c.kind} constraint of {before.title(c.node)}"
         if now is None and ours.get(c.node) == c.kind:
-            continue  # a rule of ours that was told so before, and no longer is
+            continue  # exported from a constraint of ours before, and no longer
         if now is None:
             yield f"{title} by {before.title(c.source)} is gone"
         elif not _axis_kept(c, now, axes):

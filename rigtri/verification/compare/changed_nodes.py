@@ -68,7 +68,7 @@ def _same_track(a: Track, b: Track) -> bool:
 
 
 def part_of(rig: Rig, nodes: Integers) -> tuple[Rig, Integers]:
-    """A part of a rig that places the nodes ``wanted``, and where each node went, (n,)."""
+    """A part of a rig that places ``nodes``, and where each node went, (n,)."""
     keep = np.zeros(len(rig), dtype=bool)
     keep[nodes] = True
     for node in range(len(rig) - 1, -1, -1):

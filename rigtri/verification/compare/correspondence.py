@@ -321,7 +321,7 @@ def _compare_clips(
 
 
 def _is_rest(track: Track, after: Rig, node: int) -> bool:
-    """Whether all keys of a track say what a node is at rest: prims of ours need no such keys.
+    """Whether all keys of a track have what a node has at rest: prims of ours need no such keys.
 
     As a prim of nobody's, one that moves has keys for its place, its turn and its scale.
     """

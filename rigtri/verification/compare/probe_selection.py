@@ -154,7 +154,7 @@ def rotations(
 ) -> Iterator[FramePoints]:
     """The ends of the axes of nodes that show no mesh and have none below them, nor are rigtri's own.
 
-    They tell turns; as far away as what hangs on each node, a twentieth of the diagonal at least.
+    They show rotations; as far away as what hangs on each node, a twentieth of the diagonal at least.
     """
     unseen = ~_drawn(before, meshes) & moving & (m.node >= 0)
     unseen[list(before.own)] = False

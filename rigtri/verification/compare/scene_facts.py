@@ -1,4 +1,4 @@
-"""What a file shows or says that no pose tells: scenes, lenses, lights, materials, units, avatars.
+"""What a file shows or states besides poses: scenes, lenses, lights, materials, units, avatars.
 
 Formats state it as plain facts, a name and a value each; two files show the same
 where their facts are equal. Facts of two formats are not compared.
@@ -21,7 +21,7 @@ from rigtri.model.scene_facts import Scenery as Scenery
 from rigtri.model.scene_facts import flat as flat
 from rigtri.verification.compare.correspondence import Correspondence
 
-# Facts that nobody sees: they are told, and pass.
+# Facts that nobody sees: they are reported, and pass.
 UNSEEN = ("morph target names", "start time code", "end time code", "frames per second")
 # Numbers that another program stored again as float32 differ by less, of their size.
 SAME_NUMBER = 1e-6
@@ -95,7 +95,7 @@ def compare_scenery(
 
 
 def _without_rules(rig: Rig, scenery: Scenery) -> Scenery:
-    """Without what nodes say of constraints that rules of rigtri's are told by: it changes by intent."""
+    """Without node constraints that stand for constraints of rigtri's: those change on purpose."""
     ours = constraints_from_metadata(rig)
     return replace(scenery, own={k: facts for k, facts in scenery.own.items() if k not in ours})
 

@@ -1,4 +1,4 @@
-"""One difference between two files, and the words and short numbers it is told with."""
+"""One difference between two files, and the words and short numbers that describe it."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def same_numbers(before: Any, after: Any, tolerance: float) -> bool:
 
 def same_rows(before: Floats, after: Floats, tolerance: float) -> Booleans:
     """`same_numbers` for each row of two arrays of one shape, (k, ...) → (k,)."""
-    width = int(np.prod(before.shape[1:]))  # of no rows -1 would say nothing
+    width = int(np.prod(before.shape[1:]))  # of no rows -1 would mean nothing
     one, other = before.reshape(len(before), width), after.reshape(len(after), width)
     if tolerance:
         near = np.asarray(np.isclose(one, other, rtol=0.0, atol=tolerance, equal_nan=True))

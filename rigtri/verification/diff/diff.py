@@ -122,7 +122,7 @@ def diff(
 def _file_terms(before: Path, after: Path, options: ReadOptions, tolerance: float) -> list[Change] | None:
     found = file_changes(before, after, options, tolerance)
     if found == [] and not tolerance and not filecmp.cmp(before, after, shallow=False):
-        # Comments, blanks, layout: nothing that a reader of the format tells us.
+        # Comments, blanks, layout: nothing that a reader of the format sees.
         text = f"comments, blanks or layout, from byte {_first_other_byte(before, after)} on"
         found = [Change("spelling", "changed", "bytes", text)]
     return found

@@ -65,7 +65,7 @@ class _Side:
             self.buffers = Buffers(self.gltf, self.container, allow_external=options.allow_external_paths)
             self.accessors = Accessors(self.gltf, self.buffers)
         except FileError:
-            pass  # the JSON says what differs
+            pass  # the JSON shows what differs
 
     @cached_property
     def json(self) -> Any:

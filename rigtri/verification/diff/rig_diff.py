@@ -41,7 +41,7 @@ def rig_changes(
     """Everything in which the second rig is not the first, grouped, in the order of the first.
 
     meshes: of both, for weights and points.
-    scenery: of both, for what is shown and said. tolerance: numbers that differ by less are the same.
+    scenery: of both, for scene settings. tolerance: numbers that differ by less are the same.
     """
     before, after = played_together(before, after, by_key=False)
     m = renamed(before, after, match(before, after, by_key=False))
@@ -253,7 +253,7 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, tolerance: float) -
 def _scenery(
     rigs: tuple[Rig, Rig], scenery: tuple[Scenery, Scenery], m: Correspondence, tolerance: float
 ) -> Iterator[Change]:
-    """What is shown and said that no joint tells: scenes, lenses, lights, materials, avatars."""
+    """Scene settings, which no joint has: scenes, lenses, lights, materials, avatars."""
     for texts in compare_scenery(rigs, *scenery, m, share=0.0, apart=tolerance):
         for text in texts:
             yield Change("shown and said", "changed", text)
@@ -264,7 +264,7 @@ def _place(key: Any) -> str:
 
 
 def _whole(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
-    """What a rig says about itself: humanoid map, what rigtri has noted, up."""
+    """What a rig states about itself: humanoid map, what rigtri has noted, up."""
     back = {int(now): k for k, now in enumerate(m.node.tolist()) if now >= 0}
     bones = {bone: back.get(node, -1) for bone, node in after.humanoid.items()}
 

@@ -30,7 +30,7 @@ FEW = 4
 
 
 def layer_changes(before: Any, after: Any, name: str, tolerance: float) -> Iterator[Change]:
-    """The specs of two layers by path; what is below one that is gone is not told again."""
+    """The specs of two layers by path; what is below one that is gone is not reported again."""
     mine, theirs = _specs(before), _specs(after)
     yield from _sublayers(before, after, name)
     yield from _gone(mine, theirs, name)

@@ -3,7 +3,7 @@
 Attributes are elements of ``stride`` bytes, stored byte by byte: for a block of elements first
 all of their first bytes, then all of their second bytes and so on. Each byte is the difference
 from the byte of the element before, in groups of 16 that take 0, 1, 2, 4 or 8 bits a difference.
-Where a group begins only the groups before it can tell, so they are found one after the other;
+Where a group begins follows from the groups before it, so they are found one after the other;
 all else is done for many groups at once.
 
 Source: KHR_meshopt_compression, appendix A (version 0 is the stream of EXT_meshopt_compression).
@@ -67,7 +67,7 @@ class _Shape(NamedTuple):
 
     @property
     def least(self) -> int:
-        """Bytes that the stream has at least: nothing but headers that say zero."""
+        """Bytes that the stream has at least: nothing but headers for zero."""
         whole, rest = divmod(self.elements, self.block)
         if self.version:
             headers = (whole + (rest > 0)) * self.stride // 4
@@ -147,7 +147,7 @@ class _Packed:
 
 @cache
 def _sentinels(bits: int) -> Bytes:
-    """How many differences of each byte say that a whole byte follows."""
+    """How many differences of each byte mark that a whole byte follows."""
     differences = _unpacked(np.arange(256, dtype=np.uint8)[:, np.newaxis], bits)
     return np.asarray(np.count_nonzero(differences == (1 << bits) - 1, axis=1), dtype=np.uint8)
 
@@ -284,7 +284,7 @@ def decode_indices(stream: memoryview, count: int, stride: int) -> Bytes:
     codes = np.add.reduceat(bits, starts).astype(np.uint32)
     steps = codes >> np.uint32(2) ^ -(codes >> np.uint32(1) & np.uint32(1))
     indices = np.empty(count, np.uint32)
-    # Two sequences, each counted from its own last index; the lowest bit says which.
+    # Two sequences, each counted from its own last index; the lowest bit selects which.
     for baseline in (0, 1):
         mine = codes & np.uint32(1) == baseline
         indices[mine] = np.cumsum(steps[mine], dtype=np.uint32)

@@ -60,7 +60,7 @@ def color(elements: Bytes) -> Bytes:
     size = elements.shape[1] // 4
     y, alpha = elements.view(f"<u{size}")[:, [0, 3]].astype(np.int32).T
     co, cg = elements.view(f"<i{size}")[:, 1:3].astype(np.int32).T
-    # All bits up to the highest of alpha, which says how many bits the numbers have.
+    # All bits up to the highest of alpha, which gives how many bits the numbers have.
     most = alpha
     for shift in (1, 2, 4, 8):
         most = most | most >> shift

@@ -1,7 +1,7 @@
-"""Streams of triangles in meshopt: each is told by an edge or by corners that came shortly before.
+"""Streams of triangles in meshopt: each is coded by an edge or by corners that came shortly before.
 
-The sixteen last edges and the sixteen last corners are kept. A byte for each triangle says which of
-them it shares; what is further away is a difference from the last corner that was said so.
+The sixteen last edges and the sixteen last corners are kept. A byte for each triangle names which of
+them it shares; what is further away is a difference from the last corner that was coded so.
 
 Source: KHR_meshopt_compression, appendix A, "Mode 1: triangles".
 """
@@ -20,7 +20,7 @@ _FIRST_BYTE = 0xE1
 _TABLE = 16
 _KEPT = 16
 _MOST = (1 << 32) - 1
-# What four bits say of a corner: the next one that is new, or one that is spelled out.
+# What four bits mean for a corner: the next one that is new, or one that is spelled out.
 _NEW, _SPELLED = 0, 15
 # A corner beside an edge may be next to the last one spelled out: one before it, or one behind.
 _STEPS = {13: -1, 14: 1}

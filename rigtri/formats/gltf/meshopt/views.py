@@ -21,7 +21,7 @@ RATIO, SMALL = 100, 1 << 24
 
 
 def compression_of(view: Value) -> Value | None:
-    """The extension of a buffer view that says how its bytes are compressed."""
+    """The extension of a buffer view that states how its bytes are compressed."""
     extensions = view.get("extensions")
     found = (extensions.get(name) for name in MESHOPT) if extensions is not None else iter(())
     return next((extension for extension in found if extension is not None), None)

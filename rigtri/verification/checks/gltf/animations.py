@@ -30,7 +30,7 @@ from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.gltf.tolerant_reader import View
 
-# |dot| of two unit quaternions below this: closer to half a turn than float32 rounding can tell.
+# |dot| of two unit quaternions below this: closer to half a turn than float32 can resolve.
 HALF_TURN = 1e-4
 
 
@@ -189,7 +189,7 @@ def _count_fits(view: View, times: Floats, values: Floats, mode: Any, channel: C
 
 
 def _sound(keyed: list[Keys]) -> bool:
-    """Whether nothing at all is to be said of some channels: one look at all keys together."""
+    """Whether nothing at all is wrong with some channels: one look at all keys together."""
     if not keyed:
         return True
     if not np.isfinite(np.concatenate([keys.values.ravel() for keys in keyed])).all():
@@ -217,7 +217,7 @@ def _uneven(scales: Floats) -> Any:
 
 
 def _check_keys(view: View, keys: Keys) -> None:
-    """Everything that is to be said of one channel's keys."""
+    """Everything that is wrong with one channel's keys."""
     channel, times = keys.channel, keys.times
 
     def note(rule: str, wrong: Any, message: Callable[[int], str]) -> bool:

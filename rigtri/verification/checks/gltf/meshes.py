@@ -121,7 +121,7 @@ def _check_positions(view: View, number: int) -> None:
             continue
         index = view.object(raw, "attributes", place, pointer).get("POSITION")
         if type(index) is not int or not 0 <= index < len(view.accessors):
-            continue  # `references` says so
+            continue  # `references` reports it
         accessor = view.raw_accessor(index)
         missing = [key for key in ("min", "max") if key not in accessor]
         if missing:
@@ -222,7 +222,7 @@ def _repeated(primitive: Primitive) -> Any:
 def _check_joints(view: View, primitive: Primitive, skin: int) -> None:
     count = len(view.items(view.lists["skins"][skin], "joints", "", ""))
     if not count:
-        return  # said of the skin
+        return  # reported for the skin
     outside, live = primitive.joints >= count, primitive.weights != 0
     used = (outside & live).any(axis=1)
     idle = (outside & ~live).any(axis=1)

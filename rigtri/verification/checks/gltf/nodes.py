@@ -28,7 +28,7 @@ def check(view: View) -> None:
 
 
 def _check_tree(view: View) -> None:
-    # Each node that is told once more who its parent is: its first, where it says so, and how often.
+    # Each node that another list of children has, too: its first parent, where that list is, and how often.
     again: dict[tuple[int, int], tuple[int, str, int]] = {}
     for index, node in enumerate(view.nodes):
         pointer = f"/nodes/{index}"
@@ -215,7 +215,7 @@ def _scale(node: dict[str, Any]) -> Floats:
         matrix = np.array(node["matrix"], dtype=np.float64).reshape(4, 4) if "matrix" in node else None
         scale = np.array(raw, dtype=np.float64).reshape(3)
     except (TypeError, ValueError, OverflowError):
-        return np.ones(3)  # said already, where its numbers were read
+        return np.ones(3)  # reported already, where its numbers were read
     if matrix is None:
         return scale if np.isfinite(scale).all() else np.ones(3)
     sign = -1.0 if determinant(matrix) < 0 else 1.0

@@ -1,4 +1,4 @@
-"""What may be wrong with what VRM 0.x, VRM 1.0 and VRMA say about the nodes of a glTF file.
+"""What may be wrong with the VRM 0.x, VRM 1.0 and VRMA data about the nodes of a glTF file.
 
 Source: VRM 0.0 README; VRMC_vrm 1.0 (humanoid, tpose, expressions, firstPerson);
 VRMC_springBone 1.0; VRMC_node_constraint 1.0; VRMC_vrm_animation 1.0.

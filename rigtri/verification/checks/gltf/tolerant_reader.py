@@ -192,7 +192,7 @@ class View:
         return numbers
 
     def _is_lost(self, index: int) -> bool:
-        """Whether the buffer of an accessor is known to be missing: once said is enough."""
+        """Whether the buffer of an accessor is known to be missing: one report is enough."""
         views, view = self.lists["bufferViews"], self.lists["accessors"][index].get("bufferView")
         if type(view) is not int or not 0 <= view < len(views):
             return False
@@ -226,7 +226,7 @@ class View:
                 continue
             place, pointer = f"accessor #{index}", f"/accessors/{index}/{key}"
             given = self.numbers(stated, width, place, pointer)
-            # A value that is no number has no place in any order; its own check says so.
+            # A value that is no number has no place in any order; its own check reports it.
             far = [] if given is None else [k for k in range(len(given)) if _far(given[k], float(found[k]))]
             if given is not None and far:
                 k = far[0]
@@ -238,7 +238,7 @@ class View:
             place, pointer = f"buffer #{index}", f"/buffers/{index}"
             uri = raw.get("uri")
             if uri is None or uri == "":
-                continue  # the bytes of the GLB, or none: `_check_content` says which
+                continue  # the bytes of the GLB, or none: `_check_content` finds which
             if not isinstance(uri, str):
                 self.add(
                     "gltf.json.value", place, f"{pointer}/uri", f"uri should be a text, not {short_repr(uri)}"
@@ -298,7 +298,7 @@ def _exists(path: Path) -> bool:
 
 
 def _words(error: FileError, place: str) -> str:
-    """What an error says, without the place that the finding names already."""
+    """The text of an error, without the place that the finding names already."""
     return str(error).removeprefix(place.removesuffix(":")).removeprefix(":").strip()
 
 

@@ -33,11 +33,11 @@ def check(view: View) -> None:
 
 
 def _attributes(view: View, raw: dict[str, Any], place: str, pointer: str) -> Iterator[tuple[int, str, str]]:
-    """Accessor, name and JSON pointer of all that a primitive says of its vertices in floats."""
+    """Accessor, name and JSON pointer of all attributes of a primitive's vertices that are floats."""
     own = view.object(raw, "attributes", place, pointer)
     parts = [("", own, f"{pointer}/attributes")]
     if DRACO in view.object(raw, "extensions", place, pointer):
-        parts = []  # `meshes` says that they were not looked at
+        parts = []  # `meshes` reports that they were not looked at
     for number, target in enumerate(view.objects(raw, "targets", place, pointer)):
         parts.append((f"morph target {number} ", target, f"{pointer}/targets/{number}"))
     for title, attributes, where in parts:
@@ -46,7 +46,7 @@ def _attributes(view: View, raw: dict[str, Any], place: str, pointer: str) -> It
             if name.startswith("WEIGHTS_") and name.replace("WEIGHTS", "JOINTS") in own:
                 continue
             if type(index) is not int or not 0 <= index < len(view.accessors):
-                continue  # `references` says so
+                continue  # `references` reports it
             accessor = view.raw_accessor(index)
             if accessor.get("componentType") == FLOAT and accessor.get("type") not in FOREIGN:
                 yield index, f"{title}{name}", f"{where}/{name}"

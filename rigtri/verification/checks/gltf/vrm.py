@@ -22,7 +22,7 @@ _PERSON_0 = ("Auto", "Both", "ThirdPersonOnly", "FirstPersonOnly")
 
 
 def check(view: View) -> None:
-    """What the extensions of the file say of its humanoid."""
+    """What the extensions of the file state about its humanoid."""
     extensions = view.object(view.raw, "extensions", "file", "")
     if "VRM" in extensions:
         _check_0(view, view.object(extensions, "VRM", "VRM", "/extensions"), "/extensions/VRM")
@@ -132,7 +132,7 @@ def _check_scales(view: View, found: Mapping[str, int]) -> None:
     for bone, node in found.items():
         raw = view.nodes[node].get("scale", [1, 1, 1])
         if not isinstance(raw, list) or len(raw) != 3 or not all(type(x) in (int, float) for x in raw):
-            continue  # said already
+            continue  # reported already
         place, where, numbers = f"bone {bone}", f"/nodes/{node}/scale", " ".join(f"{x:g}" for x in raw)
         if min(raw) <= 0:
             view.add("vrm.humanoid.scale", place, where, f"the scale of {view.title(node)} is {numbers}")
@@ -178,7 +178,7 @@ def _check_0(view: View, vrm: dict[str, Any], pointer: str) -> None:
     for k, item in enumerate(view.objects(humanoid, "humanBones", "humanoid", f"{pointer}/humanoid")):
         bone = str(item.get("bone"))
         if item.get("node", -1) == -1:
-            continue  # how VRM 0 says that a bone is missing
+            continue  # how VRM 0 marks a bone that is missing
         node = _bone_node(view, item, bone, f"{where}/{k}")
         if bone not in humanoid_bones.ABOVE_0:
             view.add("vrm.humanoid.bone-unknown", f"bone {bone}", f"{where}/{k}", "VRM knows no such bone")

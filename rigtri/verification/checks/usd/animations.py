@@ -72,7 +72,7 @@ def _check_property(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...],
 
 
 def _check_times(scene: Scene, prim: Any, name: str) -> None:
-    # UsdAttribute leaves such times out; the layers tell them.
+    # UsdAttribute leaves such times out; the layers have them.
     specs = prim.GetAttribute(name).GetPropertyStack(DEFAULT) if prim.HasAttribute(name) else ()
     times = [time for spec in specs for time in spec.layer.ListTimeSamplesForPath(spec.path)]
     lost = [time for time in times if not np.isfinite(time)]
@@ -99,7 +99,7 @@ def _check_values(
     known: set[str],
     reported: set[str],
 ) -> None:
-    """The first of each kind of mistake of a property. said: which kinds were noted already."""
+    """The first of each kind of mistake of a property. reported: which kinds were noted already."""
     lost = ~np.isfinite(array).all(axis=1)
 
     def note(rule: str, wrong: Any, what: str) -> None:

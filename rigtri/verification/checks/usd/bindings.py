@@ -137,7 +137,7 @@ def _joints(scene: Scene, prim: Any) -> tuple[str, ...] | None:
 
 
 def _has_target(prim: Any) -> bool:
-    """Whether a skeleton is named here or above; one that is broken is said where it stands."""
+    """Whether a skeleton is named here or above; one that is broken is reported where it stands."""
     while prim:
         relation = prim.GetRelationship("skel:skeleton")
         if relation and relation.HasAuthoredTargets() and relation.GetForwardedTargets():

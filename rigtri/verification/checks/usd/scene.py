@@ -63,7 +63,7 @@ class Scene:
         self.findings.add(rule, place, self._pointer(prim, name), message)
 
     def _pointer(self, prim: Any, name: str) -> str:
-        """``</Root/Skel>.joints``, behind the layer that says so where it is not the root layer."""
+        """``</Root/Skel>.joints``, behind the layer that has it where it is not the root layer."""
         path = f"<{prim.GetPath()}>" + (f".{name}" if name else "")
         prop = prim.GetProperty(name) if name else None
         stack = prop.GetPropertyStack(DEFAULT) if prop else prim.GetPrimStack()
@@ -105,7 +105,7 @@ class Scene:
         return [(time, value) for time, value in found if value is not None]
 
     def has_other(self, prim: Any, name: str) -> bool:
-        """Whether an attribute holds what UsdSkel does not read; reading it says so."""
+        """Whether an attribute holds what UsdSkel does not read; reading it reports that."""
         value = prim.GetAttribute(name).Get(DEFAULT)
         return value is not None and bool(wrong_type(name, value))
 

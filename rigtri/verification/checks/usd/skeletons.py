@@ -153,7 +153,7 @@ def _check_missing(scene: Scene, prim: Any, tokens: tuple[str, ...], animation: 
 
 
 def _has(prim: Any, name: str) -> bool:
-    """Whether there are matrices at all; wrong ones and time samples are said elsewhere."""
+    """Whether there are matrices at all; wrong ones and time samples are reported elsewhere."""
     attribute = prim.GetAttribute(name)
     value = attribute.Get(DEFAULT) if attribute else None
     timed = bool(attribute and attribute.GetNumTimeSamples())

@@ -1,4 +1,4 @@
-"""What OpenUSD's own validators say of a stage, under their own ids.
+"""What OpenUSD's own validators report about a stage, under their own ids.
 
 Loaded only when the user asks: the validators' plugins take as long as all our checks.
 """
