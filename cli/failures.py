@@ -12,7 +12,7 @@ from typing import NoReturn
 
 import click
 
-from rigtri.errors import Fault, RigtriError, kind_told
+from rigtri.errors import Fault, RigtriError, error_kind
 
 from . import INTERRUPTED
 from .words import plain, without_advice
@@ -139,7 +139,7 @@ def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
 def _said(error: Exception) -> tuple[str, str, int]:
     """Kind, message and exit code."""
     if isinstance(error, RigtriError):
-        return kind_told(error), str(error), error.exit_code
+        return error_kind(error), str(error), error.exit_code
     if isinstance(error, OSError):
         # What the pipeline did not foresee, such as a full disk behind standard output.
         return "file", f"{error.filename or 'output'}: {error.strerror or error}", 3

@@ -57,12 +57,12 @@ class NameNotFoundError(RigtriError):
     def __init__(self, kind: str, name: str, known: Iterable[str], *, pattern: bool = False) -> None:
         """pattern: the name may be a glob."""
         every = list(dict.fromkeys(word for word in known if word))
-        said = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
-        # Clips are few, and have names beside their numbers: all are told.
+        verb = "matches" if pattern and re.search(r"[*?\[]", name) else "is named"
+        # Clips are few, and have names beside their numbers: all are listed.
         hint = ("" if kind.startswith("clip") else _range(name, every)) or _meant(name, every)
         if re.search(r"[*?]", name) and not pattern:
             hint = " One is meant here, so patterns are not taken." + hint
-        super().__init__(f"No {kind} {said} '{name}'.{hint} {LIST_NAMES}")
+        super().__init__(f"No {kind} {verb} '{name}'.{hint} {LIST_NAMES}")
 
 
 class AmbiguousNameError(RigtriError):
@@ -79,7 +79,7 @@ class AmbiguousNameError(RigtriError):
 
 
 class GeometryError(RigtriError):
-    """Positions or matrices that do not define what was asked for."""
+    """Positions or matrices that do not define what is to be computed."""
 
     exit_code = 5
 
@@ -100,10 +100,10 @@ class DeviationError(RigtriError):
     exit_code = 6
 
 
-def kind_of(error: type[RigtriError]) -> str:
+def kind_name(error: type[RigtriError]) -> str:
     """The class of an error in words, of those that are in this module.
 
-    >>> kind_of(NameNotFoundError)
+    >>> kind_name(NameNotFoundError)
     'name not found'
     """
     known = next(kind for kind in error.__mro__ if kind.__module__ == RigtriError.__module__)
@@ -111,12 +111,12 @@ def kind_of(error: type[RigtriError]) -> str:
     return " ".join(words).lower()
 
 
-def kind_told(error: RigtriError) -> str:
-    """`kind_of` an error; of a spec that does not fit a character, of what it was that did not."""
+def error_kind(error: RigtriError) -> str:
+    """`kind_name` an error; of a spec that does not fit a character, of what it was that did not."""
     cause = error.__cause__
     if isinstance(cause, RigtriError) and cause.exit_code == error.exit_code:
-        return kind_of(type(cause))
-    return kind_of(type(error))
+        return kind_name(type(cause))
+    return kind_name(type(error))
 
 
 def _range(name: str, known: Sequence[str]) -> str:

@@ -31,10 +31,10 @@ class Notice:
 class Report:
     """Records of an edit, in the order they were made.
 
-    driven: morph targets whose weights are other ones on purpose, by the key of the node
-    that shows them; the self-check compares all but these. reposed: joints move in another way
-    on purpose; the self-check compares with the rig as it was to be written. records: whether joints are
-    told; a batch, of which nobody reads them, has warnings alone.
+    driven: morph targets whose weights the edit changes on purpose, by the key of the node
+    that shows them; the self-check compares all but these. reposed: the edit changes how joints move;
+    the self-check then compares with the rig in memory. records: whether joints are
+    recorded; a batch, where nobody reads them, has warnings only.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
@@ -67,7 +67,7 @@ class Report:
             raise GeometryError(f"--strict: {self.warnings[0].text}{more}")
 
     def merge(self, other: Report) -> None:
-        """Add what another report tells."""
+        """Add the records and warnings of another report."""
         for name in (*(("joints",) if self.records else ()), "limbs", "added", "removed"):
             getattr(self, name).extend(getattr(other, name))
         self.extend(other.warnings)

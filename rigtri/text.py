@@ -1,9 +1,10 @@
-"""Text of files as people may see it: names could move a cursor, fake a line or turn it round."""
+"""Text for a terminal: names of files without control characters, and rows of words as aligned columns."""
 
 from __future__ import annotations
 
 import unicodedata
 from collections.abc import Sequence
+from textwrap import wrap
 
 # Longer names end in …: no row, nor any picture, is wider for the sake of one name.
 LONGEST_NAME = 60
@@ -25,10 +26,10 @@ def plain(text: str, *, one_line: bool = False) -> str:
     return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
 
 
-def shown_name(name: str) -> str:
+def display_name(name: str) -> str:
     """A name on one line, and not longer than `LONGEST_NAME`.
 
-    >>> shown_name("a\\nb"), len(shown_name("x" * 500))
+    >>> display_name("a\\nb"), len(display_name("x" * 500))
     ('a\\\\nb', 60)
     """
     whole = plain(name, one_line=True)
@@ -53,6 +54,34 @@ def a(thing: str) -> str:
     return f"{'an' if thing[:1] in 'aeiou' else 'a'} {thing}"
 
 
+def columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Rows of words as lines with aligned columns; the last word of a row widens no column."""
+    count = max(map(len, rows), default=0)
+    widths = [max((len(row[k]) for row in rows if k < len(row) - 1), default=0) for k in range(count)]
+    return ["  ".join(_pad(row, widths)).rstrip() for row in rows]
+
+
+def fit_columns(rows: Sequence[Sequence[str]], width: int | None, spare: Sequence[int]) -> list[str]:
+    """The same, without the columns that make it wider than ``width``.
+
+    spare: the columns that can be done without, the first of them first, each counted among what is left.
+    """
+    lines = columns(rows)
+    for column in spare:
+        if width is None or max(map(len, lines), default=0) <= width:
+            break
+        rows = [[*row[:column], *row[column + 1 :]] if len(row) > column + 1 else row for row in rows]
+        lines = columns(rows)
+    return lines
+
+
+def wrap_line(text: str, width: int | None) -> list[str]:
+    """A line as several that are not wider than ``width``, the others indented; none for no text."""
+    if width is None or len(text) <= width:
+        return [text] if text else []
+    return wrap(text, max(width, 20), subsequent_indent="  ", break_long_words=False)
+
+
 def _controls(letter: str) -> bool:
     # Format characters join letters of scripts; only those that change direction are kept out.
     if unicodedata.category(letter) in ("Cc", "Zl", "Zp"):
@@ -62,3 +91,9 @@ def _controls(letter: str) -> bool:
 
 def _escape(letter: str) -> str:
     return letter.encode("unicode_escape").decode("ascii")
+
+
+def _pad(row: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """The words of a row as wide as their columns; a column without any words is left out."""
+    words = [word.ljust(width) for word, width in zip(row[:-1], widths, strict=False) if width]
+    return [*words, row[-1]]

@@ -26,8 +26,7 @@ from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Report
-from rigtri.text import plain, shown_name
-from rigtri.text_tables import columns, fitting, wrapped
+from rigtri.text import columns, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
 SAME_SCALE = 1e-4
@@ -61,7 +60,7 @@ def describe(rig: Rig, *, report: Report | None = None, width: int | None = None
         ("", [_heading(rig)]),
         (
             f"{kind} (arrows as seen from the front, ⊙ towards you, ⊗ away)",
-            fitting(list(_tree(seen, deepest)), room, _SPARE),
+            fit_columns(list(_tree(seen, deepest)), room, _SPARE),
         ),
         ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
         ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
@@ -74,8 +73,8 @@ def describe(rig: Rig, *, report: Report | None = None, width: int | None = None
     blocks = []
     for title, lines in sections:
         if lines:
-            rows = [f"  {line}" for line in lines] if title else wrapped(lines[0], width)
-            blocks.append("\n".join([*wrapped(title, width), *rows]))
+            rows = [f"  {line}" for line in lines] if title else wrap_line(lines[0], width)
+            blocks.append("\n".join([*wrap_line(title, width), *rows]))
     return "\n\n".join(blocks)
 
 
@@ -182,7 +181,7 @@ def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
     while stack:
         node, depth = stack.pop()
         stack += [(child, depth + 1) for child in reversed(rig.children[node])]
-        name = shown_name(rig.names[node]) or "-"
+        name = display_name(rig.names[node]) or "-"
         title = name if seen.counts[node] else f"[{name}]"
         more = f"+{depth - deepest} " if depth > deepest else ""
         words = [f"{'. ' * min(depth, deepest)}{more}{title}", rig.labels[node]]
@@ -207,7 +206,7 @@ def _bone_words(seen: _Seen, node: int) -> list[str]:
         return ["", "", ""]
     child, axis, degrees = found
     sign, letter = "-" if axis > 2 else "+", _LETTERS[axis % 3]
-    name = shown_name(seen.rig.names[child]) or seen.rig.labels[child]
+    name = display_name(seen.rig.names[child]) or seen.rig.labels[child]
     size = float(length(seen.position[child] - seen.position[node]))
     bend = seen.bend(node, child)
     return [
@@ -271,7 +270,7 @@ def _constraint_words(rig: Rig, constraint: NodeConstraint) -> str:
 
 def _skin_words(skin: Skin, number: int) -> list[str]:
     return [
-        shown_name(skin.name) or f"#{number}",
+        display_name(skin.name) or f"#{number}",
         _count(len(skin.joints), "joint"),
         f"{int(np.count_nonzero(skin.weighted))} weighted",
         "inverse binds stored" if skin.stored else "no inverse binds",
@@ -283,7 +282,7 @@ def _clip_words(clip: Clip, number: int) -> list[str]:
     kinds = dict.fromkeys(track.interpolation for track in clip.tracks)
     keys = sum(len(track.times) for track in clip.tracks)
     return [
-        shown_name(clip.name) or f"#{number}",
+        display_name(clip.name) or f"#{number}",
         _count(len(clip.tracks), "track"),
         _count(keys, "key"),
         f"{_number(times[0])} to {_number(times[-1])}" if len(times) else "",
@@ -297,8 +296,8 @@ def _note_words(seen: _Seen, node: int) -> list[str]:
     parent = int(rig.parents[node])
     rest = [f"{key} {_value(note[key])}" for key in sorted(note) if key not in ("v", "type")]
     words = [
-        shown_name(rig.names[node]) or rig.labels[node],
-        f"under {shown_name(rig.title(parent)) if parent >= 0 else '-'}",
+        display_name(rig.names[node]) or rig.labels[node],
+        f"under {display_name(rig.title(parent)) if parent >= 0 else '-'}",
         f"at {_row(seen.position[node])}",
         str(note.get("type", "")),
         *rest,

@@ -38,7 +38,7 @@ class Mesh:
     matrix that takes points into the space of the skin's bind pose. morphs:
     (t, v, 3) offsets, weighted by ``morph_weights`` (t,) or a weights track of ``node``;
     morph_names: what they are called, empty where nothing says it.
-    ``surface`` reads faces and normals, None where they cannot be read; asked only when needed.
+    ``surface`` reads faces and normals, None where they cannot be read; read only when needed.
     box: where ``points`` are only some of many, the lows and highs of all of them wherever
     morphs carry them: (2, 3), and any joint may move any of them, or of those that each joint
     of the skin moves, (2, m, 3).

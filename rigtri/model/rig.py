@@ -173,7 +173,7 @@ class Rig(NodeNames):
     def part(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
         """Some nodes alone, parents first as here, with the tracks that drive them; and their new indices.
 
-        Nodes whose parents are left out become roots. Skins, notes and the like stay behind:
+        Nodes whose parents are left out become roots. Skins, metadata and the like stay behind:
         this is for posing a fraction of the whole.
         """
         keep = sorted(set(nodes))
@@ -290,7 +290,7 @@ class Rig(NodeNames):
                 replace(c, node=new[c.node], source=new[c.source]) for c in self.node_constraints
             ),
             humanoid={bone: new[k] for bone, k in self.humanoid.items()},
-            metadata={new[k]: note for k, note in self.metadata.items()},
+            metadata={new[k]: stored for k, stored in self.metadata.items()},
             rules=self.rules.reordered(new),
             pending=self.pending.reordered(new),
             content=self.content.reordered(new),

@@ -1,4 +1,4 @@
-"""What a file shows or says that no pose tells, as plain facts: a name and a value each."""
+"""Scene settings and what nodes show besides their pose, as plain facts: a name and a value each."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ class Skin:
     joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
     the file has no matrices and these are the identity its format prescribes.
     ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
-    so it is asked only when needed. drawn: something is drawn with it, whether or
+    so it is called only when needed. drawn: something is drawn with it, whether or
     not its points can be read. key: None for a skin that is new.
     """
 
@@ -34,7 +34,7 @@ class Skin:
 
     @cached_property
     def bind(self) -> Floats:
-        """Where each joint stands in the bind pose, seen from the skin, (m, 4, 4); NaN if nothing tells."""
+        """Bind matrices of the joints, seen from the skin, (m, 4, 4); NaN where a matrix has no inverse."""
         return inverse(self.inverse_bind)
 
     @cached_property

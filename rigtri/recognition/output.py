@@ -7,7 +7,7 @@ from typing import Any
 
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Direction, Layout
-from rigtri.text_tables import columns
+from rigtri.text import columns
 
 _AXES = {
     (1, 0, 0): "+x",

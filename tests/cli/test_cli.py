@@ -18,7 +18,7 @@ from program import cli
 from second_opinions import schema, validator
 
 from rigtri.cli import main
-from rigtri.errors import RigtriError, kind_of
+from rigtri.errors import RigtriError, kind_name
 from rigtri.files.worker_process import CrashError
 from rigtri.formats import read
 
@@ -433,9 +433,9 @@ def test_with_json_every_failure_is_one_object_on_standard_output(name: str, tmp
 
 
 def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
-    kinds = {kind_of(error) for error in RigtriError.__subclasses__()} | {"memory"}
+    kinds = {kind_name(error) for error in RigtriError.__subclasses__()} | {"memory"}
     assert kinds == set(schema("error")["properties"]["error"]["properties"]["kind"]["enum"])
-    assert kind_of(CrashError) == "file"
+    assert kind_name(CrashError) == "file"
 
 
 def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(samples: Path, tmp_path: Path) -> None:

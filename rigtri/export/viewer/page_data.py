@@ -22,7 +22,7 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.limbs import recognise
 from rigtri.recognition.proportions import forward
-from rigtri.text import plain, shown_name
+from rigtri.text import display_name, plain
 
 
 def facts(rig: Rig) -> dict[str, Any]:
@@ -94,7 +94,7 @@ def _paths(rig: Rig, nodes: list[int]) -> dict[int, str]:
 
 def _node(rig: Rig, node: int, place: dict[int, int], path: str, key: int | str) -> dict[str, Any]:
     entry: dict[str, Any] = {
-        "name": shown_name(rig.names[node]) or rig.labels[node],
+        "name": display_name(rig.names[node]) or rig.labels[node],
         "path": path,
         "parent": place.get(int(rig.parents[node]), -1),
         "key": key,

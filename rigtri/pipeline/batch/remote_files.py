@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from rigtri.errors import RigtriError, UsageError, kind_of
+from rigtri.errors import RigtriError, UsageError, kind_name
 from rigtri.files.worker_process import CrashError
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.hashes import Hashes
@@ -66,7 +66,7 @@ class Fetched:
             except CrashError:
                 raise
             except RigtriError as error:
-                return Record("error", kind_of(type(error)), self._text(str(error)), error.exit_code)
+                return Record("error", kind_name(type(error)), self._text(str(error)), error.exit_code)
 
     def _source(self, source: str) -> str:
         """Where the source is here, with the files that it refers to; reading reports what is missing."""

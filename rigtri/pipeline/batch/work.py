@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from rigtri.errors import FileError, RigtriError, kind_told
+from rigtri.errors import FileError, RigtriError, error_kind
 from rigtri.files.staged_output import StagedOutput
 from rigtri.files.temp_dirs import adopt
 from rigtri.files.temp_dirs import folder as temporary
@@ -84,7 +84,7 @@ class Assignment:
 class Record:
     """What became of one file.
 
-    kind, message, exit_code: of what failed, as `rigtri.errors.kind_of`, or crash, timeout, memory, bug.
+    kind, message, exit_code: of what failed, as `rigtri.errors.kind_name`, or crash, timeout, memory, bug.
     deviation: as a share of the diagonal, None where it was not measured. seconds: of each stage.
     read, made: hashes of all files that were read and written; read is empty where one of
     them was written meanwhile, so that nobody knows what was read.
@@ -233,7 +233,7 @@ def _warnings(report: Report) -> tuple[dict[str, Any], ...]:
 def _refused(error: RigtriError | OSError, report: Report) -> Record:
     if isinstance(error, RigtriError):
         text = "; ".join(map(str, error.faults)) or str(error)
-        return Record("error", kind_told(error), text, error.exit_code, warnings=_warnings(report))
+        return Record("error", error_kind(error), text, error.exit_code, warnings=_warnings(report))
     text = f"{error.filename or 'the output'}: {error.strerror or error}"
     return Record("error", "file", text, 3, warnings=_warnings(report))
 
