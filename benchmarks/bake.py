@@ -22,14 +22,13 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import as_float32, timelines
 from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle, make_continuous, multiply
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.take_clips.retargeting import PATHS
 
 PEER = Path(__file__).with_name("bake_blender.py")
 BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"

@@ -9,6 +9,8 @@ from typing import Literal
 from rigtri.maths.trigonometry import Floats
 
 Path = Literal["translation", "rotation", "scale", "weights"]
+# What places a node.
+PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 Interpolation = Literal["LINEAR", "STEP", "CUBICSPLINE"]
 
 

@@ -36,14 +36,13 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.report import Report
 
-_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 # Joints that move by more, as a share of the size, are reported.
 NEAR = 1e-5
 # Values that differ by less, in radians or as a share of the size, were found from the same pose.
@@ -296,13 +295,13 @@ def _channel_values(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Flo
     return {
         (node, path): values
         for node, parts in channels.items()
-        for path, values in zip(_PATHS, parts, strict=True)
+        for path, values in zip(PATHS, parts, strict=True)
     }
 
 
 def _part(rig: Rig, node: int, path: Path) -> Floats:
     """What a node has at rest, (1, c)."""
-    return PoseCache(rig).part(node)[_PATHS.index(path)]
+    return PoseCache(rig).part(node)[PATHS.index(path)]
 
 
 def _alike(now: Parts, target: Parts, size: float) -> bool:

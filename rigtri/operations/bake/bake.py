@@ -41,7 +41,7 @@ from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Path, Track
+from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
@@ -51,7 +51,7 @@ from rigtri.operations.bake.dependents import (
     rivets_and_readers,
     rivets_of_constraints,
 )
-from rigtri.operations.bake.reduced_tracks import PATHS, key_counts, reduced_tracks
+from rigtri.operations.bake.reduced_tracks import key_counts, reduced_tracks
 from rigtri.operations.bake.residuals import fidelity
 from rigtri.operations.bake.sampling_warnings import warn_spline_swings, warn_undersampled
 from rigtri.operations.bake.stable_keys import is_still_valid

@@ -13,10 +13,8 @@ from rigtri.evaluation.key_reduction import reduce_keys
 from rigtri.evaluation.timelines import Timeline, as_float32
 from rigtri.maths.quaternions import make_continuous
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Interpolation, Path, Track
+from rigtri.model.animation import PATHS, Interpolation, Path, Track
 from rigtri.model.rig import Rig
-
-PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 
 
 def reduced_tracks(

@@ -29,11 +29,9 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
-
-PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
@@ -42,7 +42,7 @@ from rigtri.operations.take_clips.messages import (
 )
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.operations.take_clips.retargeting import PATHS, rest_parts
+from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED, differing, lacking
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed

@@ -17,7 +17,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import as_float32, put_tracks, timelines
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Path, Track
+from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
@@ -26,7 +26,6 @@ from rigtri.report import Report
 _ROUNDED = 1e-5
 # A track is looked at so often, and comes past what is so near, as a share of its values.
 _LOOKS, _NEAR = 1001, 1e-4
-_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 
 
 def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
@@ -111,4 +110,4 @@ def _otherwise(now: Parts, rest: Parts, rig: Rig) -> dict[Path, Floats]:
         "rotation": turned,
         "scale": float(np.abs(now.scale - rest.scale).max()),
     }
-    return {path: now[_PATHS.index(path)] for path, far in apart.items() if far > _ROUNDED}
+    return {path: now[PATHS.index(path)] for path, far in apart.items() if far > _ROUNDED}

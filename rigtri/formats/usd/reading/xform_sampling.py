@@ -16,13 +16,12 @@ from pxr import UsdGeom, Vt
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Interpolation, Path, Track
+from rigtri.model.animation import PATHS, Interpolation, Track
 from rigtri.report import Notice
 from rigtri.text import listed
 
 # The name and key of the clip; the writer leaves it alone.
 NAME, KEY = "xforms", ("xforms", "")
-_PATHS: tuple[Path, ...] = ("translation", "rotation", "scale")
 
 
 def tracks(prims: Mapping[int, Any], interpolation: Interpolation, warnings: list[Notice]) -> list[Track]:
@@ -45,7 +44,7 @@ def tracks(prims: Mapping[int, Any], interpolation: Interpolation, warnings: lis
     return [
         Track(node, path, interpolation, times[row], columns[part][row])
         for row, node in enumerate(prims)
-        for part, path in enumerate(_PATHS)
+        for part, path in enumerate(PATHS)
     ]
 
 
