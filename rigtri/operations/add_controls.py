@@ -8,36 +8,34 @@ under the control.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
-from rigtri.limits import refuse_unworkable
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
-from rigtri.model.control_shapes import COLORS, KINDS, Kind
+from rigtri.model.control_shapes import COLORS, Kind
 from rigtri.model.joint_names import Side, side
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
 from rigtri.operations.control_names import call, remembered
-from rigtri.operations.joint_selection import Selection, chosen
+from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
+from rigtri.operations.options.add_controls import NAME as NAME
+from rigtri.operations.options.add_controls import TOKENS as TOKENS
+from rigtri.operations.options.add_controls import AddControlsOptions as AddControlsOptions
 from rigtri.operations.rigtri_nodes import add, find, group, home, noted, stand
-from rigtri.operations.skin_joints import Kind as EndKind
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.limbs import Limb, recognise, with_recognised
+from rigtri.recognition.limbs import Limb, named_limbs, recognise, with_recognised
 from rigtri.recognition.proportions import forward, girths
 from rigtri.report import Report
 
-TOKENS = ("joint", "side", "kind")
-NAME = "{joint}_{kind}"
 # What {kind} stands for in a name, by the kind of control.
 _WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
 _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
@@ -46,65 +44,6 @@ RADIUS = 0.5
 SHORTEST = 0.5
 # Around the trunk a shape is as wide as the shoulders, as a share of half the way between the limbs.
 GIRTH = 1.25
-
-
-@dataclass(frozen=True)
-class AddControlsOptions:
-    """Everything that `add_controls` can be told; the defaults are the command's.
-
-    selection: the joints that get FK controls. whole_character: all that carry weight, a root
-    control, and IK ends with pole vectors for every recognised limb. ik: limbs that get them,
-    and FK controls of their three joints.
-    size: multiplies the shapes' sizes. name: with the tokens {joint}, {side} and {kind}, which is
-    ctl, ik_ctl or root_ctl. shapes: by kind of control (fk, ik, root, pole). colors: by side (left,
-    right, ""). What of these is given, controls that are there already get too, unless edited.
-    ends: whether IK ends and pole vectors are controls or joints; None keeps what is there. soft: how
-    far before it is straight an IK limb slows down, as a share of its length; stretch: it grows to
-    reach its target; None keeps what is there.
-    """
-
-    selection: Selection = Selection()
-    whole_character: bool = False
-    root_control: bool = False
-    ik: tuple[Limb, ...] = ()
-    ik_auto: bool = False
-    size: float | None = None
-    name: str | None = None
-    shapes: Mapping[str, Kind] = field(default_factory=dict)
-    colors: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    root: str | None = None
-    poles: AddPolevectorOptions = field(default_factory=AddPolevectorOptions)
-    ends: EndKind | None = None
-    soft: float | None = None
-    stretch: bool | None = None
-
-    def checked(self) -> AddControlsOptions:
-        """UsageError for what fits no control."""
-        for kind in self.shapes.values():
-            if kind not in KINDS:
-                raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
-        if unknown := [kind for kind in self.shapes if kind not in ("fk", "ik", "root", "pole")]:
-            raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
-        if unknown := [side for side in self.colors if side not in ("left", "right", "")]:
-            raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
-        refuse_unworkable("--size", self.size)
-        if self.size is not None and not self.size > 0:
-            raise UsageError(f"--size {self.size:g}: a size is a number above 0")
-        if self.ends is not None and not (self.ik or self.ik_auto or self.whole_character):
-            raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
-        try:
-            (self.name or NAME).format(**dict.fromkeys(TOKENS, "x"))
-        except (KeyError, IndexError, ValueError, AttributeError) as error:
-            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
-            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
-        if self.soft is not None and not 0 <= self.soft < 1:
-            raise UsageError("--soft is a share of the limb, from 0 to below 1")
-        if not (self.selection.named or self.whole_character or self.root_control or self.ik or self.ik_auto):
-            raise UsageError(
-                "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
-                "or --whole-character"
-            )
-        return self
 
 
 @operation(AddControlsOptions)
@@ -116,7 +55,6 @@ def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Ri
 
     Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
     """
-    options.checked()
     return _Builder(rig, options, report).build()
 
 
@@ -128,7 +66,8 @@ class _Builder:
         self.tree: Skeleton = skeleton(rig, options.root)
         self.ref: ReferencePose = reference(self.tree, "nodes")
         self.world = rig.world
-        self.limbs = with_recognised(rig, options.ik) if self._all_limbs else options.ik
+        named = tuple(named_limbs(rig, options.ik))
+        self.limbs = with_recognised(rig, named) if self._all_limbs else named
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
         self.aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
@@ -140,7 +79,7 @@ class _Builder:
 
     @property
     def _all_limbs(self) -> bool:
-        return self.options.whole_character or self.options.ik_auto
+        return self.options.whole_character or self.options.limbs is not None
 
     def build(self) -> Rig:
         options = self.options
@@ -220,7 +159,7 @@ class _Builder:
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
-        known, kind = self._find("ik", about), self.options.ends
+        known, kind = self._find("ik", about), self.options.as_
         if kind == "joint" if known is None else is_joint_kind(self.rig, known, kind):
             self._ik_joint(limb, known, about)
         else:
@@ -278,16 +217,16 @@ class _Builder:
     ) -> Drawing:
         options, which = self.options, self._side(joint)
         size = size * (1.0 if options.size is None else options.size)
-        shape: Kind = options.shapes.get(kind, _SHAPES[kind])
-        return Drawing(shape, size, options.colors.get(which, COLORS[which]), normal, front)
+        shape = cast("Kind", options.shape.get(kind, _SHAPES[kind]))
+        return Drawing(shape, size, options.color.get(which, COLORS[which]), normal, front)
 
     def _requested(self, kind: str, joint: int) -> frozenset[str]:
         """What of a drawing the options name."""
         options = self.options
         requested = {
-            "shape": kind in options.shapes,
+            "shape": kind in options.shape,
             "size": options.size is not None,
-            "color": self._side(joint) in options.colors,
+            "color": self._side(joint) in options.color,
         }
         return frozenset(key for key, given in requested.items() if given)
 
@@ -333,7 +272,13 @@ class _Builder:
             return
         before = set(self.rig.metadata)
         limbs = tuple(dict.fromkeys(self.limbs))
-        pole_options = replace(self.options.poles, limb=limbs, limbs=None, as_=self.options.ends)
+        pole_options = AddPolevectorOptions(
+            limb=limbs,
+            reach=self.options.reach,
+            facing=self.options.facing,
+            bend=self.options.bend,
+            as_=self.options.as_,
+        )
         self.rig = add_polevector(self.rig, options=pole_options, report=self.report)
         for node in self._drawn_poles(limbs):
             middle = self.rig.find(str(self.rig.metadata[node]["chain"][1]))

@@ -17,7 +17,6 @@ from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
 from rigtri.operations.add_twist import twist
 from rigtri.operations.constrain import constrain
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.mirror import mirror
 from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
@@ -43,12 +42,12 @@ def _controls(rig: Rig, report: Report) -> Rig:
             rig, options=add_controls.AddControlsOptions(whole_character=True), report=report
         )
     except GeometryError:  # a straight limb that nothing tells of
-        wanted = add_controls.AddControlsOptions(selection=Selection(joints=("*",)))
+        wanted = add_controls.AddControlsOptions(joints=("*",))
         return add_controls.add_controls(rig, options=wanted, report=report)
 
 
 def _control_joints(rig: Rig, report: Report) -> Rig:
-    wanted = add_controls.AddControlsOptions(selection=Selection(joints=("*",)), ik_auto=True, ends="joint")
+    wanted = add_controls.AddControlsOptions(joints=("*",), limbs="auto", as_="joint")
     return add_controls.add_controls(rig, options=wanted, report=report)
 
 
@@ -148,7 +147,7 @@ def _mirror(rig: Rig, report: Report) -> Rig:
     if not left:
         raise GeometryError("no names tell of a left side")
     rig = add_controls.add_controls(
-        rig, options=add_controls.AddControlsOptions(selection=Selection(joints=(left[0],))), report=report
+        rig, options=add_controls.AddControlsOptions(joints=(left[0],)), report=report
     )
     wanted = mirror.MirrorOptions(what=("controls", "polevectors"))
     return mirror.mirror(rig, options=wanted, report=report)

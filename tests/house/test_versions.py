@@ -18,7 +18,6 @@ from rigtri.formats import read
 from rigtri.model.metadata import RECORDS
 from rigtri.model.rig import Rig
 from rigtri.operations import add_controls
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.rigtri_nodes import noted
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import Outcome, edit
@@ -34,7 +33,7 @@ def stripped(rig: Rig, report: Report) -> Rig:
 
 
 def built(rig: Rig, report: Report) -> Rig:
-    wanted = add_controls.AddControlsOptions(selection=Selection(joints=("hand_L",)))
+    wanted = add_controls.AddControlsOptions(joints=("hand_L",))
     return add_controls.add_controls(rig, options=wanted, report=report)
 
 

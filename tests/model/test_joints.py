@@ -205,7 +205,7 @@ def test_a_skin_without_matrices_goes_on_without(tmp_path: Path) -> None:
 
 
 def whole(rig: Rig, report: Report, ends: Kind | None = "joint") -> Rig:
-    return add_controls(rig, options=AddControlsOptions(whole_character=True, ends=ends), report=report)
+    return add_controls(rig, options=AddControlsOptions(whole_character=True, as_=ends), report=report)
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])

@@ -298,7 +298,7 @@ def test_real_motion_comes_home(path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_joint_that_only_the_root_control_carries_keeps_its_motion(name: str) -> None:
-    only_limbs = AddControlsOptions(ik_auto=True, root_control=True)
+    only_limbs = AddControlsOptions(limbs="auto", root_control=True)
     rig, report = stored(add_controls(read(SAMPLES / name).rig, options=only_limbs)), Report()
     up = bake(rig, options=BakeOptions(to="controls"), report=report)
     assert max(entry["deviation"] for entry in report.added if entry["type"] == "clip") < BOUND

@@ -24,7 +24,6 @@ from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Go
 from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
-from rigtri.operations.joint_selection import Selection
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -42,7 +41,7 @@ def source_of(kind: str, folder: Path) -> tuple[Path, str, str]:
 
 
 def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
-    rig = add_controls(rig, options=AddControlsOptions(selection=Selection(joints=(joint,))), report=report)
+    rig = add_controls(rig, options=AddControlsOptions(joints=(joint,)), report=report)
     reader = AddPosereaderOptions(
         driver=joint, axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", mesh, "bulge"),), name="reader"
     )

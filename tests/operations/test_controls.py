@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flat_options import joints_of
 from numpy.testing import assert_allclose
 from places import SAMPLES, files_of_all_kinds, leave_out_refused
 from program import cli
@@ -45,7 +46,7 @@ def controls(rig: Rig, kind: str = "fk") -> dict[str, int]:
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_one_builder_serves_chains_of_any_length(count: int) -> None:
     end = "bcd"[count - 1]
-    out = add_controls(FINGER, options=AddControlsOptions(selection=Selection(chains=(("b", end),))))
+    out = add_controls(FINGER, options=AddControlsOptions(chain=(("b", end),)))
     made = controls(out)
     assert sorted(made) == list("bcd"[:count])
     for joint, above in zip("cd"[: count - 1], "bc", strict=False):
@@ -54,7 +55,7 @@ def test_one_builder_serves_chains_of_any_length(count: int) -> None:
 
 def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
     turned = replace(FINGER, rotation=np.stack([from_axis_angle([1, 2, 3], k) for k in range(4)]))
-    out = add_controls(turned, options=AddControlsOptions(selection=Selection(joints=("*",))))
+    out = add_controls(turned, options=AddControlsOptions(joints=("*",)))
     world = out.world
     for joint, control in controls(out).items():
         assert_allclose(world[control], world[out.find(joint)], atol=1e-12)
@@ -64,7 +65,7 @@ def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
 
 def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
     scaled = replace(FINGER, scale=FINGER.scale * [[100], [1], [-1], [1]])
-    out = add_controls(scaled, options=AddControlsOptions(selection=Selection(joints=("*",))))
+    out = add_controls(scaled, options=AddControlsOptions(joints=("*",)))
     world = out.world
     for joint, control in controls(out).items():
         assert_allclose(world[control, 3], world[out.find(joint), 3], atol=1e-9)
@@ -72,7 +73,7 @@ def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
 
 
 def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
-    options = AddControlsOptions(selection=Selection(joints=("b", "c")), size=2.0)
+    options = AddControlsOptions(joints=("b", "c"), size=2.0)
     out = add_controls(FINGER, options=options)
     for joint, child in (("b", "c"), ("c", "d")):
         shape = out.pending.shapes[controls(out)[joint]]
@@ -146,7 +147,7 @@ def test_controls_change_nothing_and_come_only_once(path: Path, tmp_path: Path) 
         try:
             return add_controls(rig, options=WHOLE, report=report)
         except GeometryError:  # a straight limb that nothing tells of
-            chains = AddControlsOptions(selection=Selection(joints=("*",)))
+            chains = AddControlsOptions(joints=("*",))
             return add_controls(rig, options=chains, report=report)
 
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
@@ -192,10 +193,10 @@ def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> N
 
 
 def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
-    rig = add_controls(FINGER, options=AddControlsOptions(selection=Selection(joints=("*",))))
+    rig = add_controls(FINGER, options=AddControlsOptions(joints=("*",)))
     turned = replace(rig, rotation=rig.rotation.copy())
     turned.rotation[1] = from_axis_angle([0, 0, 1], 0.5)
-    out = add_controls(turned, options=AddControlsOptions(selection=Selection(joints=("*",))))
+    out = add_controls(turned, options=AddControlsOptions(joints=("*",)))
     assert len(out) == len(rig)
     for joint, control in controls(out).items():
         assert_allclose(out.world[control], out.world[out.find(joint)], atol=1e-9)
@@ -203,7 +204,7 @@ def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
 
 def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
     rig = replace(FINGER, names=("hand.L", "mixamorig:Index 1", "c", "d"))
-    options = AddControlsOptions(selection=Selection(joints=("*",)), name="{side}_{joint}_{kind}")
+    options = AddControlsOptions(joints=("*",), name="{side}_{joint}_{kind}")
     out = add_controls(rig, options=options)
     assert "left_hand_L_ctl" in out.names
     assert "left_mixamorig_Index_1_ctl_offset" in out.names
@@ -214,7 +215,7 @@ def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
     [
         (AddControlsOptions(), "which joints"),
         (AddControlsOptions(whole_character=True, name="{bone}"), "tokens"),
-        (AddControlsOptions(whole_character=True, shapes={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
+        (AddControlsOptions(whole_character=True, shape={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
     ],
 )
 def test_what_fits_no_control_is_told(options: AddControlsOptions, words: str) -> None:
@@ -239,9 +240,7 @@ def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
     samples: Path, tmp_path: Path
 ) -> None:
     def hand(rig: Rig, report: Report) -> Rig:
-        return add_controls(
-            rig, options=AddControlsOptions(selection=Selection(joints=("hand_L",))), report=report
-        )
+        return add_controls(rig, options=AddControlsOptions(joints=("hand_L",)), report=report)
 
     def all_of_it(rig: Rig, report: Report) -> Rig:
         return add_controls(rig, options=WHOLE, report=report)
@@ -267,7 +266,7 @@ HAND = Selection(joints=("forearm_L", "hand_L"))
 
 
 def redone(path: Path, out: Path, **told: Any) -> Report:
-    options = AddControlsOptions(selection=HAND, **told)
+    options = AddControlsOptions(**joints_of(HAND), **told)
     return edit(path, out, lambda rig, report: add_controls(rig, options=options, report=report)).report
 
 
@@ -326,7 +325,7 @@ def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.glb", one, whole)
 
     def cubes(rig: Rig, report: Report) -> Rig:
-        options = replace(WHOLE, size=3.0, shapes={"pole": "cube"})
+        options = replace(WHOLE, size=3.0, shape={"pole": "cube"})
         return add_controls(rig, options=options, report=report)
 
     assert not edit(one, two, cubes).report.warnings
@@ -370,7 +369,7 @@ def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
 
 
 def test_a_control_that_a_user_has_renamed_keeps_its_name_and_is_named() -> None:
-    options = AddControlsOptions(selection=Selection(joints=("b", "c")))
+    options = AddControlsOptions(joints=("b", "c"))
     rig = add_controls(FINGER, options=options)
     names = list(rig.names)
     names[rig.find("b_ctl", "node")] = "grip"
@@ -393,18 +392,18 @@ def test_a_rule_that_gives_no_name_of_its_own_is_refused(
     joints: tuple[str, ...], name: str, words: str
 ) -> None:
     with pytest.raises(UsageError, match=words):
-        add_controls(FINGER, options=AddControlsOptions(selection=Selection(joints=joints), name=name))
+        add_controls(FINGER, options=AddControlsOptions(joints=joints, name=name))
 
 
 def test_as_is_refused_where_nothing_could_be_a_joint_or_is_one_of_the_other_kind(samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     with pytest.raises(UsageError, match="--as is for IK ends"):
-        add_controls(rig, options=AddControlsOptions(selection=Selection(joints=("hips",)), ends="joint"))
+        add_controls(rig, options=AddControlsOptions(joints=("hips",), as_="joint"))
     kinds: tuple[Any, Any] = ("joint", "locator")
     for first, second in (kinds, kinds[::-1]):
-        made = add_controls(rig, options=AddControlsOptions(ik_auto=True, ends=first))
+        made = add_controls(rig, options=AddControlsOptions(limbs="auto", as_=first))
         with pytest.raises(UsageError, match=f"is a {first} since an earlier run"):
-            add_controls(made, options=AddControlsOptions(ik_auto=True, ends=second))
+            add_controls(made, options=AddControlsOptions(limbs="auto", as_=second))
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])

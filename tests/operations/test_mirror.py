@@ -25,7 +25,6 @@ from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.pipeline.edit import edit
@@ -97,7 +96,7 @@ def test_a_second_run_changes_nothing_and_nothing_else_moves(path: Path, tmp_pat
         try:
             return add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
         except GeometryError:  # a straight limb that nothing tells of
-            chains = AddControlsOptions(selection=Selection(joints=("*",)))
+            chains = AddControlsOptions(joints=("*",))
             return add_controls(rig, options=chains, report=report)
 
     built, once, twice = (tmp_path / f"{name}{path.suffix}" for name in ("built", "once", "twice"))
@@ -124,10 +123,10 @@ def edit_and_read(source: Path, target: Path, step: Callable[[Rig, Report], Rig]
 def left_arm(rig: Rig) -> Rig:
     limb = given(rig, "upper_arm_L", "forearm_L", "hand_L")
     options = AddControlsOptions(
-        selection=Selection(chains=(("clavicle_L", "hand_L"),)),
+        chain=(("clavicle_L", "hand_L"),),
         ik=(limb,),
-        shapes={"fk": "square"},
-        poles=AddPolevectorOptions(reach=1.25),
+        shape={"fk": "square"},
+        reach=1.25,
     )
     return add_controls(rig, options=options)
 

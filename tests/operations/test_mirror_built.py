@@ -31,7 +31,6 @@ from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Go
 from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.operations.mirror.symmetry_check import asymmetry
@@ -48,7 +47,7 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
     report = report if report is not None else Report()
     wing = MakeLimbOptions(points=WING, name="wing", side="left", parent="chest")
     rig = make_limb(rig, options=wing, report=report)
-    hand = AddControlsOptions(selection=Selection(joints=("hand_L",)))
+    hand = AddControlsOptions(joints=("hand_L",))
     rig = add_controls(rig, options=hand, report=report)
     rig = add_twist(
         rig, options=AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2), report=report

@@ -27,7 +27,6 @@ from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
@@ -285,7 +284,7 @@ def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_pat
 
 
 def with_control(rig: Rig, report: Report) -> Rig:
-    rig = add_controls(rig, options=AddControlsOptions(selection=Selection(joints=("b",))), report=report)
+    rig = add_controls(rig, options=AddControlsOptions(joints=("b",)), report=report)
     options = replace(for_kind("usda"), morphs=(), attributes=(("side", "b_ctl", "bulge"),))
     return add_posereader(rig, options=options, report=report)
 

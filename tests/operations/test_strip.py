@@ -14,7 +14,6 @@ from rigtri.errors import FileError, GeometryError
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
@@ -26,9 +25,7 @@ def controls(rig: Rig, report: Report) -> Rig:
     try:
         return add_controls(rig, options=AddControlsOptions(whole_character=True), report=report)
     except GeometryError:  # a straight limb that nothing tells of
-        return add_controls(
-            rig, options=AddControlsOptions(selection=Selection(joints=("*",))), report=report
-        )
+        return add_controls(rig, options=AddControlsOptions(joints=("*",)), report=report)
 
 
 def stripped(rig: Rig, report: Report) -> Rig:

@@ -48,7 +48,7 @@ ASKED: list[Asked] = [
     (
         "add-controls --whole-character --color left=1,0,0 --shape ik=cube",
         "add_controls",
-        {"whole_character": True, "colors": {"left": (1, 0, 0)}, "shapes": {"ik": "cube"}},
+        {"whole_character": True, "color": {"left": (1, 0, 0)}, "shape": {"ik": "cube"}},
     ),
     (
         "make-limb --points 0,2,0 0,1,.1 0,0,0 --aim y --up x",
@@ -61,7 +61,7 @@ ASKED: list[Asked] = [
         "constrain",
         {"kind": "parent", "child": "staff", "drivers": [("head", 1)]},
     ),
-    ("add-rivet --mesh body --triangle 3", "add_rivet", {"mesh": "body", "triangles": [3]}),
+    ("add-rivet --mesh body --triangle 3", "add_rivet", {"mesh": "body", "triangle": [3]}),
     ("mirror --what joints", "mirror", {"what": ["joints"]}),
     ("pose --at walk@0.3", "take_pose", {"at": "walk@0.3"}),
     ("strip", "strip", {}),
@@ -305,8 +305,8 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ),
         ("constrain", {"child": "head"}, TypeError, "constrain() needs kind"),
         ("orient_joints", {"preset": "vrm", "aim": "x"}, UsageError, "parallel to the world"),
-        ("add_controls", {"joints": "*", "colors": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),
-        ("add_controls", {"joints": "*", "shapes": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),
+        ("add_controls", {"joints": "*", "color": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),
+        ("add_controls", {"joints": "*", "shape": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),
         ("bake", {"to": "sky"}, UsageError, "'joints', 'controls'"),
         ("bake", {}, GeometryError, "nothing to bake"),
         ("add_twist", {"limbs": "auto", "count": True}, UsageError, "give a whole number"),

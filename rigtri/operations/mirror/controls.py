@@ -14,10 +14,9 @@ from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.triangle import bend_sine
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
-from rigtri.operations.add_polevector import NO_PLANE, AddPolevectorOptions
+from rigtri.operations.add_polevector import NO_PLANE
 from rigtri.operations.control_drawing import KEYS
 from rigtri.operations.control_names import remembered
-from rigtri.operations.joint_selection import Selection
 from rigtri.operations.mirror.mirrored_metadata import (
     MirrorOptions,
     lone,
@@ -65,16 +64,14 @@ def _one_control(
     alike = before is not None and rig.metadata[before].get("shape") == note.get("shape")
     shapes: Any = {kind: note["shape"]} if "shape" in note and not alike else {}
     if kind == "fk":
-        made = AddControlsOptions(selection=Selection(joints=(there["joint"],)), shapes=shapes)
+        made = AddControlsOptions(joints=(there["joint"],), shape=shapes)
     else:
         limb = given(rig, *there["chain"])
-        poles = AddPolevectorOptions(bend=_bends(rig, note, there, options))
+        bend = _bends(rig, note, there, options)
         end_kind: Kind = "joint" if joint else "locator"
         ends = end_kind if before is None else None
         soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
-        made = AddControlsOptions(
-            ik=(limb,), shapes=shapes, poles=poles, ends=ends, soft=soft, stretch=stretch
-        )
+        made = AddControlsOptions(ik=(limb,), shape=shapes, bend=bend, as_=ends, soft=soft, stretch=stretch)
     rig = add_controls(rig, options=made, report=report)
     found = find(rig, type="control", kind=kind, joint=there["joint"])
     if found is None or rig.is_joint[found]:

@@ -10,47 +10,17 @@ from rigtri.pipeline.rigspec.models.base import StepModel, option
 from rigtri.pipeline.rigspec.models.values import (
     Above,
     Assignments,
-    Auto,
-    Chains,
     Direction,
     Driven,
-    EndKind,
     Flag,
     Joined,
     Limb,
-    Limbs,
     Node,
-    Nodes,
     Number,
     OfNodes,
-    Share,
     Tolerance,
     Triples,
 )
-
-
-class AddControls(StepModel):
-    """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters."""
-
-    do: Literal["add-controls"]
-    whole_character: Flag = option("whole-character", False)
-    joints: Nodes = ()
-    chains: Chains = option("chain", ())
-    below: Nodes = ()
-    skin: str | None = None
-    exclude: Nodes = ()
-    root_control: Flag = option("root-control", False)
-    ik: Limbs = ()
-    auto: Auto | None = option("limbs", None)
-    shapes: Assignments = option("shape", ())
-    size: Above | None = None
-    colors: Assignments = option("color", ())
-    name: str | None = None
-    reach: Above = 0.5
-    kind: EndKind | None = option("as", None)
-    soft: Share | None = None
-    stretch: Flag | None = None
-    facing: Direction | None = None
 
 
 def _orient(value: Any) -> Any:

@@ -9,12 +9,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from rigtri.formats import ReadOptions
 from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.rigspec.models.base import StepModel
-from rigtri.pipeline.rigspec.models.controls import AddControls, AddPosereader, Constrain
+from rigtri.pipeline.rigspec.models.controls import AddPosereader, Constrain
 from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
 _OLD: dict[str, type[StepModel]] = {
-    "add-controls": AddControls,
     "constrain": Constrain,
     "add-posereader": AddPosereader,
 }

@@ -1,0 +1,154 @@
+"""What add-controls can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_unworkable
+from rigtri.model.control_shapes import KINDS
+from rigtri.operations.declaration.kinds import (
+    Above,
+    Auto,
+    Bends,
+    Chains,
+    Direction,
+    EndKind,
+    Limbs,
+    Nodes,
+    Share,
+    Vector,
+    vector,
+)
+from rigtri.operations.declaration.option import Kind, option
+
+if TYPE_CHECKING:
+    from rigtri.operations.joint_selection import Selection
+
+TOKENS = ("joint", "side", "kind")
+NAME = "{joint}_{kind}"
+_SIDES = {"left": "left", "right": "right", "centre": ""}
+_CONTROLS = ("fk", "ik", "root", "pole")
+
+
+def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
+    """By the kind of control its shape: ``KIND=SHAPE``, or the shape of FK and IK controls."""
+    found: dict[str, str] = {}
+    for text in texts:
+        kind, mark, shape = text.rpartition("=")
+        if mark and kind not in _CONTROLS:
+            raise UsageError(f"{flag} {text}: the kinds of control are fk, ik, root and pole")
+        found |= {kind: shape} if mark else {"fk": shape, "ik": shape}
+    return found
+
+
+def _colors(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
+    """By the side its colour: ``SIDE=R,G,B``."""
+    found = {}
+    for text in texts:
+        which, _, numbers = text.partition("=")
+        if which not in _SIDES:
+            raise UsageError(f"{flag} {text}: give left=R,G,B, right=R,G,B or centre=R,G,B")
+        try:
+            color = vector(numbers)
+        except ValueError as error:
+            raise UsageError(f"{flag} {text}: {error}") from error
+        if not all(0 <= part <= 1 for part in color):
+            raise UsageError(f"{flag} {text}: red, green and blue lie between 0 and 1")
+        found[_SIDES[which]] = color
+    return found
+
+
+@dataclass(frozen=True)
+class AddControlsOptions:
+    """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
+
+    color: by ``left``, ``right`` and "" for the middle. as_: None keeps what is there. bend: as pole
+    vectors have it.
+    """
+
+    whole_character: bool = option(
+        False,
+        help="A root control, an FK control for every joint with weight, IK ends and pole vectors for all "
+        "limbs.",
+    )
+    joints: Nodes = option((), help="An FK control for these joints. Repeatable.")
+    chain: Chains = option((), help="FK controls along a chain.")
+    below: Nodes = option((), metavar="NAME", help="FK controls for this joint and all below it.")
+    skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
+    exclude: Nodes = option((), help="No controls for these joints.")
+    root_control: bool = option(False, help="A control over all others, on the ground.")
+    ik: Limbs = option(
+        (),
+        help="An IK control at the end of this limb, its pole vector, and FK controls below IK. Repeatable.",
+    )
+    limbs: Auto | None = option(None, help="The same for every limb that is known.")
+    shape: Annotated[Mapping[str, str], Kind("assignments", "[KIND=]SHAPE", read=_shapes)] = option(
+        {}, help=f"Lines of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}."
+    )
+    size: Above | None = option(
+        None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]"
+    )
+    color: Annotated[Mapping[str, Vector], Kind("assignments", "SIDE=R,G,B", read=_colors)] = option(
+        {}, help="Linear colour of left, right or centre. [blue, red, yellow]"
+    )
+    name: str | None = option(
+        None,
+        help="Names of the controls: {joint} and {side} stand for what they say, {kind} for ctl, ik_ctl or "
+        "root_ctl. [{joint}_{kind}]",
+    )
+    reach: Above = option(0.5, help="Distance of pole vectors as a multiple of the limb's length.")
+    as_: EndKind | None = option(
+        None,
+        help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
+    )
+    soft: Share | None = option(
+        None,
+        metavar="SHARE",
+        help="How far before it is straight an IK limb slows down, as a share of its length. "
+        "[as stored, or 0]",
+    )
+    stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
+    facing: Direction | None = option(
+        None, help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing."
+    )
+    root: str | None = option(None, where="shared")
+    bend: Bends = option({}, where="python")
+
+    @cached_property
+    def selection(self) -> Selection:
+        """The joints that get FK controls."""
+        from rigtri.operations.joint_selection import Selection
+
+        return Selection(self.joints, self.chain, self.below, self.skin, self.exclude)
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for what fits no control."""
+        for kind in self.shape.values():
+            if kind not in KINDS:
+                raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
+        if unknown := [kind for kind in self.shape if kind not in _CONTROLS]:
+            raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
+        if unknown := [side for side in self.color if side not in _SIDES.values()]:
+            raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
+        refuse_unworkable("--size", self.size)
+        if self.size is not None and not self.size > 0:
+            raise UsageError(f"--size {self.size:g}: a size is a number above 0")
+        if self.as_ is not None and not (self.ik or self.limbs or self.whole_character):
+            raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
+        try:
+            (self.name or NAME).format(**dict.fromkeys(TOKENS, "x"))
+        except (KeyError, IndexError, ValueError, AttributeError) as error:
+            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
+            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        if self.soft is not None and not 0 <= self.soft < 1:
+            raise UsageError("--soft is a share of the limb, from 0 to below 1")
+        named = self.joints or self.chain or self.below or self.ik or self.limbs
+        if not (named or self.whole_character or self.root_control):
+            raise UsageError(
+                "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
+                "or --whole-character"
+            )
