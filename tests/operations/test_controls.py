@@ -280,7 +280,7 @@ def test_what_is_asked_for_later_is_drawn_anew_where_nobody_has_edited(
 ) -> None:
     one, two, three, four, five = (tmp_path / f"{k}.{suffix}" for k in range(5))
     redone(samples / f"biped.{suffix}", one)
-    report = redone(one, two, size=2.0, shapes={"fk": "cube"}, colors={"left": (0.25, 0.5, 1.0)})
+    report = redone(one, two, size=2.0, shape={"fk": "cube"}, color={"left": (0.25, 0.5, 1.0)})
     assert not report.warnings
     redone(one, four)
     assert four.read_bytes() == one.read_bytes()  # nothing asked for, nothing changed
@@ -292,10 +292,10 @@ def test_what_is_asked_for_later_is_drawn_anew_where_nobody_has_edited(
         assert np.abs(lines(after, joint).segments).max() == pytest.approx(now["size"])
         assert lines(after, joint).color == pytest.approx((0.25, 0.5, 1.0))
         validator("node").validate(now)
-    redone(two, three, size=2.0, shapes={"fk": "cube"}, colors={"left": (0.25, 0.5, 1.0)})
+    redone(two, three, size=2.0, shape={"fk": "cube"}, color={"left": (0.25, 0.5, 1.0)})
     assert three.read_bytes() == two.read_bytes()
     # One thing asked for leaves the others as they are.
-    redone(two, five, colors={"left": (1.0, 0.0, 0.0)})
+    redone(two, five, color={"left": (1.0, 0.0, 0.0)})
     note = read(five).rig.metadata[controls(read(five).rig)["hand_L"]]
     assert (note["shape"], note["color"]) == ("cube", [1.0, 0.0, 0.0])
     assert note["size"] == pytest.approx(2 * before.metadata[controls(before)["hand_L"]]["size"])
