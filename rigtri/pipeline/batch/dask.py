@@ -203,9 +203,9 @@ class Cluster:
             return
         try:
             await asyncio.to_thread(self._on_ready, self._assignments[message.number], message.record)
-        except Exception as error:  # noqa: BLE001 - raised where records are waited for
-            self._inbox.put(error)
-            return
+        except Exception as error:
+            self._inbox.put(error)  # raised where records are waited for
+            raise
         await Answer(message.answer, client=self._client).set()
 
     def _record(self, number: int, future: Any) -> Record | None:
