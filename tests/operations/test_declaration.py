@@ -1,0 +1,123 @@
+"""One declaration makes an option of the command, of the library, of specs and of their schema."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import click
+import pytest
+from click.testing import CliRunner
+from pydantic import ValidationError
+from rigs import chain
+
+from rigtri.cli.edit_command import command_of
+from rigtri.errors import UsageError
+from rigtri.model.rig import Rig
+from rigtri.operations.declaration.kinds import Direction, Limbs, Node
+from rigtri.operations.declaration.option import Kind, made, option, refuse
+from rigtri.operations.operation import operation
+from rigtri.pipeline.rigspec.models import steps
+from rigtri.report import Report
+
+
+@dataclass(frozen=True)
+class WaveOptions:
+    """Let a hand wave."""
+
+    hand: Node = option(help="The hand that waves.")
+    times: Annotated[int, Kind("number", low=1)] = option(3, help="How often it waves.")
+    towards: Direction | None = option(None, help="Where it waves to.")
+    limb: Limbs = option((), help="The arms that move along.")
+    as_: Literal["queen", "child"] | None = option(None, help="The manner.", excludes=["still"])
+    still: bool = option(False, help="Do not wave at all.")
+
+    def check(self, given: Collection[str]) -> None:
+        if self.still:
+            refuse(given, ["times"], "says how often, and --still that it does not")
+
+
+SEEN: list[Any] = []
+
+
+@operation(WaveOptions)
+def wave(rig: Rig, *, options: WaveOptions, report: Report) -> Rig:
+    """Wave."""
+    SEEN.append(options)
+    return rig
+
+
+def command() -> click.Command:
+    def run(ctx: click.Context, values: dict[str, Any]) -> None:
+        SEEN.append(made(WaveOptions, values, [name for name in values if values[name]]))
+
+    return command_of("wave", WaveOptions, "Wave.", run)
+
+
+def test_the_command_has_the_option_with_its_help_and_default() -> None:
+    text = " ".join(CliRunner().invoke(command(), ["--help"]).output.split())
+    assert "--times INTEGER RANGE How often it waves. [default: 3; x>=1]" in text
+    assert "--as [queen|child] The manner." in text
+    assert "--limb ROOT MIDDLE END The arms that move along." in text
+
+
+def test_the_command_line_gives_the_values_that_python_gives() -> None:
+    words = ["in.glb", "-o", "out.glb", "--hand", "h", "--times", "2", "--towards", "-z"]
+    words += ["--limb", "a", "b", "c", "--as", "queen"]
+        "in.glb",
+        "-o",
+        "out.glb",
+        "--hand",
+        "h",
+        "--times",
+        "2",
+        "--towards",
+        "-z",
+        "--limb",
+        "a",
+        "b",
+        "c",
+        "--as",
+        "queen",
+    ]
+    assert CliRunner().invoke(command(), words).exit_code == 0
+    rig = chain((0, 0, 0), (1, 0, 0), (1, 1, 0))
+    wave(rig, hand="h", times=2, towards="-z", limb=[("a", "b", "c")], as_="queen")
+    by_words, by_keywords = SEEN[-2:]
+    assert (by_words.hand, by_words.times, by_words.as_) == ("h", 2, "queen")
+    assert by_words.towards == by_keywords.towards == (0.0, 0.0, -1.0)
+    assert by_words.limb == (("a", "b", "c"),)
+    assert [limb.triple for limb in by_keywords.limb] == [(0, 1, 2)]
+
+
+def test_python_shows_it_in_help() -> None:
+    known = inspect.signature(wave).parameters
+    assert known["times"].default == 3
+    assert known["hand"].default is inspect.Parameter.empty
+    assert "times: How often it waves." in str(wave.__doc__)
+
+
+def test_specs_have_it_with_the_same_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(steps, "options_class", lambda name: WaveOptions)
+    model = steps.step_model("wave")
+    about = model.model_json_schema(by_alias=True)["properties"]
+    assert about["times"] == {
+        "default": 3,
+        "description": "How often it waves.",
+        "minimum": 1,
+        "title": "Times",
+        "type": "integer",
+    }
+    values = model.model_validate({"do": "wave", "hand": "h", "towards": "-z", "as": "child"}).values()
+    assert (values["towards"], values["as_"], values["times"]) == ((0.0, 0.0, -1.0), "child", 3)
+    with pytest.raises(ValidationError):
+        model.model_validate({"do": "wave", "hand": "h", "times": 0})
+
+
+def test_options_that_contradict_each_other_are_refused_wherever_they_are_given() -> None:
+    with pytest.raises(UsageError, match="give --as or --still, not both"):
+        wave(chain((0, 0, 0), (1, 0, 0)), hand="h", as_="queen", still=True)
+    with pytest.raises(UsageError, match="--times says how often"):
+        made(WaveOptions, {"hand": "h", "times": 3, "still": True}, ["times", "still"])
