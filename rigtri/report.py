@@ -31,7 +31,7 @@ class Notice:
 class Report:
     """Records of an edit, in the order they were made.
 
-    driven: morph targets whose weights the edit changes on purpose, by the key of the node
+    morph_changes: morph targets whose weights the edit changes on purpose, by the key of the node
     that shows them; the self-check compares all but these. reposed: the edit changes how joints move;
     the self-check then compares with the rig in memory. records: whether joints are
     recorded; a batch, where nobody reads them, has warnings only.
@@ -42,7 +42,7 @@ class Report:
     added: list[dict[str, Any]] = field(default_factory=list)
     removed: list[dict[str, Any]] = field(default_factory=list)
     warnings: list[Notice] = field(default_factory=list)
-    driven: dict[Hashable, set[int]] = field(default_factory=dict)
+    morph_changes: dict[Hashable, set[int]] = field(default_factory=dict)
     reposed: bool = False
     records: bool = True
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
@@ -71,6 +71,6 @@ class Report:
         for name in (*(("joints",) if self.records else ()), "limbs", "added", "removed"):
             getattr(self, name).extend(getattr(other, name))
         self.extend(other.warnings)
-        for key, columns in other.driven.items():
-            self.driven.setdefault(key, set()).update(columns)
+        for key, columns in other.morph_changes.items():
+            self.morph_changes.setdefault(key, set()).update(columns)
         self.reposed |= other.reposed

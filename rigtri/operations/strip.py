@@ -34,7 +34,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
     for node, columns in driven.items():
-        report.driven.setdefault(rig.keys[node], set()).update(columns)
+        report.morph_changes.setdefault(rig.keys[node], set()).update(columns)
     notes = {}
     for node, note in rig.metadata.items():
         if node in gone:

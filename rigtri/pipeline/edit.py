@@ -220,7 +220,7 @@ def _compared(
     if small and rig is document.rig and filecmp.cmp(path, written.part, shallow=False):
         return self_check(document, document)
     reposed = report.reposed and rig is not document.rig
-    expected = ExpectedResult(document, rig, report.driven, reposed)
+    expected = ExpectedResult(document, rig, report.morph_changes, reposed)
     with called(names):
         return check_result(expected, document.reopen(written.part), tolerance)
 

@@ -174,13 +174,13 @@ def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(tmp_pa
         rigtri.read(source), driver="lower", axis="y", targets=[target], morphs=[("side", "Skin", "bulge")]
     )
     outcome = rigtri.write(rig, tmp_path / "out.glb")
-    assert outcome.report.driven
+    assert outcome.report.morph_changes
     words = "add-posereader --driver lower --axis y --target side=-1,0,0 --morph side Skin bulge"
     commanded(words, source, tmp_path / "command.glb")
     assert (tmp_path / "out.glb").read_bytes() == (tmp_path / "command.glb").read_bytes()
     # Of another rig of the same file that nothing drives, the weights count.
     plain = rigtri.orient_joints(rigtri.read(source))
-    assert not rigtri.write(plain, tmp_path / "plain.glb").report.driven
+    assert not rigtri.write(plain, tmp_path / "plain.glb").report.morph_changes
 
 
 def test_operations_one_after_the_other_are_one_edit(tmp_path: Path) -> None:

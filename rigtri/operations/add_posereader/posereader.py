@@ -123,7 +123,7 @@ class AddPosereaderOptions:
 def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -> Rig:
     """Read how much a joint is in some poses, and drive morph targets or values by it, in every clip.
 
-    What it drives has other weights on purpose: ``report.driven`` names it, and the self-check
+    What it drives has other weights on purpose: ``report.morph_changes`` names it, and the self-check
     compares all else. A second run finds the reader by its name. Rivets on meshes whose morph targets
     it drives are baked anew.
 
@@ -246,7 +246,7 @@ class _Builder:
                 f"There is no clip to bake '{self.name}' into; it is stored, and drives nothing",
             )
         for drive in self.drives if counts else ():
-            self.report.driven.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
+            self.report.morph_changes.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
         self._record(node, counts)
         return self.rig
 
@@ -259,7 +259,7 @@ class _Builder:
             return rig
         rig, driven = replaced_keys.restore_replaced_keys(rig, [node], self.report)
         for mesh, columns in driven.items():
-            self.report.driven.setdefault(rig.keys[mesh], set()).update(columns)
+            self.report.morph_changes.setdefault(rig.keys[mesh], set()).update(columns)
         return noted(rig, node, {key: value for key, value in note.items() if key != replaced_keys.KEY})
 
     def _note(self) -> dict[str, Any]:

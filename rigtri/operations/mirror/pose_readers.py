@@ -48,8 +48,8 @@ def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         report.extend(built_report.warnings)
         if not same:
             rig = built
-            for key, columns in built_report.driven.items():
-                report.driven.setdefault(key, set()).update(columns)
+            for key, columns in built_report.morph_changes.items():
+                report.morph_changes.setdefault(key, set()).update(columns)
     return rig
 
 
