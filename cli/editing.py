@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rigtri.report import Report
 
 
+_GLTF_ONLY = ("resources", "lenient", "unknown_node_ext", "vrm_constraints")
 _USD_ONLY = ("override", "override_stage", "bake_xform", "allow_rename")
 
 
@@ -117,12 +118,11 @@ def _check_format(values: dict[str, Any]) -> None:
     if str(values["source"]) == "-":
         return
     usd = str(values["source"]).lower().endswith((".usd", ".usda", ".usdc", ".usdz"))
-    foreign = (
-        {"--resources": "resources", "--lenient": "lenient", "--unknown-node-ext": "unknown_node_ext"}
-        if usd
-        else {f"--{name.replace('_', '-')}": name for name in _USD_ONLY}
+    foreign = _GLTF_ONLY if usd else _USD_ONLY
+    refuse_given(
+        {f"--{name.replace('_', '-')}": name for name in foreign},
+        f"means nothing for {'USD' if usd else 'glTF'} files",
     )
-    refuse_given(foreign, f"means nothing for {'USD' if usd else 'glTF'} files")
 
 
 def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:

@@ -131,7 +131,11 @@ def _constrain(rig: Rig, report: Report, *, vrm: bool = False) -> Rig:
         if driver is None or (rig.is_below(child, driver) and rig.children[child]):
             continue
         wanted = constrain.ConstrainOptions(
-            "orient", rig.address(child), ((rig.address(driver), 1.0),), space="local", vrm=vrm
+            type="orient",
+            child=rig.address(child),
+            driver=((rig.address(driver), 1.0),),
+            space="local",
+            vrm_constraints=vrm,
         )
         return constrain.constrain(rig, options=wanted, report=report)
     raise GeometryError("no two joints of which one can follow the other")

@@ -20,7 +20,7 @@ from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
 
 def moving(frames: int) -> tuple[Solver, dict[int, Parts]]:
     """The biped with a staff held by a hand, and its walk."""
-    rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
+    rule = ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),))
     rig: Rig = constrain(rigged(), options=rule)
     clip = timelines(rig)[0].clip
     joints = tuple(track for track in clip.tracks if rig.is_joint[track.node])

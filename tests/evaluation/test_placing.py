@@ -19,7 +19,7 @@ def following(*rules: tuple[str, str, str]) -> Rig:
     """A rig with IK on all limbs. rules: kind, child and driver of constraints."""
     rig = rigged()
     for kind, child, driver in rules:
-        rig = constrain(rig, options=ConstrainOptions(kind, child, ((driver, 1.0),)))
+        rig = constrain(rig, options=ConstrainOptions(type=kind, child=child, driver=((driver, 1.0),)))
     return rig
 
 

@@ -158,7 +158,7 @@ for prim in stage.Traverse():
 
 def test_schemas_that_come_before_the_first_stage_are_known_and_too_late_is_a_warning(tmp_path: Path) -> None:
     out = tmp_path / "out.usda"
-    arms = "ConstrainOptions('point', child='hand_L', drivers=(('head', 1.0),))"
+    arms = "ConstrainOptions(type='point', child='hand_L', driver=(('head', 1.0),))"
     make = f"""
 from pathlib import Path
 from rigtri import constrain, edit

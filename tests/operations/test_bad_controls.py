@@ -247,7 +247,7 @@ def test_a_clip_of_no_length_is_one_pose(name: str) -> None:
 def test_controls_that_go_round_in_a_circle_are_named(name: str) -> None:
     rig = rigged(name)
     end = rig.title(control(rig, "hand_L", "ik"))
-    rig = constrain(rig, options=ConstrainOptions("parent", end, (("head", 1.0),)))
+    rig = constrain(rig, options=ConstrainOptions(type="parent", child=end, driver=(("head", 1.0),)))
     # `constrain` refuses circles, so somebody else wrote this one.
     notes = {
         node: {**note, "drivers": ["hand_L"]} if note.get("type") == "constraint" else note

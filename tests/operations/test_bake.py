@@ -173,7 +173,7 @@ def test_a_control_that_was_moved_at_rest_is_told_of(suffix: str, tmp_path: Path
 
 def test_a_constraint_is_worked_out_in_every_clip() -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
+    rig = constrain(rig, options=ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),)))
     baked = bake(rig, options=BakeOptions())
     times = sampling.key_times(rig.clip("walk"))
     world = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("walk"), times))
@@ -363,7 +363,7 @@ def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> N
 @pytest.mark.parametrize("block", [slow(1), 7, slow(64)])
 def test_blocks_of_frames_change_no_bit(block: int) -> None:
     rig = rigged()
-    rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
+    rule = ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),))
     up = bake(constrain(rig, options=rule), options=BakeOptions(to="controls", fps=120.0))
     for timeline in timelines(up):
         solver = Solver(up, controls_with_keys(up, timeline))

@@ -96,7 +96,7 @@ def test_what_is_constrained_to_a_rivet_follows_where_the_rivet_comes_to(tmp_pat
     source, joint, mesh = source_of("glb", tmp_path)
     rig = built(read(source).rig, joint, mesh, Report())
     rig = constrain(
-        rig, options=ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),)), report=Report()
+        rig, options=ConstrainOptions(type="parent", child="pin", driver=(("button", 1.0),)), report=Report()
     )
     before = rig.world[rig.find("pin")] @ np.linalg.inv(rig.world[rig.find("button", "node")])
     baked = bake(turned(rig, joint), options=BakeOptions())
@@ -117,7 +117,7 @@ def test_a_joint_that_follows_a_rivet_on_its_own_mesh_is_a_circle(tmp_path: Path
     rig = constrain(
         rig,
         options=ConstrainOptions(
-            kind="point", child="upper", drivers=(("button", 1.0),), maintain_offset=False
+            type="point", child="upper", driver=(("button", 1.0),), maintain_offset=False
         ),
         report=Report(),
     )
@@ -138,7 +138,7 @@ def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path
         rig = built(rig, joint, mesh, report)
         track = Track(rig.find(joint), "rotation", "LINEAR", times, turns)
         rig = replace(rig, clips=(*rig.clips, Clip("spin", (track,))))
-        pinned = ConstrainOptions(kind="parent", child="pin", drivers=(("button", 1.0),))
+        pinned = ConstrainOptions(type="parent", child="pin", driver=(("button", 1.0),))
         rig = constrain(rig, options=pinned, report=report)
         return bake(rig, options=BakeOptions(to="controls"), report=report)
 

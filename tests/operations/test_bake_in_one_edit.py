@@ -40,7 +40,7 @@ def nodding(rig: Rig) -> Rig:
 def built(rig: Rig, report: Report) -> Rig:
     """Controls, a constraint and twist joints, and what they make of the joints."""
     rig = add_controls(rig, options=WHOLE, report=report)
-    rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
+    rule = ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),))
     rig = constrain(rig, options=rule, report=report)
     rig = add_twist(rig, options=AddTwistOptions(limbs="auto"), report=report)
     return bake(nodding(rig), options=BakeOptions(), report=report)
@@ -92,7 +92,7 @@ def test_a_result_that_is_not_what_was_meant_is_refused(name: str, tmp_path: Pat
 
 
 def test_a_prim_that_a_constraint_moves_gets_its_keys_in_usd(tmp_path: Path) -> None:
-    rule = ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),))
+    rule = ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),))
     ready, out = tmp_path / "ready.usda", tmp_path / "out.usda"
     edit(SAMPLES / "biped.usda", ready, lambda rig, report: constrain(rig, options=rule, report=report))
     outcome = edit(ready, out, lambda rig, report: bake(rig, options=BakeOptions(), report=report))

@@ -51,11 +51,11 @@ def test_controls_below_a_constrained_joint_ride_on_it_where_something_looks_at_
     """The chest turns by a quarter with a control elsewhere: the head goes along, and its control with it."""
     rig = rigged()
     rig = constrain(
-        rig, options=ConstrainOptions(kind="orient", child="chest", drivers=(("hand_R_ik_ctl", 1.0),))
+        rig, options=ConstrainOptions(type="orient", child="chest", driver=(("hand_R_ik_ctl", 1.0),))
     )
     if looked_at:
         rig = constrain(
-            rig, options=ConstrainOptions(kind="point", child="staff", drivers=(("head_ctl", 1.0),))
+            rig, options=ConstrainOptions(type="point", child="staff", driver=(("head_ctl", 1.0),))
         )
     solver = Solver(stored(rig))
     driver = solver.rig.find("hand_R_ik_ctl")
@@ -95,7 +95,7 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
         for node, note in rig.metadata.items()
         if note.get("type") == "control" and note["kind"] == "fk" and note["joint"] == "hand_L"
     )
-    rule = ConstrainOptions(kind="parent", child="staff", drivers=((rig.names[hand], 1.0),))
+    rule = ConstrainOptions(type="parent", child="staff", driver=((rig.names[hand], 1.0),))
     rig = constrain(rig, options=rule)
     offset = rig.world[rig.find("staff")] @ np.linalg.inv(rig.world[hand])
     up = bake(rig, options=BakeOptions(to="controls"))

@@ -345,7 +345,7 @@ def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
     redone(samples / f"biped.{suffix}", one)
 
     def follow(rig: Rig, report: Report) -> Rig:
-        rule = ConstrainOptions("parent", "head", (("hand_L_ctl", 1.0),))
+        rule = ConstrainOptions(type="parent", child="head", driver=(("hand_L_ctl", 1.0),))
         return constrain(rig, options=rule, report=report)
 
     edit(one, two, follow)

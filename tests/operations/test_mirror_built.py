@@ -52,8 +52,8 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
     rig = add_twist(
         rig, options=AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2), report=report
     )
-    aim = ConstrainOptions("aim", "foot_L", (("hand_L", 1.0), ("chest", 2.0)))
-    parent = ConstrainOptions("parent", "thigh_L", (("hips", 1.0), ("hand_L", 2.0)))
+    aim = ConstrainOptions(type="aim", child="foot_L", driver=(("hand_L", 1.0), ("chest", 2.0)))
+    parent = ConstrainOptions(type="parent", child="thigh_L", driver=(("hips", 1.0), ("hand_L", 2.0)))
     for rule in (aim, parent):
         rig = constrain(rig, options=rule, report=report)
     rig = add_rivet(rig, options=AddRivetOptions("body", triangle=(310,), name=("badge_L",)), report=report)
@@ -262,7 +262,9 @@ def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: R
     changed = add_twist(
         built, options=AddTwistOptions(joint=("forearm_L",), to=("hand_L",), count=2, weights=(0.25, 0.5))
     )
-    changed = constrain(changed, options=ConstrainOptions("parent", "thigh_L", (("chest", 1.0),)))
+    changed = constrain(
+        changed, options=ConstrainOptions(type="parent", child="thigh_L", driver=(("chest", 1.0),))
+    )
     report = Report()
     out = mirror(changed, report=report)
     assert len(out) == len(built)
@@ -318,7 +320,9 @@ def test_a_mode_that_keeps_vrm_constraints_is_named_where_another_loses_them(
     assets: Path, tmp_path: Path
 ) -> None:
     one = tmp_path / "one.vrm"
-    roll = ConstrainOptions("orient", "hand.L", (("lower_arm.L", 1.0),), roll="y", vrm=True)
+    roll = ConstrainOptions(
+        type="orient", child="hand.L", driver=(("lower_arm.L", 1.0),), roll_axis="y", vrm_constraints=True
+    )
     avatar = assets / "vrm" / "addon_look_at_preview_enabled.vrm"
     edit(avatar, one, lambda rig, report: constrain(rig, options=roll, report=report))
     lost = []

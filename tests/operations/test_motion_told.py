@@ -138,7 +138,7 @@ def bare(path: Path) -> Path:
 def test_turns_of_nodes_without_a_mesh_are_told(tmp_path: Path) -> None:
     """Nothing moves from its place: the axes turn by 90°, seen a twentieth of the size (5) away."""
     source, rigged, out = bare(tmp_path / "in.gltf"), tmp_path / "rigged.gltf", tmp_path / "out.gltf"
-    orient = ConstrainOptions("orient", "follows", (("leads", 1.0),))
+    orient = ConstrainOptions(type="orient", child="follows", driver=(("leads", 1.0),))
     added = edit(source, rigged, lambda rig, report: constrain(rig, options=orient, report=report))
     assert added.verification is not None
     assert added.verification.deviation == 0

@@ -201,7 +201,7 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
 def test_an_ik_end_that_follows_a_constraint_is_told() -> None:
     rig = posed_by_ik()
     hand = rig.title(control(rig, "hand_L", "ik"))
-    rig = constrain(rig, options=ConstrainOptions("parent", hand, (("head", 1.0),)))
+    rig = constrain(rig, options=ConstrainOptions(type="parent", child=hand, driver=(("head", 1.0),)))
     with pytest.raises(GeometryError, match="follows a constraint"):
         snap(rig, options=SnapOptions("fk", ("walk@0.3",), (ARM,)))
 

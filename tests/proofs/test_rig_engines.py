@@ -52,9 +52,9 @@ def everything(rig: Rig, report: Report) -> Rig:
     """Every operation that adds loose nodes, one after the other."""
     rig = whole(mirror(rig, report=report), report)
     for rule in (
-        ConstrainOptions("parent", "hand_L_ik_ctl", (("head", 1.0), ("hips", 0.5))),
-        ConstrainOptions("point", "forearm_L_pole", (("hips", 1.0),), skip=("ty",)),
-        ConstrainOptions("aim", "head_ctl", (("hand_R", 1.0),), aim=(0.0, 0.0, 1.0)),
+        ConstrainOptions(type="parent", child="hand_L_ik_ctl", driver=(("head", 1.0), ("hips", 0.5))),
+        ConstrainOptions(type="point", child="forearm_L_pole", driver=(("hips", 1.0),), skip=("ty",)),
+        ConstrainOptions(type="aim", child="head_ctl", driver=(("hand_R", 1.0),), aim_axis=(0.0, 0.0, 1.0)),
     ):
         rig = constrain(rig, options=rule, report=report)
     rig = add_rivet(

@@ -6,9 +6,8 @@ joint orient go together, because the joint orient is taken out of the finished 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import isfinite
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,27 +17,22 @@ from rigtri.evaluation.constraint_solver import rotate_of, to_parts
 from rigtri.evaluation.dependency_graph import ControlCycleError, dependencies, find_cycle
 from rigtri.evaluation.sampling import worlds
 from rigtri.evaluation.solver import refuse_cycles
-from rigtri.limits import refuse_unworkable
-from rigtri.maths.euler import ORDERS, Order, from_angles
+from rigtri.maths.euler import from_angles
 from rigtri.maths.matrices import SKEW, skew
 from rigtri.maths.quaternions import IDENTITY, angle_between
-from rigtri.maths.vectors import cross, length, normalise
+from rigtri.maths.vectors import length
 from rigtri.model.constraints import (
-    CHANNELS,
-    KINDS,
-    ROTATION,
-    SCALE,
-    TRANSLATION,
-    WORLD_UPS,
     Constraint,
     constraint_metadata,
     constraints_of,
 )
-from rigtri.model.metadata import ConstraintKind, ControlRecord, PoleVectorRecord, WorldUp
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
 from rigtri.operations.operation import operation
+from rigtri.operations.options.constrain import ConstrainOptions as ConstrainOptions
+from rigtri.operations.options.constrain import check_weight
 from rigtri.operations.rigtri_nodes import add, group, noted, renamed
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -50,99 +44,6 @@ Vector = tuple[float, float, float]
 UNTOLD = "constraint-not-vrm"
 
 
-@dataclass(frozen=True)
-class ConstrainOptions:
-    """The options of `constrain`; the defaults are the command's.
-
-    drivers: (node, weight). skip: channels (``tx`` … ``sz``) that stay the child's own, ``t``, ``r``,
-    ``s`` for three. joint_orient: ``rest``, ``none`` or three degrees (about x, then y, then z).
-    space: of orient, ``world`` axes or turns from rest in ``local`` axes; roll: only the turn about
-    this axis of the child. aim, up: axes of the child; world_up: what up leans to, ``up_vector`` (in
-    the world, or in the axes of ``up_object``) or the place of ``up_object``. limb: of polevector.
-    vrm: also as VRMC_node_constraint where that can hold it.
-    """
-
-    kind: ConstraintKind
-    child: str = ""
-    drivers: tuple[tuple[str, float], ...] = ()
-    skip: tuple[str, ...] = ()
-    maintain_offset: bool = True
-    order: Order = "xyz"
-    joint_orient: Literal["rest", "none"] | Vector = "rest"
-    space: Literal["world", "local"] = "world"
-    roll: str = ""
-    aim: Vector = (1.0, 0.0, 0.0)
-    up: Vector = (0.0, 1.0, 0.0)
-    world_up: WorldUp = "vector"
-    up_vector: Vector | None = None
-    up_object: str | None = None
-    limb: tuple[str, str, str] | None = None
-    vrm: bool = False
-
-    @property
-    def skipped(self) -> frozenset[str]:
-        """The channels to skip, one by one."""
-        whole = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
-        return frozenset(c for channel in self.skip for c in whole.get(channel, (channel,)))
-
-    def checked(self) -> ConstrainOptions:
-        """UsageError for what makes no constraint."""
-        if self.kind not in KINDS:
-            raise UsageError(f"there is no constraint '{self.kind}'; choose of {', '.join(KINDS)}")
-        if self.order not in ORDERS:
-            raise UsageError(f"there is no rotate order '{self.order}'; choose of {', '.join(ORDERS)}")
-        if not self.drivers:
-            raise UsageError("name what the child follows: --driver NODE, repeatable")
-        for name, weight in self.drivers:
-            if not (isfinite(weight) and weight >= 0):
-                raise UsageError(f"--driver {name}: the weight {weight:g} is none; give a number from 0 on")
-            refuse_unworkable(f"--driver {name}", weight)
-        self._check_skip()
-        self._check_orient()
-        self._check_aim()
-        if self.limb is not None and self.kind != "polevector":
-            raise UsageError("--limb is for --type polevector")
-        if not self.child and self.limb is None:
-            raise UsageError("name the node that follows: --child NODE")
-        return self
-
-    def _check_skip(self) -> None:
-        known = CHANNELS[self.kind]
-        for channel in sorted(self.skipped):
-            if channel not in TRANSLATION + ROTATION + SCALE:
-                raise UsageError(f"--skip {channel}: the channels are tx, ty, tz, rx … sz, or t, r, s")
-            if channel not in known:
-                raise UsageError(f"--skip {channel}: a {self.kind} constraint does not set it")
-        if known and self.skipped >= set(known):
-            raise UsageError("--skip leaves nothing that the constraint would set")
-
-    def _check_orient(self) -> None:
-        if self.kind != "orient" and (self.roll or self.space != "world"):
-            raise UsageError("--space and --roll-axis are for --type orient")
-        if self.roll not in ("", "x", "y", "z"):
-            raise UsageError(f"--roll-axis {self.roll}: give x, y or z")
-        if self.roll and self.space == "local":
-            raise UsageError("--roll-axis compares what the two parents see; leave --space out")
-        if (self.roll or self.space == "local") and self.skipped:
-            raise UsageError("--skip is for turns in the world; leave out --space local and --roll-axis")
-        if self.roll and not self.maintain_offset:
-            raise UsageError("a roll is counted from rest, so --roll-axis always keeps the offset")
-
-    def _check_aim(self) -> None:
-        if self.kind != "aim":
-            return
-        if self.up_vector is not None and self.world_up not in ("vector", "objectrotation"):
-            raise UsageError(f"--up-vector means nothing with --world-up {self.world_up}")
-        if self.world_up not in WORLD_UPS:
-            raise UsageError(f"there is no --world-up {self.world_up}; choose of {', '.join(WORLD_UPS)}")
-        if not (length(self.aim) > 0 and length(self.up) > 0):
-            raise UsageError("--aim-axis and --up-axis are directions; they cannot be zero")
-        if self.world_up != "none" and length(cross(normalise(self.aim), normalise(self.up))) < 1e-6:
-            raise UsageError("--aim-axis and --up-axis lie on one line; name two different axes")
-        if (self.world_up in ("object", "objectrotation")) != (self.up_object is not None):
-            raise UsageError("--up-object goes with --world-up object or objectrotation, and they with it")
-
-
 @operation(ConstrainOptions)
 def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
     """Let a node follow others by a rule that is stored; nothing moves.
@@ -152,10 +53,8 @@ def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
 
     Raises NameNotFoundError, UsageError, GeometryError (a cycle; a frame that cannot be measured).
     """
-    options.checked()
-    return follow(
-        rig, _constraint_of(rig, options), keep=options.maintain_offset, vrm=options.vrm, report=report
-    )
+    constraint = _constraint_of(rig, options)
+    return follow(rig, constraint, keep=options.maintain_offset, vrm=options.vrm_constraints, report=report)
 
 
 def follow(rig: Rig, rule: Constraint, *, keep: bool, vrm: bool, report: Report) -> Rig:
@@ -175,35 +74,54 @@ def follow(rig: Rig, rule: Constraint, *, keep: bool, vrm: bool, report: Report)
 
 def _constraint_of(rig: Rig, options: ConstrainOptions) -> Constraint:
     """The constraint that options describe, with offsets still to be measured."""
-    drivers = tuple(rig.find(name, "node") for name, _ in options.drivers)
-    chain = _chain(rig, options) if options.kind == "polevector" else ()
-    child = chain[1] if chain else rig.find(options.child, "node")
+    weights = [_driver(rig, one) for one in options.driver]
+    drivers = tuple(rig.find(name, "node") for name, _ in weights)
+    chain = _chain(rig, options) if options.type == "polevector" else ()
+    child = chain[1] if chain else rig.find(options.child or "", "node")
     if len(set(drivers)) < len(drivers):
         raise UsageError("a driver is named twice; give it once, with the sum of the weights")
     own = to_parts(rig.normalised_local[child]).rotation
     orients: dict[str, Any] = {"rest": own, "none": IDENTITY}
     given = options.joint_orient
     joint_orient = orients[given] if isinstance(given, str) else from_angles(np.array(given) * _DEGREE, "xyz")
-    up_vector = options.up_vector or (rig.rules.up if options.world_up == "vector" else options.up)
+    up_vector = options.up_vector or (rig.rules.up if options.world_up == "vector" else options.up_axis)
     return Constraint(
-        kind=options.kind,
+        kind=options.type,
         child=child,
         drivers=drivers,
-        weights=np.array([weight for _, weight in options.drivers]),
+        weights=np.array([weight for _, weight in weights]),
         offsets=np.zeros((0, 4, 4)),
         skip=options.skipped,
-        order=options.order,
+        order=options.rotate_order,
         joint_orient=joint_orient,
         rest=own,
-        space="roll" if options.roll else options.space,
-        roll=options.roll,
-        aim=options.aim,
-        up=options.up,
-        world_up=options.world_up if options.kind == "aim" else "none",
+        space="roll" if options.roll_axis else options.space,
+        roll=options.roll_axis or "",
+        aim=options.aim_axis,
+        up=options.up_axis,
+        world_up=options.world_up if options.type == "aim" else "none",
         up_vector=up_vector,
         up_object=rig.find(options.up_object, "node") if options.up_object is not None else -1,
         chain=chain,
     )
+
+
+def _driver(rig: Rig, driver: tuple[str, float] | str) -> tuple[str, float]:
+    """A node and its weight; a name may hold = itself."""
+    if not isinstance(driver, str):
+        return driver
+    name, mark, weight = driver.rpartition("=")
+    if not mark or rig.has(driver):
+        return driver, 1.0
+    try:
+        found = float(weight)
+    except ValueError:
+        if rig.has(name):
+            words = f"'{weight}' is not a weight; give a number from 0 on"
+            raise UsageError(f"--driver {driver}: {words}") from None
+        return driver, 1.0
+    check_weight(name, found)
+    return name, found
 
 
 def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
@@ -213,7 +131,7 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
         if options.child and rig.find(options.child) not in triple:
             raise UsageError(f"--child {options.child} is no joint of the limb; --limb alone is enough")
         return triple
-    child, chains = rig.find(options.child, "node"), set()
+    child, chains = rig.find(options.child or "", "node"), set()
     for node, record in (rig.records(ControlRecord) | rig.records(PoleVectorRecord)).items():
         chain = tuple(k for k in map(rig.known, record.chain) if k is not None)
         if len(chain) == 3 and (child == node or child in chain):

@@ -47,6 +47,7 @@ _KINDS: dict[str, Any] = {
     "node to node": values.NodeToNode,
     "assignments": values.Assignments,
     "joined": values.Joined,
+    "joint orient": values.JointOrient,
 }
 
 

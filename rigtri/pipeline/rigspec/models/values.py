@@ -99,6 +99,15 @@ def _pairs(value: Any) -> Any:
     )
 
 
+def _joint_orient(value: Any) -> Any:
+    if isinstance(value, str) and value not in ("rest", "none"):
+        try:
+            value = [float(part) for part in value.split(",")]
+        except ValueError:
+            raise ValueError(f"'{value}': give rest, none or [x, y, z] in degrees") from None
+    return value
+
+
 def _text_or_point(value: Any) -> Any:
     return _joined(value) if isinstance(value, list) else value
 
@@ -205,6 +214,11 @@ Joined = Annotated[
     str,
     BeforeValidator(_joined),
     WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": {"type": ["string", "number"]}}]}),
+]
+# ``rest``, ``none`` or three degrees.
+_Degrees = Annotated[float, Strict(), Field(gt=-1e6, lt=1e6)]
+JointOrient = Annotated[
+    Literal["rest", "none"] | tuple[_Degrees, _Degrees, _Degrees], BeforeValidator(_joint_orient)
 ]
 TextOrPoint = Annotated[str, BeforeValidator(_text_or_point), WithJsonSchema(_TRIPLE)]
 File = Name

@@ -1,0 +1,177 @@
+"""What constrain can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from math import isfinite, sqrt
+from typing import Annotated, Literal
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_unworkable
+from rigtri.operations.declaration.kinds import Direction, LimbNames, Node, Vector
+from rigtri.operations.declaration.option import Kind, option, refuse
+
+_TRANSLATION, _ROTATION, _SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
+# The channels that each type sets on its child.
+_CHANNELS: dict[str, tuple[str, ...]] = {
+    "parent": _TRANSLATION + _ROTATION + _SCALE,
+    "point": _TRANSLATION,
+    "orient": _ROTATION,
+    "scale": _SCALE,
+    "aim": _ROTATION,
+    "polevector": (),
+}
+_THREE = {"t": _TRANSLATION, "r": _ROTATION, "s": _SCALE}
+_AIM_ONLY = ("aim_axis", "up_axis", "world_up", "up_vector", "up_object")
+_ROTATION_ONLY = ("rotate_order", "joint_orient")
+# Axes whose cross product is shorter lie on one line.
+_PARALLEL = 1e-6
+
+
+def _skip(_flag: str, text: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in text.split(",")) if text else ()
+
+
+def joint_orient(text: str) -> Literal["rest", "none"] | Vector:
+    """``rest``, ``none`` or three degrees with commas between. ValueError for anything else."""
+    if text == "rest":
+        return "rest"
+    if text == "none":
+        return "none"
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise ValueError(f"'{text}': give rest, none or X,Y,Z in degrees") from None
+    if not all(abs(part) < 1e6 for part in (x, y, z)):
+        raise ValueError(f"'{text}': angles are degrees below a million")
+    return x, y, z
+
+
+# NODE=WEIGHT, of which the name may hold ``=`` itself, so that the rig must be asked; Python may give pairs.
+Drivers = Annotated[tuple[tuple[str, float] | str, ...], Kind("of nodes", "NODE[=WEIGHT]")]
+Channels = Annotated[tuple[str, ...], Kind("joined", "tx,ty,…", read=_skip)]
+JointOrient = Annotated[
+    Literal["rest", "none"] | Vector, Kind("joint orient", "rest|none|X,Y,Z", parse=joint_orient)
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConstrainOptions:
+    """Let a node follow others by a constraint that is stored in the file; nothing moves now.
+
+    driver: nodes, in Python also pairs of node and weight. joint_orient: three angles are degrees about
+    x, then y, then z.
+    """
+
+    type: Literal["parent", "point", "orient", "scale", "aim", "polevector"] = option(
+        help="What the child takes over."
+    )
+    child: Node | None = option(None, help="The node that follows; of polevector any joint of the limb.")
+    driver: Drivers = option(help="A node that it follows. Repeatable; the ratio of the weights counts.")
+    skip: Channels = option(
+        (), help="Channels that stay the child's own: tx, ty, tz, rx … sz, or t, r, s for three."
+    )
+    maintain_offset: bool = option(
+        True,
+        help="Maintain the offset between each driver and the child, or take over the driver's transform.",
+    )
+    rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = option(
+        "xyz", help="Order of the angles that --skip and the report mean by rx, ry, rz."
+    )
+    joint_orient: JointOrient = option(
+        "rest", help="Joint orient, applied after the rotation, as Maya's (degrees, about x, y, z)."
+    )
+    space: Literal["world", "local"] = option(
+        "world",
+        help="orient: follow the axes in the world, or the driver's rotation from rest in its own axes.",
+    )
+    roll_axis: Literal["x", "y", "z"] | None = option(
+        None, help="orient: only the roll about this axis of the child."
+    )
+    aim_axis: Direction = option(
+        (1.0, 0.0, 0.0), help="aim: the axis of the child that points at the driver."
+    )
+    up_axis: Direction = option((0.0, 1.0, 0.0), help="aim: the axis of the child that leans to --world-up.")
+    world_up: Literal["vector", "object", "objectrotation", "none"] = option(
+        "vector",
+        help="aim: what the up axis leans to: a direction, a node's position, a node's axis, or nothing.",
+    )
+    up_vector: Direction | None = option(None, help="That direction or axis. [the file's up]")
+    up_object: Node | None = option(None, help="That node.")
+    limb: LimbNames | None = option(None, help="polevector: the limb whose bend follows.")
+    vrm_constraints: bool = option(
+        False,
+        help="Also write VRMC_node_constraint where it means the same (glTF); viewers then move the child.",
+    )
+
+    @property
+    def skipped(self) -> frozenset[str]:
+        """The channels to skip, one by one."""
+        return frozenset(c for channel in self.skip for c in _THREE.get(channel, (channel,)))
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for what makes no constraint, and for options that this type gives no meaning to."""
+        if self.type != "aim":
+            refuse(given, _AIM_ONLY, f"means nothing for --type {self.type}")
+        if self.type not in ("parent", "orient", "aim"):
+            words = f"means nothing for --type {self.type}, which does not rotate its child"
+            refuse(given, _ROTATION_ONLY, words)
+        if self.world_up == "none":
+            refuse(given, ["up_axis"], "means nothing with --world-up none")
+        if not self.driver:
+            raise UsageError("name what the child follows: --driver NODE, repeatable")
+        for pair in self.driver:
+            if not isinstance(pair, str):
+                check_weight(*pair)
+        self._check_skip()
+        self._check_orient()
+        if self.type == "aim":
+            self._check_aim()
+        if self.limb is not None and self.type != "polevector":
+            raise UsageError("--limb is for --type polevector")
+        if not self.child and self.limb is None:
+            raise UsageError("name the node that follows: --child NODE")
+
+    def _check_skip(self) -> None:
+        known = _CHANNELS[self.type]
+        for channel in sorted(self.skipped):
+            if channel not in _CHANNELS["parent"]:
+                raise UsageError(f"--skip {channel}: the channels are tx, ty, tz, rx … sz, or t, r, s")
+            if channel not in known:
+                raise UsageError(f"--skip {channel}: a {self.type} constraint does not set it")
+        if known and self.skipped >= set(known):
+            raise UsageError("--skip leaves nothing that the constraint would set")
+
+    def _check_orient(self) -> None:
+        if self.type != "orient" and (self.roll_axis or self.space != "world"):
+            raise UsageError("--space and --roll-axis are for --type orient")
+        if self.roll_axis and self.space == "local":
+            raise UsageError("--roll-axis compares what the two parents see; leave --space out")
+        if (self.roll_axis or self.space == "local") and self.skipped:
+            raise UsageError("--skip is for rotations in the world; leave out --space local and --roll-axis")
+        if self.roll_axis and not self.maintain_offset:
+            raise UsageError("a roll is counted from rest, so --roll-axis always keeps the offset")
+
+    def _check_aim(self) -> None:
+        if self.up_vector is not None and self.world_up not in ("vector", "objectrotation"):
+            raise UsageError(f"--up-vector means nothing with --world-up {self.world_up}")
+        if not (any(self.aim_axis) and any(self.up_axis)):
+            raise UsageError("--aim-axis and --up-axis are directions; they cannot be zero")
+        if self.world_up != "none" and _on_one_line(self.aim_axis, self.up_axis):
+            raise UsageError("--aim-axis and --up-axis lie on one line; name two different axes")
+        if (self.world_up in ("object", "objectrotation")) != (self.up_object is not None):
+            raise UsageError("--up-object goes with --world-up object or objectrotation, and they with it")
+
+
+def check_weight(name: str, weight: float) -> None:
+    """UsageError for a weight of a driver that is none."""
+    if not (isfinite(weight) and weight >= 0):
+        raise UsageError(f"--driver {name}: the weight {weight:g} is none; give a number from 0 on")
+    refuse_unworkable(f"--driver {name}", weight)
+
+
+def _on_one_line(a: Vector, b: Vector) -> bool:
+    across = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    of_a, of_b, sine = (sqrt(x * x + y * y + z * z) for x, y, z in (a, b, across))
+    return sine < _PARALLEL * of_a * of_b
