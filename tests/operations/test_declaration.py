@@ -66,22 +66,6 @@ def test_the_command_has_the_option_with_its_help_and_default() -> None:
 def test_the_command_line_gives_the_values_that_python_gives() -> None:
     words = ["in.glb", "-o", "out.glb", "--hand", "h", "--times", "2", "--towards", "-z"]
     words += ["--limb", "a", "b", "c", "--as", "queen"]
-        "in.glb",
-        "-o",
-        "out.glb",
-        "--hand",
-        "h",
-        "--times",
-        "2",
-        "--towards",
-        "-z",
-        "--limb",
-        "a",
-        "b",
-        "c",
-        "--as",
-        "queen",
-    ]
     assert CliRunner().invoke(command(), words).exit_code == 0
     rig = chain((0, 0, 0), (1, 0, 0), (1, 1, 0))
     wave(rig, hand="h", times=2, towards="-z", limb=[("a", "b", "c")], as_="queen")
