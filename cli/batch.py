@@ -184,7 +184,7 @@ def _place(name: str | None) -> Path | str | None:
     """A folder that an option names: a path, or as text a URL."""
     from rigtri.pipeline.batch import urls
 
-    return urls.known(name) if name and urls.is_url(name) else Path(name) if name else None
+    return urls.without_secrets(name) if name and urls.is_url(name) else Path(name) if name else None
 
 
 def _found(

@@ -66,7 +66,7 @@ def do(packed: bytes) -> Record:
     number, assignment, settings = pickle.loads(packed)
     # Workers are children of Dask's nannies, which may have none of their own otherwise.
     multiprocessing.current_process().daemon = False
-    urls.remember(settings.secrets)
+    urls.add_secrets(settings.secrets)
     worker, client = get_worker(), get_client()
     task = worker.get_current_task()
 

@@ -46,7 +46,7 @@ class Hashes:
 
     def now(self, name: str, folder: str, like: str) -> str:
         """The hash of a file, by its name as seen from ``folder``, of the kind that ``like`` is."""
-        return urls.content(name, like) if urls.is_url(name) else self.of(os.path.join(folder, name))
+        return urls.content_hash(name, like) if urls.is_url(name) else self.of(os.path.join(folder, name))
 
     def of_all(self, paths: Iterable[Path | str], folder: str) -> dict[str, str]:
         """The hashes of files, by their names as seen from ``folder``."""

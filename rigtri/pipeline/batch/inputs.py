@@ -57,7 +57,7 @@ def entries(
 ) -> Found:
     """The files that ``words`` name: paths, URLs, patterns with ``**``, ``@list`` (``@-`` is standard input).
 
-    out_dir, base: a path, or as text a URL (`rigtri.pipeline.batch.urls.known`).
+    out_dir, base: a path, or as text a URL (`rigtri.pipeline.batch.urls.without_secrets`).
 
     job: a file of JSON lines, each ``{"input", "output", "variables"}``, seen from its own folder.
     out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
@@ -137,11 +137,11 @@ def _named(words: Sequence[str], faults: list[RigtriError]) -> list[Input]:
                 if not name:
                     raise UsageError("an input without a name; was a variable of the shell empty?")
                 if urls.is_url(name):
-                    name = urls.known(name)
+                    name = urls.without_secrets(name)
                 start = _WILD.search(name)
                 if start and not (urls.is_web(name) or _exists(name)):
                     fixed = os.path.dirname(name[: start.start()])
-                    every = urls.expanded(name) if urls.is_url(name) else _expanded(name)
+                    every = urls.glob(name) if urls.is_url(name) else _expanded(name)
                     found += [Input(path, fixed, found=True, line=line) for path in every]
                 elif not urls.is_url(name) and os.path.isdir(name):
                     inside = Path(name, "**", "*.glb")
@@ -232,9 +232,9 @@ def _shared(names: Sequence[str]) -> str:
     if away:
         if len(away) < len(names):
             raise UsageError("some files are URLs and some are paths; give each kind a batch of its own")
-        if lacking := urls.absent(away):
+        if lacking := urls.missing(away):
             raise FileError(f"There is no file {lacking[0]}")
-        return urls.shared(away)
+        return urls.common_folder(away)
     try:
         return os.path.commonpath([os.path.dirname(os.path.abspath(name)) for name in names])
     except ValueError:  # drives of Windows
@@ -282,7 +282,7 @@ def _placed(item: Input, out_dir: Path | str | None, layers: bool) -> str:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
     relative = _relative(item.source, item.base or ".")
     if isinstance(out_dir, str):
-        return urls.beside(out_dir, relative.replace(os.sep, "/"))
+        return urls.join(out_dir, relative.replace(os.sep, "/"))
     target = out_dir / relative
     if layers and target.suffix.lower() == ".usdz":
         target = target.with_suffix(".usda")

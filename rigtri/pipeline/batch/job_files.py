@@ -126,7 +126,7 @@ def _input(line: Any, folder: Path) -> Input:
 
 
 def _seen_from(folder: Path, name: str) -> str:
-    return urls.known(name) if urls.is_url(name) else str(folder / name)
+    return urls.without_secrets(name) if urls.is_url(name) else str(folder / name)
 
 
 def _texts(variables: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

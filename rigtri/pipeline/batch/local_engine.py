@@ -16,7 +16,7 @@ from rigtri.files import temp_dirs
 from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import references
-from rigtri.pipeline.batch.remote_files import Fetched, is_elsewhere
+from rigtri.pipeline.batch.remote_files import RemoteAssignment, is_elsewhere
 from rigtri.pipeline.batch.work import Assignment, Record, work
 
 # What work and most tasks need, so that a new process has it.
@@ -107,7 +107,7 @@ class FileProcess:
             return self._near(assignment, on_ready)
         name = assignment.entry.source
         try:
-            return Fetched(
+            return RemoteAssignment(
                 assignment,
                 self._folder,
                 self._temporary_folder(),

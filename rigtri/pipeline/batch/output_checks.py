@@ -80,7 +80,7 @@ def _names(entries: Sequence[Entry]) -> list[str]:
 
 
 def _names_of_memory(entries: Sequence[Entry]) -> list[str]:
-    return [entry.target for entry in entries if urls.is_fleeting(entry.target)]
+    return [entry.target for entry in entries if entry.target.lower().startswith("memory:")]
 
 
 def _loose_layers(entries: Sequence[Entry]) -> list[str]:
@@ -165,7 +165,7 @@ def _try_stores(entries: Sequence[Entry]) -> None:
         if urls.is_url(entry.target):
             stores.setdefault(urls.host(entry.target), []).append(entry.target)
     for targets in stores.values():
-        urls.try_writing(urls.shared(targets))
+        urls.try_writing(urls.common_folder(targets))
 
 
 def _not_open(folders: set[str]) -> Iterator[str]:

@@ -22,7 +22,7 @@ def is_elsewhere(entry: Entry) -> bool:
     return urls.is_url(entry.source) or urls.is_url(entry.target)
 
 
-class Fetched:
+class RemoteAssignment:
     """An assignment, done in a folder of its own.
 
     folder: where the manifest is. references: what a file refers to, as paths below its folder. near: what
@@ -62,7 +62,7 @@ class Fetched:
                     return renamed
                 on_ready(self._assignment, renamed)
                 self._send(entry.target)
-                return replace(renamed, made={name: urls.content(name) for name in renamed.made})
+                return replace(renamed, made={name: urls.content_hash(name) for name in renamed.made})
             except CrashError:
                 raise
             except RigtriError as error:
@@ -75,7 +75,7 @@ class Fetched:
         place = self._in / os.path.basename(source)
         self._etags[source] = urls.get(source, place)
         for name in self._references(str(place)):
-            url = urls.beside(urls.folder_of(source), name)
+            url = urls.join(urls.parent(source), name)
             try:
                 self._etags[url] = urls.get(url, self._in / name)
             except urls.AbsentError:
@@ -90,8 +90,8 @@ class Fetched:
         main = self._out / os.path.basename(target)
         every = [path for path in sorted(self._out.rglob("*")) if path.is_file() and path != main]
         for path in every:
-            url = urls.beside(urls.folder_of(target), path.relative_to(self._out).as_posix())
-            there = urls.content(url, like="sha256")
+            url = urls.join(urls.parent(target), path.relative_to(self._out).as_posix())
+            there = urls.content_hash(url, like="sha256")
             if there == self._hashes.of(path):
                 continue
             if there and not self._assignment.overwrite:
@@ -116,14 +116,14 @@ class Fetched:
     def _folders(self) -> list[tuple[Path, str]]:
         entry = self._assignment.entry
         pairs = ((self._in, entry.source), (self._out, entry.target))
-        return [(place, urls.folder_of(url)) for place, url in pairs if urls.is_url(url)]
+        return [(place, urls.parent(url)) for place, url in pairs if urls.is_url(url)]
 
     def _name(self, name: str) -> str:
         """What a manifest calls a file."""
         whole = Path(os.path.normpath(os.path.join(self._folder, name)))
         for place, folder in self._folders():
             if whole.is_relative_to(place):
-                return urls.beside(folder, whole.relative_to(place).as_posix())
+                return urls.join(folder, whole.relative_to(place).as_posix())
         return name
 
     def _text(self, text: str) -> str:

@@ -1,7 +1,7 @@
 """Files that are elsewhere, by their URLs: names without secrets, and what fsspec does with them.
 
 User names, passwords and queries (which sign requests) are taken out of a URL where it comes in
-(`known`), and put back in here alone: no manifest, log or message can have them.
+(`without_secrets`), and put back in here alone: no manifest, log or message can have them.
 """
 
 from __future__ import annotations
@@ -44,12 +44,7 @@ def is_web(url: str) -> bool:
     return url.lower().startswith(_WEB)
 
 
-def is_fleeting(url: str) -> bool:
-    """Whether a URL is of a store that ends with this process."""
-    return url.lower().startswith("memory:")
-
-
-def known(url: str) -> str:
+def without_secrets(url: str) -> str:
     """A URL as everybody may see it, in the one spelling that it has here. UsageError for no such store."""
     found = _PARTS.fullmatch(url)
     if found is None:
@@ -60,18 +55,19 @@ def known(url: str) -> str:
         if query:
             _queries[plain] = query
     else:
-        plain = _spelled(scheme + rest + query)
+        store, path = _store(scheme + rest + query)
+        plain = store.unstrip_protocol(path)
     if user:
         _users[host(plain)] = user
     return plain
 
 
 def secrets() -> Secrets:
-    """What was taken out of URLs, for another process to `remember`."""
+    """What was taken out of URLs, for another process to take (`add_secrets`)."""
     return _users, _queries
 
 
-def remember(found: Secrets) -> None:
+def add_secrets(found: Secrets) -> None:
     _users.update(found[0])
     _queries.update(found[1])
 
@@ -81,16 +77,16 @@ def host(url: str) -> str:
     return "/".join(url.split("/", 3)[:3])
 
 
-def folder_of(url: str) -> str:
+def parent(url: str) -> str:
     return url.rpartition("/")[0]
 
 
-def beside(folder: str, name: str) -> str:
+def join(folder: str, name: str) -> str:
     """The URL of a file, by its path with forward slashes below a folder's URL."""
     return f"{folder.rstrip('/')}/{quote(name) if is_web(folder) else name}"
 
 
-def shared(found: Sequence[str]) -> str:
+def common_folder(found: Sequence[str]) -> str:
     """The deepest folder that holds all of some URLs. UsageError where they are of several stores."""
     hosts = {host(url) for url in found}
     if len(hosts) > 1:
@@ -99,7 +95,7 @@ def shared(found: Sequence[str]) -> str:
     return own + posixpath.commonpath([posixpath.dirname(url.removeprefix(own)) for url in found])
 
 
-def expanded(pattern: str) -> list[str]:
+def glob(pattern: str) -> list[str]:
     """The files that a pattern matches, hidden ones left out. UsageError for none."""
     store, path = _store(pattern)
     try:
@@ -110,12 +106,15 @@ def expanded(pattern: str) -> list[str]:
     fixed = len(re.split(r"[*?\[]", path)[0].rpartition("/")[0])
     found = [name for name, what in details.items() if what["type"] == "file" and "/." not in name[fixed:]]
     if not found:
-        why = "** stands for all folders" if _has(host(pattern)) else f"there is no {host(pattern)}"
+        bucket, top = _store(host(pattern))
+        with _store_errors(pattern, "listed"):
+            there = bucket.exists(top)
+        why = "** stands for all folders" if there else f"there is no {host(pattern)}"
         raise UsageError(f"'{pattern}' matches no file; {why}")
-    return [known(store.unstrip_protocol(name)) for name in found]
+    return [without_secrets(store.unstrip_protocol(name)) for name in found]
 
 
-def absent(urls: Sequence[str]) -> list[str]:
+def missing(urls: Sequence[str]) -> list[str]:
     """Those of some URLs behind which there is no file."""
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         return [url for url, there in zip(urls, pool.map(exists, urls), strict=True) if not there]
@@ -136,7 +135,7 @@ def etag(url: str) -> str:
     return "" if not found or found.startswith("W/") else _ETAG + found
 
 
-def content(url: str, like: str = "") -> str:
+def content_hash(url: str, like: str = "") -> str:
     """The hash of a file's content, of the kind that ``like`` is, else the cheapest. "" without a file."""
     try:
         own = "" if like and not like.startswith(_ETAG) else etag(url)
@@ -174,7 +173,7 @@ def put(place: Path, url: str) -> None:
 
 def try_writing(folder: str) -> None:
     """Write an empty file into a folder, and remove it. FileError where nothing can be written there."""
-    url = beside(folder, f".rigtri-{uuid4().hex[:8]}")
+    url = join(folder, f".rigtri-{uuid4().hex[:8]}")
     with tempfile.NamedTemporaryFile(prefix="rigtri-") as empty:
         try:
             put(Path(empty.name), url)
@@ -192,19 +191,6 @@ def try_writing(folder: str) -> None:
 
 class AbsentError(FileError):
     """There is no such file."""
-
-
-def _spelled(url: str) -> str:
-    store, path = _store(url)
-    spelled: str = store.unstrip_protocol(path)
-    return spelled
-
-
-def _has(bucket: str) -> bool:
-    """Whether there is such a bucket, or what else a store calls its uppermost folders."""
-    store, path = _store(bucket)
-    with _store_errors(bucket, "listed"):
-        return bool(store.exists(path))
 
 
 def _store(url: str) -> tuple[Any, str]:
