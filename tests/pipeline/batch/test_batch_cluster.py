@@ -19,6 +19,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+pytest.importorskip("distributed", reason="distributed is not installed: pip install '.[test]'")
+
 from batch_tasks import Turn
 from distributed import Client
 from distributed.scheduler import KilledWorker, WorkerState

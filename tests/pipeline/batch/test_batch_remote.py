@@ -15,11 +15,14 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-import fsspec
 import pytest
-from moto.server import ThreadedMotoServer
 from places import slow
 from program import Ran, cli
+
+MISSING = "is not installed: pip install '.[test]'"
+fsspec = pytest.importorskip("fsspec", reason=f"fsspec {MISSING}")
+pytest.importorskip("s3fs", reason=f"s3fs {MISSING}")
+ThreadedMotoServer = pytest.importorskip("moto.server", reason=f"moto {MISSING}").ThreadedMotoServer
 
 SPEC = "steps: [{do: orient-joints, aim: y, up: z}]"
 Batch = Callable[..., Ran]
