@@ -27,7 +27,7 @@ def test_the_first_command_runs_the_main_job_and_prints_the_number(
     monkeypatch.chdir(tmp_path)
     line = block("install and run").strip().splitlines()[-1].removeprefix(".venv/bin/rigtri ")
     result = cli(*line.split(), code=0)
-    assert "joints turned" in result.stderr
+    assert "joints re-oriented" in result.stderr
     assert "largest vertex movement" in result.stderr
     assert (tmp_path / "biped-oriented.glb").exists()
 
