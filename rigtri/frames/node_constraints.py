@@ -21,6 +21,7 @@ import numpy as np
 from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
+from rigtri.model.metadata import ConstraintRecord
 from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
@@ -74,17 +75,16 @@ def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[NodeConstraint, ...
 
 
 def constraints_from_metadata(rig: Rig) -> dict[int, str]:
-    """The nodes that follow a rule of rigtri's which is also stored as a VRM constraint, and of which kind.
+    """The nodes with a constraint of rigtri's that is also stored as a VRM constraint, and of which kind.
 
-    The rule's note says so by ``vrm``: such a constraint is meant to move its node, and comes and
-    goes with the note.
+    The record has ``vrm`` then: such a constraint is intended to move its node, and comes and goes with
+    the record.
     """
-    found = {}
-    for note in rig.metadata.values():
-        if note.get("type") == "constraint" and "vrm" in note:
-            child = rig.known(note.get("child"))
-            if child is not None:
-                found[child] = str(note["vrm"])
+    found: dict[int, str] = {}
+    for record in rig.records(ConstraintRecord).values():
+        child = rig.known(record.child)
+        if record.vrm is not None and child is not None:
+            found[child] = record.vrm
     return found
 
 

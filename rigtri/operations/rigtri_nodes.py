@@ -21,10 +21,12 @@ _SAME_PLACE = 1e-7
 
 
 def group(rig: Rig) -> tuple[Rig, int]:
-    """The node that holds everything rigtri adds; new where there is none: a root, or on the `Rig.shelf`."""
-    for node, note in rig.metadata.items():
-        if note.get("type") == "group":
-            return rig, node
+    """The node that holds everything rigtri adds.
+
+    Where there is none it is new: a root, or a child of `FormatRules.group_parent`.
+    """
+    for node in rig.nodes_of("group"):
+        return rig, node
     return add(rig, GROUP, rig.rules.group_parent, {"v": 1, "type": "group"})
 
 

@@ -14,6 +14,7 @@ from rigtri.errors import GeometryError
 from rigtri.frames.node_constraints import constraints_from_metadata
 from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
@@ -121,9 +122,9 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
                 )
             rows[row] = rows[heir] if heir >= 0 else 0
             if heir >= 0:
-                note = rig.metadata[int(skin.joints[row])]
-                at[row] = float(note["at"])
-                at[heir] = 1.0 if rig.known(note["driver"]) == int(skin.joints[heir]) else 0.0
+                twist = rig.records(TwistRecord)[int(skin.joints[row])]
+                at[row] = twist.at
+                at[heir] = 1.0 if rig.known(twist.driver) == int(skin.joints[heir]) else 0.0
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
         found.append(JointMerge(number, rows, at, _widths(rig, gone), idle))
     return tuple(found)
@@ -150,8 +151,8 @@ def _weighted(rig: Rig, number: int) -> Booleans:
 
 def _heir(rig: Rig, node: int, gone: frozenset[int], skin: Skin) -> int:
     """The row of the bone that a twist joint stands along, which its weight was split from; -1 for none."""
-    note = rig.metadata.get(node, {})
-    bone = rig.known(note.get("joint")) if note.get("type") == "twist" else None
+    twist = rig.records(TwistRecord).get(node)
+    bone = None if twist is None else rig.known(twist.joint)
     places = np.flatnonzero(skin.joints == (-1 if bone is None or bone in gone else bone))
     return int(places[0]) if len(places) else -1
 

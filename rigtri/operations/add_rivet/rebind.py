@@ -10,6 +10,7 @@ import numpy as np
 from rigtri.errors import FileError, GeometryError
 from rigtri.maths.matrices import transform_points
 from rigtri.model.mesh import Mesh
+from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin_weights import shared
 from rigtri.operations.add_rivet.rivet import rebaked
@@ -31,11 +32,8 @@ def rebind_rivets(rig: Rig, meshes: Collection[int], report: Report) -> Rig:
 
 
 def _rivets(rig: Rig, meshes: Collection[int]) -> list[int]:
-    return [
-        node
-        for node, note in sorted(rig.metadata.items())
-        if note.get("type") == "rivet" and rig.known(note["mesh"]) in meshes
-    ]
+    records = rig.records(RivetRecord)
+    return [node for node in sorted(records) if rig.known(records[node].mesh) in meshes]
 
 
 def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
@@ -43,7 +41,7 @@ def rebind_rivets_on_new_weights(rig: Rig, report: Report) -> Rig:
 
     Weights that are stored as whole numbers are rounded there, by half a unit at most.
     """
-    meshes_of_rivets = {note.get("mesh") for note in rig.metadata.values() if note.get("type") == "rivet"}
+    meshes_of_rivets = {record.mesh for record in rig.records(RivetRecord).values()}
     skins = {spread.skin for spread in rig.pending.weight_redistributions}
     if not meshes_of_rivets or not skins:
         return rig

@@ -69,8 +69,8 @@ def bind_poses(rig: Rig) -> dict[int, Floats]:
 
 def _controls_moved(rig: Rig, described: Rig, of: Mapping[int, int]) -> Floats:
     """How what holds all controls was moved, (4, 4)."""
-    for node, note in described.metadata.items():
-        if note.get("type") == "group" and node in of:
+    for node in described.nodes_of("group"):
+        if node in of:
             return multiply(inverse(described.world[node]), rig.world[of[node]])
     return np.eye(4)
 

@@ -100,7 +100,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
 
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
     """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
-    controls = {n: of[n] for n, note in rig.metadata.items() if note.get("type") == "control" and n in of}
+    controls = {n: of[n] for n in rig.nodes_of("control") if n in of}
     if left := unkeyed(edited, controls, rig, rig, of):
         text = f"No clip of EDITED has keys of {list_channels(rig, left)}, posed otherwise than in RIG"
         report.warn("held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig")
