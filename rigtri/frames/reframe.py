@@ -61,7 +61,7 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
         node_constraints=reoriented_constraints(rig, delta),
         metadata=reoriented_notes(rig, delta),
     )
-    return _hand_over_payload(rig, delta)
+    return _hand_over_attachments(rig, delta)
 
 
 def split(rig: Rig, deltas: Mapping[int, Floats]) -> Rig:
@@ -216,7 +216,7 @@ def _reorient_bound(rig: Rig, delta: Floats) -> Rig:
     )
 
 
-def _hand_over_payload(rig: Rig, delta: Floats) -> Rig:
+def _hand_over_attachments(rig: Rig, delta: Floats) -> Rig:
     """Give what a turned node shows to a new child that stands as the node stood."""
     carriers = np.flatnonzero(rotates(delta) & (rig.attachment[: len(delta)] >= 0)).tolist()
     if not carriers:
