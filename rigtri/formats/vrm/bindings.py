@@ -14,7 +14,7 @@ Kind = Literal["rotation", "roll", "aim", "tail"]
 
 @dataclass(frozen=True)
 class Follows:
-    """A constraint in the file's own node numbers; see `rigtri.model.bindings.NodeConstraint`. pointer: where it stands."""
+    """A `rigtri.model.bindings.NodeConstraint` in the file's own node numbers. pointer: where it stands."""
 
     kind: Kind
     node: int
