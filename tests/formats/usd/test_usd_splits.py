@@ -323,9 +323,9 @@ def test_frames_for_several_libraries_of_the_same_joints_say_which_and_how_to_na
     result = cli("orient-joints", library, "-o", both, "--frames", stored, code=0)
     assert "'shoulder' is a joint of Walk, Run" in result.output
     assert "--skin Walk" in result.output
-    assert "2 joints turned" in result.output
+    assert "2 joints re-oriented" in result.output
     alone = cli("orient-joints", library, "-o", one, "--frames", stored, "--skin", "Run", code=0)
-    assert "1 joint turned" in alone.output
+    assert "1 joint re-oriented" in alone.output
     before, after = (Usd.Stage.Open(str(path)) for path in (library, one))
     for name, same in (("Walk", True), ("Run", False)):
         rotations = [

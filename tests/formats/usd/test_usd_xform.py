@@ -150,7 +150,7 @@ def test_a_moved_prim_is_refused(tmp_path: Path) -> None:
     document = read(save(tmp_path, SMOOTH), root="/Rig")
     matrix = document.rig.matrix.copy()
     matrix[document.rig.find("shin"), 3, 0] += 1
-    with pytest.raises(FileError, match="can be reoriented, but not moved"):
+    with pytest.raises(FileError, match="can be re-oriented, but not moved"):
         write(document, replace(document.rig, matrix=matrix), tmp_path / "out.usda")
 
 

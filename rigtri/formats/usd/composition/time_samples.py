@@ -38,7 +38,7 @@ def time_samples(attribute: Any) -> Samples:
         return []
     if edits := array_edits(attribute):
         raise FileError(
-            f"{edits}, which rigtri cannot reorient. Write whole arrays there, or flatten the stage."
+            f"{edits}, which rigtri cannot re-orient. Write whole arrays there, or flatten the stage."
         )
     if from_clips(attribute, times):
         return _of_clips(attribute, times)

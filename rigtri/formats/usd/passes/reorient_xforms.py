@@ -75,7 +75,7 @@ def _delta(before: Rig, after: Rig, node: int, above: Floats) -> Floats:
     axes = compose(np.zeros(3), q, np.ones(3))
     left = np.abs(multiply(axes, old) - lifted).max()
     if not left <= SAME_PLACE * max(1.0, float(np.abs(lifted).max())):
-        raise FileError(f"<{before.labels[node]}>: prims can be reoriented, but not moved or scaled.")
+        raise FileError(f"<{before.labels[node]}>: prims can be re-oriented, but not moved or scaled.")
     return np.asarray(IDENTITY) if np.abs(q - IDENTITY).max() < SAME_ROTATION else q
 
 

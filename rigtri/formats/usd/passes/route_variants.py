@@ -94,7 +94,7 @@ class _Reorientation:
         settings = [value for value in there.values if isinstance(value, Setting)]
         if there.notices or len(settings) < len(there.values):
             raise FileError(
-                f"In {state.title}, one animation drives skeletons that were reoriented differently. Give "
+                f"In {state.title}, one animation drives skeletons that were re-oriented differently. Give "
                 "that variant a file of its own."
             )
         return settings
@@ -107,7 +107,7 @@ def _refuse_new_bindings(variants: SkeletonVariants, others: Sequence[Edit]) -> 
     if bound_apart and any(edit.prim == path for edit in others):
         raise FileError(
             f"<{path}> needs a copy of the animation <{variants.animation}>, and variants bind it "
-            "to different animations. Reorient the skeletons alike, or give each variant a file of its own."
+            "to different animations. Re-orient the skeletons alike, or give each variant a file of its own."
         )
 
 

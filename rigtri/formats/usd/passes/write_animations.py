@@ -76,7 +76,7 @@ def _write_animation(
         warnings.append(
             Notice(
                 "animation-split",
-                f"Animation <{animation.path}> drives skeletons that were reoriented differently; "
+                f"Animation <{animation.path}> drives skeletons that were re-oriented differently; "
                 f"{', '.join(f'<{s}>' for s in skeletons)} got a copy of it, <{copy}>.",
             )
         )

@@ -117,11 +117,11 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
             Notice(
                 "animation-ignored",
                 f"UsdSkel ignores animation <{path}>: it has no {' and no '.join(missing)}. "
-                "What it has is reoriented all the same.",
+                "What it has is re-oriented all the same.",
             )
         )
     if not prim.IsActive():
-        text = f"Animation <{path}> is not active, so it is no clip. It is reoriented all the same."
+        text = f"Animation <{path}> is not active, so it is no clip. It is re-oriented all the same."
         warnings.append(Notice("animation-inactive", text))
     warnings += _off_unit(path, tokens, present)
     return Animation(path, prim.GetName(), tokens, present, bool(missing) or not prim.IsActive())

@@ -111,7 +111,7 @@ def _notice_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> No
             continue
         text = (
             f"<{label}> does not follow what is above it (!resetXformStack!); it and all below it are "
-            f"left as they are. To reorient them, run again with --root {label}."
+            f"left as they are. To re-orient them, run again with --root {label}."
         )
         if UsdGeom.Xformable(stage.GetPrimAtPath(label)).GetResetXformStack():
             warnings.append(Notice("reset-stack", text))
@@ -132,9 +132,9 @@ def pseudo_skin(rig: Rig, root: int) -> Skin:
 def why_fixed(prim: Any) -> str:
     """Why a prim must keep its axes; "" where it may be reoriented."""
     if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or prim.IsA(UsdGeom.PointInstancer):
-        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be reoriented"
+        return f"<{prim.GetPath()}> is itself a {prim.GetTypeName()}; only prims above it can be re-oriented"
     if prim.GetTypeName().endswith("Light"):
-        return f"<{prim.GetPath()}> is itself a light; only prims above it can be reoriented"
+        return f"<{prim.GetPath()}> is itself a light; only prims above it can be re-oriented"
     held = [name for name in prim.GetAuthoredPropertyNames() if name.startswith("constraintTargets:")]
     held += ["extentsHint"] if prim.GetAttribute("extentsHint").HasAuthoredValue() else []
     if held:
