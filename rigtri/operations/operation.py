@@ -20,7 +20,7 @@ O_contra = TypeVar("O_contra", contravariant=True)
 
 
 class Operation(Protocol[O_contra]):
-    """Makes a rig of a rig; ``keywords`` are fields of the operation's options, and of what these hold."""
+    """Makes a rig of a rig; ``keywords`` are options of the operation by name."""
 
     def __call__(
         self,
