@@ -153,7 +153,7 @@ def test_a_step_takes_the_choices_of_its_command(name: str) -> None:
 # How the help of commands calls what nodes are named by.
 NODES = re.compile(r"GLOB|NAME|CHILD|A B C|START END|ROOT MIDDLE END|(JOINT|NODE)(\[?=.*)?|TARGET NODE NAME")
 # Options whose names are no nodes', although they are called so.
-OF_OTHERS = {"skin", "clip", "names", "mesh"}
+OF_OTHERS = {"skin", "clip", "name", "names", "mesh"}
 
 
 def asks(name: str, option: str, rig: Rig) -> bool:
@@ -228,7 +228,7 @@ def test_yaml_and_json_say_the_same(tmp_path: Path) -> None:
     told = {"steps": [{"do": "add-controls", "chain": [["a", "no"]], "size": 2.0}]}
     found = load(write(tmp_path, json.dumps(told, indent="\t"), "rig.json"))
     assert yaml.canonical() == found.canonical()
-    assert yaml.steps[0].request["chains"] == (("a", "no"),)
+    assert yaml.steps[0].request["chain"] == (("a", "no"),)
 
 
 FAULTY = """version: 1
@@ -307,13 +307,13 @@ def test_what_a_spec_extends_holds_until_it_says_otherwise(tmp_path: Path) -> No
     studio += "steps:\n- do: orient-joints\n"
     write(tmp_path, studio, "studio.yaml")
     text = "extends: studio.yaml\nvariables: {size: 2}\nsteps:\n- do: add-controls\n  whole-character: true\n"
-    text += "  name: '${who}_{joint}_$${x}'\n"
+    text += "  name: '${who}_{joint}_$${side}'\n"
     spec = load(write(tmp_path, text))
     (only,) = spec.steps
     assert (only.request["size"], only.request["stretch"], only.request["name"]) == (
         2.0,
         True,
-        "hero_{joint}_${x}",
+        "hero_{joint}_${side}",
     )
     assert spec.model.tolerance == 1e-6
     assert {path.name for path in spec.files()} == {"rig.yaml", "studio.yaml"}
@@ -332,7 +332,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         'steps:\n- do: add-controls\n  chain: ["{index,ring}_1", "{index,ring}_3"]\n  name: "{joint}_ctl"\n'
     )
     spec = load(write(tmp_path, text))
-    assert [one.request["chains"] for one in spec.steps] == [
+    assert [one.request["chain"] for one in spec.steps] == [
         (("index_1", "index_3"),),
         (("ring_1", "ring_3"),),
     ]
