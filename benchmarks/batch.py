@@ -19,7 +19,7 @@ from pathlib import Path
 
 from rigtri.pipeline.batch.axis_summary import Axes
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.manifest import Manifest
+from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.report import summarise
 from rigtri.pipeline.batch.work import Record
 

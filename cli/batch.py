@@ -115,8 +115,8 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
-    from rigtri.pipeline.batch.manifest import Manifest
-    from rigtri.pipeline.batch.manifest_file import opened, others_of, place
+    from rigtri.pipeline.batch.manifest_lookup import opened, others_of, place
+    from rigtri.pipeline.batch.manifest_writer import Manifest
     from rigtri.pipeline.batch.run import Run
 
     if values["emit_openjd"]:
@@ -208,7 +208,7 @@ def _found(
 
 
 def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
-    from rigtri.pipeline.batch.manifest_file import NAME
+    from rigtri.pipeline.batch.manifest_lookup import NAME
 
     if values["manifest"]:
         path = Path(values["manifest"])

@@ -60,7 +60,7 @@ def nearest_rotation_of(m: Floats) -> Floats:
 def evaluate_constraint(
     rule: Constraint, drivers: Floats, parent: Floats, own: Floats, up: Floats | None = None
 ) -> Floats:
-    """The child's local matrices, (f, 4, 4), of any kind but ``polevector`` (see `pole_position`).
+    """The child's local matrices, (f, 4, 4), of any kind but ``polevector`` (see `constraint_pole`).
 
     drivers: (f, d, 4, 4), world matrices; in the spaces ``local`` and ``roll`` local ones. parent: the
     world of the child's parent, (f, 4, 4). own: the child's local without the rule, (f, 4, 4).
@@ -84,7 +84,7 @@ def evaluate_constraint(
         return _finite_or(compose(*_skipped(rule, mine, found)), own)
 
 
-def pole_position(rule: Constraint, drivers: Floats) -> Floats:
+def constraint_pole(rule: Constraint, drivers: Floats) -> Floats:
     """The pole of a ``polevector`` rule in the world, (f, 3); NaN where no driver weighs."""
     places = multiply(rule.offsets, drivers)[..., 3, :3]
     return _mean(places, _weights(rule, places))

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rigtri.evaluation.constraint_solver import Parts, pole_position, to_parts
+from rigtri.evaluation.constraint_solver import Parts, constraint_pole, to_parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
@@ -269,7 +269,7 @@ class Ik:
         held = [posed.world(node) for node in self.rule.drivers]
         count = max(map(len, (*held, own)))
         drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
-        found = pole_position(self.rule, drivers)
+        found = constraint_pole(self.rule, drivers)
         return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
 
     def _own_place(self, posed: PoseCache) -> Floats:

@@ -38,7 +38,7 @@ def commit(part: Path, path: Path, *, synced: bool = False, named: bool = True) 
     """Force a part to the disk and let it take the name, mode and owner of the file it replaces.
 
     synced: the disk has it already. named: force the name to the disk, too; else that is for the
-    caller, by `sync_folder`.
+    caller, by `fsync_folder`.
     """
     if not synced:
         fsync(part)

@@ -57,7 +57,7 @@ def folded(
 ) -> tuple[Integers, Floats]:
     """Joints (v, k) and weights (v, k) after a fold; what no joint that goes had a part in keeps its bits.
 
-    rows, at: as in `Fold`. What a point has of a joint and of those that it inherits is added up in
+    rows, at: as in `JointMerge`. What a point has of a joint and of those that it inherits is added up in
     the place of the first of them along the bone, which a spread has put there. Of columns at the end,
     those that held something and do no longer go, and those behind them, but for the first ``width``.
     """

@@ -1,5 +1,7 @@
 """add-polevector: a pole vector for each limb, a locator on the side to which it bends.
 
+The formula is `rigtri.maths.triangle.pole_position`, the side `rigtri.recognition.bend_direction`.
+
 Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 "Using Vector Math to Rig an Arm" (ratio method, at the root, 5 units away).
 """
@@ -22,7 +24,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import add, find, free_name, home, noted, plain_name, renamed, stand
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.bend_plane import SOURCE_TEXT, Bend, bend, crossings
+from rigtri.recognition.bend_direction import SOURCE_TEXT, Bend, bend, crossings
 from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
 from rigtri.report import Report
 

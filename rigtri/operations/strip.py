@@ -1,5 +1,8 @@
 """strip: removes what rigtri has added to a rig.
 
+Weights that twist joints took return to their bone: `_folds`, with the arithmetic of
+`rigtri.model.skin_weights`.
+
 Nodes of ours go, notes on the nodes of others go. What others have put below a node of
 ours is not ours to move: it is named, and nothing is done.
 """

@@ -14,7 +14,7 @@ from typing import Literal
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.detached_ends import loose_ends
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_bends import Bend, bend_of, branches, sharpest_of
+from rigtri.recognition.limb_triples import Triple, branches, sharpest_of, triple_of
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, between
 
@@ -70,16 +70,16 @@ def limbs_of(tree: Tree, pairs: Sequence[Pair], poses: Poses) -> list[Limbs]:
     tried, found = pairs[: 3 * _TRIED], []
     sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
     for pair in tried:
-        bend = bend_of(tree, pair.paths[0], sharpest)
+        bend = triple_of(tree, pair.paths[0], sharpest)
         if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
             pair = loose_ends(tree, pair, poses)
-            bend = bend_of(tree, pair.paths[0], sharpest) if len(pair.paths[0]) > 2 else None
+            bend = triple_of(tree, pair.paths[0], sharpest) if len(pair.paths[0]) > 2 else None
         if bend is not None or len(pair.paths[0]) > 1:
             found.append(_limbs(tree, pair, bend))
     return found
 
 
-def _limbs(tree: Tree, pair: Pair, bend: Bend | None) -> Limbs:
+def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     at = bend.at if bend else (0, branches(tree, pair.paths[0])[0])
     pair = _middlemost(tree, pair, at[-1]) if bend else pair
     one, other = pair.paths

@@ -12,7 +12,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, normalise
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_bends import offset
+from rigtri.recognition.limb_triples import offset
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Plane
 

@@ -15,7 +15,7 @@ from rigtri.maths.matrices import from_frame, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise
-from rigtri.recognition.bend_plane import in_pose
+from rigtri.recognition.bend_direction import in_pose
 from rigtri.recognition.limbs import Limb
 
 AXES = ["x", "y", "z", "-x", "-y", "-z"]

@@ -18,7 +18,7 @@ from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats import read
 from rigtri.model.node_names import DEEPEST_PATH
 from rigtri.model.rig import Rig
-from rigtri.recognition.bend_plane import between
+from rigtri.recognition.bend_direction import between
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.correspondence import match
 

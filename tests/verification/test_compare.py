@@ -20,10 +20,10 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.clip_pairing import joined
 from rigtri.verification.compare.compare import Source, self_check, verify
-from rigtri.verification.compare.comparison import TOLERANCE, Comparison, Worst
 from rigtri.verification.compare.deviation import denormalisation
 from rigtri.verification.compare.mesh_probes import LinearMeshPoints, MeshPoints, mesh_points
 from rigtri.verification.compare.probes import SampledPoses
+from rigtri.verification.compare.verdict import TOLERANCE, Comparison, Worst
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])
 Compare = Callable[[Source, Source], Comparison]

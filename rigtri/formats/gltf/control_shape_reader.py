@@ -1,4 +1,4 @@
-"""The lines that a node of a glTF file shows, as `shape_writer` has drawn them.
+"""The lines that a node of a glTF file shows, as `control_shape_writer` has drawn them.
 
 Source: glTF 2.0 §3.7.2.1 (mode 1 LINES, 2 LINE_LOOP), §3.9 (materials).
 """

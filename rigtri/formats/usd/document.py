@@ -15,14 +15,14 @@ from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import dependencies
 from rigtri.formats.usd.composition.overrides import open_file
 from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.edit_stage import edit_stage
 from rigtri.formats.usd.embed import embedded
+from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
-from rigtri.formats.usd.output import Output
 from rigtri.formats.usd.reading.control_shape_reader import read_lines
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.scene_facts import read_scenery
 from rigtri.formats.usd.reading.source import Source, read_meshes
-from rigtri.formats.usd.writer import edit_stage
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig

@@ -19,7 +19,7 @@ from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import chain_child, limb_path
 from rigtri.operations.orient_joints.targets import Targets
-from rigtri.recognition.bend_plane import Bend, areas_and_sines, bend, in_pose
+from rigtri.recognition.bend_direction import Bend, areas_and_sines, bend, in_pose
 from rigtri.recognition.limbs import Limb
 
 _STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}

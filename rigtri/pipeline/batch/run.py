@@ -21,8 +21,8 @@ from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.hashes import ABSENT, Hashes, seen_from
 from rigtri.pipeline.batch.inputs import MOST, Entry, at_line
 from rigtri.pipeline.batch.local_engine import Engine
-from rigtri.pipeline.batch.manifest import Manifest
-from rigtri.pipeline.batch.manifest_file import Known, look_up, name_of
+from rigtri.pipeline.batch.manifest_lookup import Known, look_up, name_of
+from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.work import Assignment, Record, Task, faults, missing, reason
 
 Tasks = Callable[[tuple[tuple[str, str], ...]], Task]

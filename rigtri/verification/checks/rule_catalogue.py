@@ -1,4 +1,8 @@
-"""All rules by their ids: what `rigtri check --list` and docs/checks.md show."""
+"""All rules by their ids: what `rigtri check --list` and docs/checks.md show.
+
+The text of a rule of glTF that readers hold too is in `rigtri.formats.gltf.rules`; the code that
+looks for it is in `checks/gltf`, in the module of what it reads.
+"""
 
 from __future__ import annotations
 

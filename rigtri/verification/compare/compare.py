@@ -20,9 +20,6 @@ from rigtri.model.rig import Rig
 from rigtri.verification.compare.attachments import compare_attached
 from rigtri.verification.compare.changed_nodes import changed_nodes
 from rigtri.verification.compare.clip_pairing import side_by_side
-from rigtri.verification.compare.comparison import TOLERANCE as TOLERANCE
-from rigtri.verification.compare.comparison import Comparison as Comparison
-from rigtri.verification.compare.comparison import Motion
 from rigtri.verification.compare.correspondence import Correspondence, match, played_together
 from rigtri.verification.compare.deviation import compared, measure
 from rigtri.verification.compare.mesh_probes import mesh_points, mesh_title
@@ -36,6 +33,9 @@ from rigtri.verification.compare.probe_selection import (
 )
 from rigtri.verification.compare.probes import Probe
 from rigtri.verification.compare.scene_facts import Scenery, compare_scenery, compare_surfaces
+from rigtri.verification.compare.verdict import TOLERANCE as TOLERANCE
+from rigtri.verification.compare.verdict import Comparison as Comparison
+from rigtri.verification.compare.verdict import Motion
 
 # How closely meshes are looked at: the boxes that a file states for its largest ones, boxes of all their
 # points, or the points themselves, at the weights that their morphs have. Boxes have room for what all

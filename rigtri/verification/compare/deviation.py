@@ -17,10 +17,10 @@ from rigtri.maths.quaternions import norm
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.changed_nodes import part_of
 from rigtri.verification.compare.clip_pairing import joined
-from rigtri.verification.compare.comparison import UNIT, Comparison, Worst
 from rigtri.verification.compare.correspondence import Correspondence
 from rigtri.verification.compare.mesh_probes import MeshPoints
 from rigtri.verification.compare.probes import FramePoints, Probe, SampledPoses
+from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
 
 # Where quaternions are shown as they are: a rotation doubles their error, and a chain of joints adds it up.
 UNIT_AS_SHOWN = 2e-7

@@ -20,10 +20,10 @@ from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Source, motion_between, self_check, verify
-from rigtri.verification.compare.comparison import Comparison, Motion
 from rigtri.verification.compare.document_view import DocumentView
 from rigtri.verification.compare.morph_changes import MorphChanges, morph_movement, without_changes
 from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.verification.compare.verdict import Comparison, Motion
 from rigtri.verification.compare.without_twist import compare_without_twist, twist_movement, without_twist
 
 # The two documents of a comparison.

@@ -104,7 +104,7 @@ def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
     batch: Batch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from rigtri.pipeline.batch import run
-    from rigtri.pipeline.batch.manifest import Manifest
+    from rigtri.pipeline.batch.manifest_writer import Manifest
 
     steps: list[tuple[str, str]] = []
     sync, done = run.sync_folder, Manifest.done
@@ -386,7 +386,7 @@ def test_a_manifest_of_another_version_or_another_file_is_refused(batch: Batch) 
 
 
 def test_two_batches_do_not_write_one_manifest_at_once(batch: Batch) -> None:
-    from rigtri.pipeline.batch.manifest import Manifest
+    from rigtri.pipeline.batch.manifest_writer import Manifest
 
     Path("out").mkdir()
     with Manifest(Path("out/rigtri-batch.sqlite")):

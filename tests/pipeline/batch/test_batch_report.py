@@ -17,7 +17,7 @@ from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.pipeline.batch.axis_summary import Axes, angles, axes_of
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.manifest import Manifest
+from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.report import summarise
 from rigtri.pipeline.batch.work import Record
 
@@ -255,6 +255,6 @@ def test_a_manifest_in_a_folder_that_only_others_may_write_to_is_read(
     for log in tmp_path.glob("*.sqlite-*"):
         log.unlink()
     # Root may write anywhere: what a folder without that right does to SQLite is told by its files.
-    monkeypatch.setattr("rigtri.pipeline.batch.manifest_file.os.access", lambda *_: False)
+    monkeypatch.setattr("rigtri.pipeline.batch.manifest_lookup.os.access", lambda *_: False)
     assert summarise([path])["statuses"]["ok"] == 1
     assert [file.name for file in tmp_path.glob("*.sqlite*")] == [path.name]

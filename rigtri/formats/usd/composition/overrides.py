@@ -1,4 +1,7 @@
-"""Stages of override layers: bare opinions that rigtri wrote for another file, composed over that file."""
+"""Stages of override layers: bare opinions that rigtri wrote for another file, composed over that file.
+
+They are read here; `rigtri.formats.usd.layer_writer` writes them.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 """Skins: joints, inverse bind matrices, and the tree they stand in.
 
+Weights are checked where they are read, in `meshes`.
+
 Source: glTF 2.0 §3.7.3.
 """
 

@@ -1,4 +1,6 @@
-"""The bend plane of a limb: from its pose, its clips, its twin, or its kind and the facing direction.
+"""The side to which a limb bends, also where it is straight at rest.
+
+It comes from the pose, the clips, the twin of the limb, or its kind and the facing direction.
 
 Half of all real limbs are straight at rest, and noise then looks like a bend
 plane. So every answer says where it came from, and there may be none.

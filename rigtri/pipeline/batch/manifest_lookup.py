@@ -1,4 +1,4 @@
-"""Manifests as files: what they are called, which are manifests, and what is read of them."""
+"""Finding and reading manifests: what they are called, which are manifests, and what is read of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What comparing two rigs finds: figures and differences, for people and for machines."""
+"""The verdict of a comparison: what was found, and whether it passes the tolerance (`Comparison.passes`).
+
+`rigtri.pipeline.edit` refuses what does not pass.
+"""
 
 from __future__ import annotations
 

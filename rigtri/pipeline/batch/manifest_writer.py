@@ -1,4 +1,4 @@
-"""What was done, in an SQLite file that outlives any run and any kill.
+"""Writing the manifest: what was done, in an SQLite file that outlives any run and any kill.
 
 One row for each output, and the hashes of all that was read and written for it. What is about
 to appear is put down before it does (`ready`): whoever comes after a kill sees by the hash whether
@@ -23,7 +23,7 @@ from rigtri.errors import UsageError
 from rigtri.pipeline.batch.axis_summary import Axes
 from rigtri.pipeline.batch.hashes import seen_from
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.manifest_file import (
+from rigtri.pipeline.batch.manifest_lookup import (
     APPLICATION,
     VERSION,
     Known,

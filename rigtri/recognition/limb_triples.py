@@ -1,4 +1,4 @@
-"""Limb bends: shoulder, elbow and wrist of a chain, between clavicles, twist joints and toes."""
+"""The three joints of a limb: shoulder, elbow and wrist in a chain of clavicles, twist joints and fingers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MOST = 11
 
 
 @dataclass(frozen=True)
-class Bend:
+class Triple:
     """Three places within a path: start, middle, end. quality: how limb-like, 0 to 1; lead: over the
     next best; size: the length of both bones, file units."""
 
@@ -82,7 +82,7 @@ def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
     return sharpest
 
 
-def bend_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Bend | None:
+def triple_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Triple | None:
     """Where a path bends like an arm or leg; None for one of fewer than three joints.
 
     sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
@@ -104,7 +104,7 @@ def bend_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Bend 
     if quality <= 0:
         return None
     size = fsum(bones[at[0] + 1 : at[2] + 1])
-    return Bend(at, quality, quality - (others[0][0] if others else 0.0), size)
+    return Triple(at, quality, quality - (others[0][0] if others else 0.0), size)
 
 
 def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
