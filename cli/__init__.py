@@ -27,14 +27,14 @@ def _raise(_number: int, _frame: object) -> None:
         raise KeyboardInterrupt
 
 
-# Until the program begins, which hears of interrupts itself, one ends it without a traceback of imports.
+# Until the program begins, which handles interrupts itself, one ends it without a traceback of imports.
 _first = signal.getsignal(signal.SIGINT) is signal.default_int_handler
 if _first:
-    with suppress(ValueError):  # a thread that is not the main one hears of none
+    with suppress(ValueError):  # a thread that is not the main one gets none
         signal.signal(signal.SIGINT, _end)
 
 
-def hear_interrupts() -> None:
+def raise_interrupts() -> None:
     """Let interrupts be exceptions again."""
     if _first and signal.getsignal(signal.SIGINT) is _end:
         with suppress(ValueError):
@@ -42,7 +42,7 @@ def hear_interrupts() -> None:
 
 
 def ignore_interrupts() -> None:
-    """When all is done and told, let an interrupt change nothing any more."""
+    """When all is done and printed, let an interrupt change nothing any more."""
     if signal.getsignal(signal.SIGINT) is _raise:
         with suppress(ValueError):
             signal.signal(signal.SIGINT, signal.SIG_IGN)

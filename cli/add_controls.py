@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from rigtri.operations.options.add_controls import AddControlsOptions
 
 from .edit_command import edit_command
-from .words import counted
+from .text import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report

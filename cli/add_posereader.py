@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .asked import given_options, request
 from .editing import run_edit
 from .options import edit_options, output_options, reading_options, source_argument, target_option
+from .parameters import given_options, request
+from .text import counted
 from .values import Number, Tolerance, direction
-from .words import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report

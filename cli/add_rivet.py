@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from rigtri.operations.options.add_rivet import AddRivetOptions
 
 from .edit_command import edit_command
-from .words import counted
+from .text import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report

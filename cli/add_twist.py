@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from rigtri.operations.options.add_twist import AddTwistOptions
 
 from .edit_command import edit_command
-from .words import counted
+from .text import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -33,9 +33,9 @@ def summary(report: Report) -> str:
     clips = {clip["clip"] for entry in made for clip in entry["clips"]}
     keys = f", with keys in {counted(len(clips), 'clip')}" if clips else ""
     rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
-    told = f"; rivets baked anew: {', '.join(rivets)}" if rivets else ""
+    rebaked = f"; rivets baked anew: {', '.join(rivets)}" if rivets else ""
     along = f"{counted(len(made), 'twist joint')} along {counted(len(bones), 'bone')}"
-    return f"{along}, {len(new)} of them new{keys}{told}"
+    return f"{along}, {len(new)} of them new{keys}{rebaked}"
 
 
 command = edit_command("add-twist", AddTwistOptions, summary, __doc__)

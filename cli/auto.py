@@ -10,8 +10,7 @@ import click
 from rigtri.errors import GeometryError, UsageError
 
 from . import pictures
-from .asked import given_options, read_options, with_target
-from .build import steps_of, told_of
+from .build import step_lines, steps_of
 from .editing import run, side_files
 from .options import (
     dry_run_option,
@@ -27,6 +26,7 @@ from .options import (
     tolerance_option,
     verify_option,
 )
+from .parameters import given_options, read_options, with_target
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
@@ -83,19 +83,19 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     if values["picture"] is not None:
         pictures.check_target(values["picture"], [values["source"]], overwrite=values["overwrite"])
     job = _Job(values)
-    run("auto", values, job.done, given_options(ctx), job.told, job.drawn, job.more)
+    run("auto", values, job.done, given_options(ctx), job.summary, job.drawn, job.more)
 
 
 def _spec_place(values: dict[str, Any]) -> str | None:
     """Where the spec goes; None where none is written."""
-    said, target = values["spec_out"], values["target"]
+    path, target = values["spec_out"], values["target"]
     if values["no_spec"]:
-        if said is not None:
+        if path is not None:
             raise UsageError("give --spec-out or --no-spec, not both")
         return None
-    if said is not None and Path(said).suffix.lower() not in (".yaml", ".yml"):
-        raise UsageError(f"{said}: the spec is YAML; give it the suffix .yaml")
-    return said or (None if target in (None, "-") else str(Path(target).with_suffix(SUFFIX)))
+    if path is not None and Path(path).suffix.lower() not in (".yaml", ".yml"):
+        raise UsageError(f"{path}: the spec is YAML; give it the suffix .yaml")
+    return path or (None if target in (None, "-") else str(Path(target).with_suffix(SUFFIX)))
 
 
 class _Job:
@@ -147,14 +147,14 @@ class _Job:
             svg = draw(rig, against=before, options=DrawOptions(), report=report, **titles)
             pictures.deliver(svg, target, report)
 
-    def told(self, report: Report) -> str:
+    def summary(self, report: Report) -> str:
         """What was recognised, and what each step has done."""
-        from rigtri.pipeline.rigspec.spec_init import told
+        from rigtri.pipeline.rigspec.spec_init import recognised_lines
         from rigtri.recognition.output import text
 
         found, whole = self.proposal, self.values["dry_run"] or self.values["verbose"]
-        lines = [text(found.rig, found.layout) + "\n"] if whole else list(told(found.layout))
-        lines.append(told_of(self.built))
+        lines = [text(found.rig, found.layout) + "\n"] if whole else list(recognised_lines(found.layout))
+        lines.append(step_lines(self.built))
         if self.values["spec_out"] is not None and not self.values["dry_run"]:
             lines.append(f"Wrote {self.values['spec_out']}")
         return "\n".join(lines)

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 from rigtri.operations.options.bake import BakeOptions
 
 from .edit_command import edit_command
-from .options import says_more
-from .words import counted, grown
+from .options import extend_help
+from .text import counted, grown
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -53,20 +53,20 @@ def _beside(report: Report) -> list[str]:
     of: dict[str, list[dict[str, Any]]] = {}
     for entry in report.added:
         of.setdefault(entry["type"], []).append(entry)
-    said = []
+    lines = []
     if resting := {name for entry in of.get("rest", []) for name in entry["nodes"]}:
-        said.append(f"{counted(len(resting), 'node')} at rest")
-    if told := sum(len(entry["nodes"]) for entry in of.get("described", [])):
-        said.append(f"{counted(told, 'node')} put where the file of --rig has them")
+        lines.append(f"{counted(len(resting), 'node')} at rest")
+    if placed := sum(len(entry["nodes"]) for entry in of.get("described", [])):
+        lines.append(f"{counted(placed, 'node')} put where the file of --rig has them")
     if parts := of.get("joined"):
         whole = ", ".join(f"'{entry['clip']}'" for entry in parts)
-        said.append(f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN known as {whole}")
+        lines.append(f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN known as {whole}")
     for entry in of.get("moved", []):
         by = f"{abs(entry['by']):.4g} {'earlier' if entry['by'] < 0 else 'later'} than in IN"
-        said.append(f"'{entry['clip']}' begins where the file of --rig has it, {by}")
-    return said
+        lines.append(f"'{entry['clip']}' begins where the file of --rig has it, {by}")
+    return lines
 
 
-command = says_more(
+command = extend_help(
     "tolerance", "Also how far keys that are left out may be off, all together, as a share of the rig's size."
 )(edit_command("bake", BakeOptions, summary, __doc__))

@@ -14,12 +14,12 @@ import click
 from rigtri.errors import FileError, UsageError
 
 from . import INTERRUPTED, batch_engine, batch_job, failures
-from .batch_told import Files, opened_log, tell_chosen, tell_end
+from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_option, spec_tolerance_option
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
+from .text import plain
 from .values import Bytes
-from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.batch.inputs import Found
@@ -131,7 +131,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     folder = os.path.abspath(whole.parent)
     chosen = found.entries if shard is None else shard.of(found.entries, folder)
     if not values["quiet"]:
-        tell_chosen(found, chosen, shard, values)
+        print_selection(found, chosen, shard, values)
     own = place(whole, shard)
     with ExitStack() as stack:
         engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
@@ -141,10 +141,10 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
         known = [*([own] if kept is None else []), *others_of(whole, own)]
         others = [stack.enter_context(opened(path, empty=True)) for path in known if path.is_file()]
         engines = [engine]
-        heard = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
+        received = stack.enter_context(batch_engine.signals(engines, quiet=values["quiet"]))
         session = Run(tasks, folder, kept, others, overwrite=values["overwrite"])
-        plan = session.plan(chosen, lambda: bool(heard))
-        if len(plan.assignments) > 1 and not plan.settled and not heard:
+        plan = session.plan(chosen, lambda: bool(received))
+        if len(plan.assignments) > 1 and not plan.settled and not received:
             engines.append(batch_engine.local(values, folder, len(chosen), dry_run=True))
             _try_out(plan, engines[1], quiet=values["quiet"])
         log = stack.enter_context(opened_log(values["log"]))
@@ -158,9 +158,9 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
             kept.end(dict(session.counts))
     left = len(chosen) - session.counts.total()
     if not values["quiet"]:
-        tell_end(session, left, files.advice, values)
+        print_summary(session, left, files.advice, values)
     failures.answered(click.get_current_context())
-    return 128 + heard[0] if heard else SOME_FAILED if session.failures else 0
+    return 128 + received[0] if received else SOME_FAILED if session.failures else 0
 
 
 def _tasks(values: dict[str, Any]) -> Tasks:
@@ -231,17 +231,17 @@ def _shard(values: dict[str, Any]) -> Shard | None:
 def _try_out(plan: Plan, engine: Engine, *, quiet: bool) -> None:
     from rigtri.pipeline.batch.run import try_out
 
-    if (said := try_out(plan, engine)) and not quiet:
-        click.echo(plain(said, one_line=True), err=True)
+    if (message := try_out(plan, engine)) and not quiet:
+        click.echo(plain(message, one_line=True), err=True)
 
 
 def _work(session: Run, plan: Plan, engine: Engine, files: Files, *, quiet: bool) -> None:
-    """Do the files, and tell each as it is done; what was done before is no progress."""
+    """Do the files, and print each as it is done; what was done before is no progress."""
     with Progress(len(plan.assignments), quiet=quiet) as progress:
         for number, (entry, record) in enumerate(session.work(plan, engine)):
-            files.tell(entry, record)
+            files.print_record(entry, record)
             if record.failed:
                 progress.clear()
-                files.tell_failure(entry, record)
+                files.print_failure(entry, record)
             if number >= len(plan.settled):
                 progress.step(failed=record.failed)

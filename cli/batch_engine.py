@@ -1,4 +1,4 @@
-"""Who works for rigtri batch, and how it hears of an interrupt."""
+"""Who works for rigtri batch, and how an interrupt reaches it."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ def address(ctx: click.Context, param: click.Parameter, value: str | None) -> st
 def engine(values: dict[str, Any], folder: str, chosen: Sequence[Entry]) -> Iterator[Engine]:
     """Who does the work: processes of this machine, or a cluster, whose workers can do it."""
     most = 0 if values["fail_fast"] else values["max_errors"]
-    wanted = {"dry_run": values["dry_run"], "max_errors": most}
+    options = {"dry_run": values["dry_run"], "max_errors": most}
     if not values["dask"]:
-        yield local(values, folder, len(chosen), **wanted)
+        yield local(values, folder, len(chosen), **options)
         return
     from rigtri.pipeline.batch.dask import Cluster
 
-    with Cluster(values["dask"], folder, jobs=values["jobs"], **_limits(values), **wanted) as cluster:
+    with Cluster(values["dask"], folder, jobs=values["jobs"], **_limits(values), **options) as cluster:
         if chosen:
             cluster.check(chosen)
         yield cluster
 
 
-def local(values: dict[str, Any], folder: str, files: int, **wanted: Any) -> Engine:
+def local(values: dict[str, Any], folder: str, files: int, **options: Any) -> Engine:
     from rigtri.pipeline.batch.local_engine import Local, processors
 
     jobs = max(1, min(values["jobs"] or processors(), files))
-    return Local(jobs, folder, **_limits(values), **wanted)
+    return Local(jobs, folder, **_limits(values), **options)
 
 
 def _limits(values: dict[str, Any]) -> dict[str, Any]:
@@ -56,24 +56,24 @@ def _limits(values: dict[str, Any]) -> dict[str, Any]:
 def signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
     """Meanwhile an interrupt lets the files end that are begun, and a second one gives them up.
 
-    Gives the signals that were heard.
+    Yields the signals that were received.
     """
-    heard: list[int] = []
+    received: list[int] = []
 
-    def hear(number: int, _frame: object) -> None:
-        heard.append(number)
+    def receive(number: int, _frame: object) -> None:
+        received.append(number)
         for engine in engines:
-            if len(heard) > 1:
+            if len(received) > 1:
                 engine.kill()
             else:
                 engine.stop()
-        if len(heard) == 1 and not quiet:
+        if len(received) == 1 and not quiet:
             os.write(2, b"\nending: files that are begun are finished; once more gives them up\n")
 
     kinds = [signal.SIGINT, signal.SIGTERM]
-    before: list[Any] = [signal.signal(kind, hear) for kind in kinds]
+    before: list[Any] = [signal.signal(kind, receive) for kind in kinds]
     try:
-        yield heard
+        yield received
     finally:
         for kind, old in zip(kinds, before, strict=True):
             signal.signal(kind, old)

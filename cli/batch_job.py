@@ -13,7 +13,7 @@ import click
 from rigtri.errors import UsageError
 
 from .build import assigned
-from .words import counted, plain
+from .text import counted, plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.batch.inputs import Entry

@@ -10,8 +10,8 @@ from typing import Any
 import click
 
 from .options import json_option
+from .text import counted, plain
 from .values import Tolerance
-from .words import counted, plain
 
 
 @click.command("batch-report")

@@ -10,7 +10,6 @@ import click
 
 from rigtri.errors import UsageError
 
-from .asked import with_target
 from .editing import run, side_files
 from .options import (
     dry_run_option,
@@ -21,8 +20,9 @@ from .options import (
     strict_option,
     verify_option,
 )
+from .parameters import with_target
+from .text import plain
 from .values import Tolerance
-from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome
@@ -114,21 +114,30 @@ def _run(values: dict[str, Any], spec: Spec) -> None:
         return built.outcome
 
     options = {"spec": values["spec"], "variables": assigned(values["variables"])}
-    run("build", values, done, options, lambda _: told_of(made[0]), more=lambda: {"steps": steps_of(made[0])})
+    run(
+        "build",
+        values,
+        done,
+        options,
+        lambda _: step_lines(made[0]),
+        more=lambda: {"steps": steps_of(made[0])},
+    )
 
 
 def steps_of(built: Built, *, places: bool = True) -> list[dict[str, Any]]:
-    """The steps of a build for its report. places: where they stand in the spec is told, too."""
-    return [_said(one.step, places) | {"summary": summary(one.step.do, one.report)} for one in built.done]
+    """The steps of a build for its report. places: also their positions in the spec."""
+    return [
+        _step_json(one.step, places) | {"summary": summary(one.step.do, one.report)} for one in built.done
+    ]
 
 
-def _said(one: PlannedStep, places: bool) -> dict[str, Any]:
-    said = {"step": one.number, "do": one.do, "options": one.said, "optional": one.optional}
-    said |= {"word": one.label.word} if one.label.word else {}
-    return said | ({"place": str(one.place)} if places else {})
+def _step_json(one: PlannedStep, places: bool) -> dict[str, Any]:
+    entry = {"step": one.number, "do": one.do, "options": one.options, "optional": one.optional}
+    entry |= {"word": one.label.word} if one.label.word else {}
+    return entry | ({"place": str(one.place)} if places else {})
 
 
-def told_of(built: Built) -> str:
+def step_lines(built: Built) -> str:
     """A line for each step of a build."""
     return "\n".join(f"{_title(one.step)}: {summary(one.step.do, one.report)}" for one in built.done)
 
@@ -155,7 +164,7 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
     elif values["as_json"]:
         from rigtri._version import __version__
 
-        steps = [_said(one, places=True) for one in spec.steps]
+        steps = [_step_json(one, places=True) for one in spec.steps]
         document = {"rigtri": __version__, "command": "build", "spec": values["spec"], "steps": steps}
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
 
@@ -165,9 +174,9 @@ def _title(one: PlannedStep) -> str:
 
 
 def _line(one: PlannedStep) -> str:
-    said = "; ".join(f"{name} {_short(value)}" for name, value in one.said.items())
+    options = "; ".join(f"{name} {_short(value)}" for name, value in one.options.items())
     can_miss = ", optional" if one.optional else ""
-    return f"{_title(one)}{can_miss}{': ' if said else ''}{said} ({one.place})"
+    return f"{_title(one)}{can_miss}{': ' if options else ''}{options} ({one.place})"
 
 
 def _short(value: Any) -> str:

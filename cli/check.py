@@ -77,7 +77,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
         click.echo(json.dumps(as_json(results, left_out, code), indent=2, ensure_ascii=False))
     else:
         for name, findings in results.items():
-            _tell(name, findings, left_out[name], verbose=values["verbose"], quiet=values["quiet"])
+            _print_file(name, findings, left_out[name], verbose=values["verbose"], quiet=values["quiet"])
     sys.exit(code)
 
 
@@ -157,7 +157,9 @@ def as_json(
     }
 
 
-def _tell(name: str, findings: list[Finding], left_out: list[Finding], *, verbose: bool, quiet: bool) -> None:
+def _print_file(
+    name: str, findings: list[Finding], left_out: list[Finding], *, verbose: bool, quiet: bool
+) -> None:
     """One file: its findings, of many alike only the first, and how many there are."""
     from rigtri.verification.checks.findings import counts
 
@@ -166,18 +168,18 @@ def _tell(name: str, findings: list[Finding], left_out: list[Finding], *, verbos
     shown = _counted(counts(findings)) or ("nothing shown" if left_out else "nothing wrong")
     rest = f" ({_counted(counts(left_out))} left out)" if left_out else ""
     click.echo(f"{name}: {shown}{rest}")
-    said: dict[str, int] = {}
+    printed: dict[str, int] = {}
     for item in findings:
         if quiet and item.severity != "error":
             continue
-        said[item.id] = said.get(item.id, 0) + 1
-        if verbose or said[item.id] <= MOST_ALIKE:
+        printed[item.id] = printed.get(item.id, 0) + 1
+        if verbose or printed[item.id] <= MOST_ALIKE:
             click.echo(f"  {item.severity}: {item.place}: {item.message}  [{item.id}]")
             if verbose:
                 click.echo(f"      at {item.pointer or 'the file'}. {item.remedy}")
-            elif said[item.id] == 1:
+            elif printed[item.id] == 1:
                 click.echo(f"      {item.remedy}")
-        elif said[item.id] == MOST_ALIKE + 1:
+        elif printed[item.id] == MOST_ALIKE + 1:
             more = sum(other.id == item.id for other in findings) - MOST_ALIKE
             click.echo(f"  {item.severity}: {more} more of these; -v shows all  [{item.id}]")
 
@@ -193,7 +195,7 @@ def _list(machine: bool) -> None:
     from rigtri.verification.checks.rule_catalogue import RULES
 
     if machine:
-        click.echo(json.dumps([vars(rule) for rule in RULES.values()], indent=2, ensure_ascii=False))
+        click.echo(json.dumps([rule.as_json() for rule in RULES.values()], indent=2, ensure_ascii=False))
         return
     for rule in RULES.values():
-        click.echo(f"{rule.id} ({rule.severity})\n    {rule.says}\n    {rule.remedy}")
+        click.echo(f"{rule.id} ({rule.severity})\n    {rule.meaning}\n    {rule.remedy}")

@@ -27,9 +27,9 @@ def summary(report: Report) -> str:
     words = []
     for entry in report.added:
         drivers = ", ".join(f"{name} ({weight:g})" for name, weight in entry["drivers"].items())
-        told = f", also as a {entry['vrm']} node constraint" if entry["vrm"] else ""
+        vrm = f", also as a {entry['vrm']} node constraint" if entry["vrm"] else ""
         state = "new" if entry["new"] else "replaced"
-        words.append(f"{entry['child']}: {entry['kind']} constraint by {drivers}{told} ({state})")
+        words.append(f"{entry['child']}: {entry['kind']} constraint by {drivers}{vrm} ({state})")
     return "; ".join(words)
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import click
 
 from . import failures
-from .asked import check_streams, read_options
 from .options import json_option, reading_options
-from .telling import tell_root
+from .parameters import check_streams, read_options
+from .printing import warn_unused_root
+from .text import plain
 from .values import Tolerance
-from .words import plain
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
 DIFFERS, ERROR = 1, 2
@@ -73,14 +73,14 @@ def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
             options=read_options(values),
         )
     if values["as_json"]:
-        told = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
-        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+        result = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
+        click.echo(json.dumps(result, indent=2, ensure_ascii=False))
     elif values["brief"] and not found.same:
         click.echo(plain(f"{before} and {after} differ", one_line=True))
     elif not found.same:
         click.echo(plain(found.describe(every=values["every"])))
     if not values["brief"]:
-        tell_root(before, values["root"])
+        warn_unused_root(before, values["root"])
         for notice in found.notices:
             click.echo(plain(notice, one_line=True), err=True)
     return found.same

@@ -11,7 +11,6 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
-from .asked import check_streams, read_options
 from .options import (
     json_option,
     output_option,
@@ -20,6 +19,7 @@ from .options import (
     reading_options,
     source_argument,
 )
+from .parameters import check_streams, read_options
 from .values import Number
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def command(source: str, target: str, **values: Any) -> None:
 
     if values["as_json"] and target == "-":
         raise UsageError("--json and -o - both want standard output; give the picture a name")
-    options, report = _asked(values), Report()
+    options, report = _draw_options(values), Report()
     sources = [source] if values["against"] is None else [source, values["against"]]
     if len(sources) > 1:
         check_streams(*sources)
@@ -126,10 +126,10 @@ def command(source: str, target: str, **values: Any) -> None:
         warnings = [notice.as_json() for notice in report.warnings]
         found = {"picture": target, "sides": sides, "warnings": warnings}
         click.echo(json.dumps(found, indent=2, ensure_ascii=False))
-    pictures.tell(report, target, values)
+    pictures.print_result(report, target, values)
 
 
-def _asked(values: dict[str, Any]) -> DrawOptions:
+def _draw_options(values: dict[str, Any]) -> DrawOptions:
     from rigtri.export.drawing.picture import DrawOptions
     from rigtri.operations.joint_selection import Selection
 

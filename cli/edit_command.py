@@ -9,10 +9,10 @@ import click
 
 from rigtri.operations.declaration.option import made
 
-from .asked import given, given_options, read_options
 from .editing import copy_ahead, run_edit
 from .operation_options import click_options
 from .options import edit_options, output_options, reading_options, source_argument, target_option
+from .parameters import given, given_options, read_options
 
 if TYPE_CHECKING:
     from rigtri.report import Report

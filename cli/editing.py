@@ -11,9 +11,9 @@ import click
 
 from rigtri.errors import FileError, RigtriError, UsageError
 
-from .asked import read_options, refuse_given, with_target
-from .telling import tell_joints, tell_verification, tell_warnings
-from .words import plain
+from .parameters import read_options, refuse_given, with_target
+from .printing import print_joints, print_verification, print_warnings
+from .text import plain
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -88,7 +88,7 @@ def run(
         outcome = done(report)
     except RigtriError:
         if not quiet:
-            tell_warnings(report.warnings, values["verbose"])
+            print_warnings(report.warnings, values["verbose"])
         raise
     document = report_json(
         name,
@@ -105,11 +105,11 @@ def run(
     if values["as_json"]:
         click.echo(json.dumps(document, indent=2, ensure_ascii=False))
     if not quiet:
-        tell_warnings(report.warnings, values["verbose"])
+        print_warnings(report.warnings, values["verbose"])
         if values["verbose"]:
-            tell_joints(report)
+            print_joints(report)
         click.echo(plain(summary(report)), err=True)
-        tell_verification(outcome, values)
+        print_verification(outcome, values)
     return outcome
 
 

@@ -14,9 +14,9 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
-from .asked import read_options
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
-from .words import plain
+from .parameters import read_options
+from .text import plain
 
 if TYPE_CHECKING:
     from rigtri.export.explain.explain import Explanation
@@ -64,7 +64,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         wide = shutil.get_terminal_size().columns if sys.stdout.isatty() else 120
         click.echo(plain(text(found, width=wide)))
     if target is not None:
-        pictures.tell(report, target, values)
+        pictures.print_result(report, target, values)
 
 
 def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:

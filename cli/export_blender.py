@@ -10,7 +10,6 @@ import click
 
 from rigtri.errors import UsageError
 
-from .asked import read_options
 from .options import (
     json_option,
     output_option,
@@ -19,7 +18,8 @@ from .options import (
     reading_options,
     source_argument,
 )
-from .telling import tell_warnings
+from .parameters import read_options
+from .printing import print_warnings
 
 
 @click.command("export-blender")
@@ -58,12 +58,12 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
     report = Report()
     made = setup_for(source, read_options(values), report)
     if not quiet:
-        tell_warnings(report.warnings)
+        print_warnings(report.warnings)
     if target == "-":
         click.echo(made.script, nl=False)
         return
     write_text(path, made.script)
-    told = {
+    result = {
         "file": source,
         "script": target,
         "nodes": len(made.plan["nodes"]),
@@ -72,7 +72,7 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
         "warnings": [notice.as_json() for notice in report.warnings],
     }
     if as_json:
-        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+        click.echo(json.dumps(result, indent=2, ensure_ascii=False))
     elif not quiet:
-        click.echo(f"{told['constraints']} constraints, {told['limbs']} limbs with IK", err=True)
+        click.echo(f"{result['constraints']} constraints, {result['limbs']} limbs with IK", err=True)
         click.echo(f"Wrote {target}", err=True)

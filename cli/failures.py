@@ -15,31 +15,33 @@ import click
 from rigtri.errors import Fault, RigtriError, error_kind
 
 from . import INTERRUPTED
-from .words import plain, without_advice
+from .text import plain, without_advice
 
-# In the context of a run: whether standard output is wanted as JSON and has nothing on it yet.
-_WANTED = "rigtri.cli.failures"
+# In the context of a run: whether JSON is requested on standard output, which has nothing on it yet.
+_JSON_REQUESTED = "rigtri.cli.failures"
 
 
-def want_json(ctx: click.Context, _option: click.Parameter | None, value: bool) -> bool:
-    """Note that a run is asked for JSON; the callback of --json, which may also come by the environment."""
+def request_json(ctx: click.Context, _option: click.Parameter | None, value: bool) -> bool:
+    """Note that JSON is requested; the callback of --json, which may also come from the environment."""
     if value:
-        ctx.meta[_WANTED] = True
+        ctx.meta[_JSON_REQUESTED] = True
     return value
 
 
 def answered(ctx: click.Context) -> None:
-    """Note that the result is on standard output already: it says itself what is wrong."""
-    ctx.meta[_WANTED] = False
+    """Note that the result is on standard output already, and contains what is wrong."""
+    ctx.meta[_JSON_REQUESTED] = False
 
 
-def tell_json(ctx: click.Context, kind: str, message: str, code: int, faults: Sequence[Fault] = ()) -> None:
-    """Print what schemas/error.schema.json describes where JSON was asked for and can be told."""
-    if ctx.meta.get(_WANTED) and _takes_more():
+def print_json_error(
+    ctx: click.Context, kind: str, message: str, code: int, faults: Sequence[Fault] = ()
+) -> None:
+    """Print what schemas/error.schema.json describes where JSON is requested and can still be written."""
+    if ctx.meta.get(_JSON_REQUESTED) and _takes_more():
         error: dict[str, object] = {"kind": kind, "message": message, "exit_code": code}
         if faults:
             error["faults"] = [fault.as_json() for fault in faults]
-        with suppress(OSError):  # the line on standard error has told it
+        with suppress(OSError):  # the line on standard error has the message
             click.echo(json.dumps({"error": error}, indent=2))
 
 
@@ -61,7 +63,7 @@ def hold_streams() -> None:
 def _takes_more() -> bool:
     """Whether standard output takes what waits for it; of one that does not, let the rest go.
 
-    The end of the program would try it once more, and say so in its own way.
+    The end of the program would try it once more, and print its own message.
     """
     try:
         sys.stdout.flush()
@@ -75,15 +77,15 @@ def _takes_more() -> bool:
 
 
 def gone(code: int) -> NoReturn:
-    """The reader of our output has gone; nothing is left to tell it."""
+    """The reader of our output has gone; nobody is left to print for."""
     if sys.stderr is not None:
         sys.stderr.close()
     sys.exit(code)
 
 
 @contextmanager
-def told_interrupts() -> Iterator[None]:
-    """An interrupt ends the program with its own code, and in our words."""
+def exit_on_interrupt() -> Iterator[None]:
+    """An interrupt ends the program with its own exit code and message."""
     try:
         yield
     except KeyboardInterrupt:
@@ -108,22 +110,25 @@ def always(ctx: click.Context, code: int) -> Iterator[None]:
 
 
 def end(ctx: click.Context | None, error: Exception, code: int | None = None) -> NoReturn:
-    """Tell an error of ours or of the system, and end with its exit code or ``code``."""
-    kind, message, own = _said(error)
+    """Print an error of ours or of the system, and end with its exit code or ``code``."""
+    kind, message, own = _kind_message_code(error)
     message = plain(message, one_line=True)
     click.echo(f"rigtri: {message}", err=True)
     faults = error.faults if isinstance(error, RigtriError) else ()
-    told = [without_advice(str(fault)) for fault in faults]
-    for line in [*(text for text, _ in told), *dict.fromkeys(each for _, advice in told for each in advice)]:
+    advised = [without_advice(str(fault)) for fault in faults]
+    for line in [
+        *(text for text, _ in advised),
+        *dict.fromkeys(each for _, advice in advised for each in advice),
+    ]:
         click.echo(plain(f"  {line}", one_line=True), err=True)
     if ctx is not None:
-        tell_json(ctx, kind, message, own if code is None else code, faults)
+        print_json_error(ctx, kind, message, own if code is None else code, faults)
     _takes_more()
     sys.exit(own if code is None else code)
 
 
 def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
-    """Tell what click does not understand in one line, as all else is told, and end with its exit code."""
+    """Print what click does not understand in one line, as every error, and end with its exit code."""
     # Versions of click before 8.2 show the help themselves.
     if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
         raise error  # it shows the help
@@ -131,12 +136,12 @@ def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
     at = error.ctx if isinstance(error, click.UsageError) and error.ctx is not None else ctx
     stop = "" if message.endswith((".", "?", "!", ")")) else "."
     click.echo(f"rigtri: {message}{stop} Help: {at.command_path} --help", err=True)
-    tell_json(ctx, "usage", message, error.exit_code)
+    print_json_error(ctx, "usage", message, error.exit_code)
     _takes_more()
     sys.exit(error.exit_code)
 
 
-def _said(error: Exception) -> tuple[str, str, int]:
+def _kind_message_code(error: Exception) -> tuple[str, str, int]:
     """Kind, message and exit code."""
     if isinstance(error, RigtriError):
         return error_kind(error), str(error), error.exit_code

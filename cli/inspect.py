@@ -10,10 +10,10 @@ from typing import Any
 
 import click
 
-from .asked import read_options
 from .options import json_option, no_warnings_option, reading_options, source_argument
-from .telling import tell_root, tell_warnings
-from .words import colored, plain
+from .parameters import read_options
+from .printing import print_warnings, warn_unused_root
+from .text import colored, plain
 
 _COLORS = {"x": "red", "y": "green", "z": "blue"}
 # The arrows of a joint's axes, such as x→y↑z⊙.
@@ -48,13 +48,13 @@ def command(source: str, **values: Any) -> None:
             click.echo(json.dumps(found, indent=2, ensure_ascii=False))
             return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        _tell(plain(describe(rig, width=width)))
+        _print(plain(describe(rig, width=width)))
         if not values["quiet"]:
-            tell_root(source, values["root"])
-            tell_warnings(document.warnings, verbose=True)
+            warn_unused_root(source, values["root"])
+            print_warnings(document.warnings, verbose=True)
 
 
-def _tell(text: str) -> None:
+def _print(text: str) -> None:
     """Print the description; the arrows in the colours of their axes where the terminal may have colours."""
     if not colored(sys.stdout):
         click.echo(text, color=False)

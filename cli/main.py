@@ -12,7 +12,7 @@ import click
 from rigtri._version import __version__
 from rigtri.errors import RigtriError
 
-from . import failures, hear_interrupts, ignore_interrupts
+from . import failures, ignore_interrupts, raise_interrupts
 
 # Command → its one line of help. A command's module is imported when the command runs,
 # so that `rigtri --help` does not wait for numpy.
@@ -70,7 +70,7 @@ class Program(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         failures.hold_streams()
-        hear_interrupts()
+        raise_interrupts()
         try:
             return super().main(*args, **extra)
         except OSError as error:  # of what is said before a command runs, such as --help
@@ -80,7 +80,7 @@ class Program(click.Group):
                 ignore_interrupts()
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
-        with failures.told_interrupts():
+        with failures.exit_on_interrupt():
             return super().make_context(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -89,7 +89,7 @@ class Program(click.Group):
                 # A name may hold half of a surrogate pair, or what the terminal's encoding has not.
                 stream.reconfigure(errors="backslashreplace")
         try:
-            with failures.told_interrupts():
+            with failures.exit_on_interrupt():
                 return super().invoke(ctx)
         except click.ClickException as error:
             failures.misused(ctx, error)
@@ -100,7 +100,7 @@ class Program(click.Group):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         # Known before options are read, for that may fail.
-        failures.want_json(ctx, None, "--json" in args)
+        failures.request_json(ctx, None, "--json" in args)
         try:
             return super().parse_args(ctx, args)
         except click.UsageError as error:

@@ -21,10 +21,10 @@ from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
 from rigtri.operations.options.make_limb import MakeLimbOptions
 
-from .asked import given_options, refuse_given
 from .edit_command import command_of, step_of
 from .editing import run_edit
 from .options import needed_output, output_option
+from .parameters import given_options, refuse_given
 from .values import Number
 
 if TYPE_CHECKING:

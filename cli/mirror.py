@@ -24,12 +24,12 @@ from rigtri.errors import UsageError
 from rigtri.operations.declaration.option import made
 from rigtri.operations.options.mirror import MirrorOptions
 
-from .asked import given, given_options, read_options
 from .edit_command import command_of, step_of
 from .editing import run_edit
 from .options import allow_rename_option, optional_target_option
+from .parameters import given, given_options, read_options
+from .text import counted, plain
 from .values import Number
-from .words import counted, plain
 
 if TYPE_CHECKING:
     from rigtri.report import Report

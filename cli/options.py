@@ -99,7 +99,7 @@ facing_option = click.option(
 
 
 def reading_options(command: F) -> F:
-    """What a reader may be told about a difficult file."""
+    """How a difficult file is read."""
     for option in (
         click.option(
             "--root",
@@ -141,7 +141,7 @@ json_option = click.option(
     "as_json",
     is_flag=True,
     is_eager=True,
-    callback=failures.want_json,
+    callback=failures.request_json,
     help="Print the result as JSON.",
 )
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
@@ -149,21 +149,21 @@ no_warnings_option = click.option("-q", "--quiet", is_flag=True, help="Leave out
 
 
 def output_options(command: F) -> F:
-    """How much is said, and in which form."""
+    """How much is printed, and in which form."""
     verbose = click.option("-v", "--verbose", is_flag=True, help="Say more: each joint, each mesh and clip.")
     return json_option(quiet_option(verbose(command)))
 
 
-def says_more(name: str, text: str) -> Callable[[click.Command], click.Command]:
-    """Tell what else an option that commands share means for one of them."""
+def extend_help(name: str, text: str) -> Callable[[click.Command], click.Command]:
+    """Extend the help of a shared option for one command."""
 
-    def told(command: click.Command) -> click.Command:
+    def extended(command: click.Command) -> click.Command:
         for option in command.params:
             if isinstance(option, click.Option) and option.name == name:
                 option.help = f"{option.help} {text}"
         return command
 
-    return told
+    return extended
 
 
 def edit_options(command: F) -> F:

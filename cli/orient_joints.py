@@ -23,7 +23,7 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 
 from .edit_command import edit_command
 from .options import allow_rename_option
-from .words import counted
+from .text import counted
 
 if TYPE_CHECKING:
     from rigtri.report import Report

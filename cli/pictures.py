@@ -10,8 +10,8 @@ import click
 
 from rigtri.errors import UsageError
 
-from .telling import tell_warnings
-from .words import plain
+from .printing import print_warnings
+from .text import plain
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -81,10 +81,10 @@ def deliver(svg: str, target: str, report: Report) -> None:
         write_bytes(path, svg.encode("utf-8"))
 
 
-def tell(report: Report, target: str, values: dict[str, Any]) -> None:
+def print_result(report: Report, target: str, values: dict[str, Any]) -> None:
     """The warnings, and where the picture is."""
     if values["quiet"]:
         return
-    tell_warnings(report.warnings, verbose=True)
+    print_warnings(report.warnings, verbose=True)
     if target != "-":
         click.echo(f"Wrote {plain(target, one_line=True)}", err=True)

@@ -22,12 +22,12 @@ from rigtri.errors import UsageError
 from rigtri.operations.declaration.option import made
 from rigtri.operations.options.pose import PoseOptions
 
-from .asked import given, given_options, read_options
 from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
 from .options import edit_options, output_option, output_options, reading_options, source_argument
-from .telling import tell_warnings
-from .words import plain
+from .parameters import given, given_options, read_options
+from .printing import print_warnings
+from .text import plain
 
 if TYPE_CHECKING:
     from rigtri.report import Report
@@ -53,8 +53,10 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
-    (told,) = (entry for entry in report.added if entry["type"] == "pose")
-    return f"{told['nodes']} nodes rest as in {told['at']}" if told["nodes"] else "all nodes rest so already"
+    (posed,) = (entry for entry in report.added if entry["type"] == "pose")
+    return (
+        f"{posed['nodes']} nodes rest as in {posed['at']}" if posed["nodes"] else "all nodes rest so already"
+    )
 
 
 def _print(values: dict[str, Any], options: Any) -> None:
@@ -71,7 +73,7 @@ def _print(values: dict[str, Any], options: Any) -> None:
         report = Report()
         found = {"file": values["source"]} | table(document.rig, options, report)
     if not values["quiet"]:
-        tell_warnings(report.warnings, values["verbose"])
+        print_warnings(report.warnings, values["verbose"])
     if values["strict"]:
         report.refuse_warnings()
     if values["as_json"]:
@@ -82,7 +84,7 @@ def _print(values: dict[str, Any], options: Any) -> None:
     rows += [
         (
             plain(joint["joint"], one_line=True),
-            *(_told(joint[word]) for word in ("translation", "rotation", "scale", "position")),
+            *(_numbers(joint[word]) for word in ("translation", "rotation", "scale", "position")),
         )
         for joint in found["joints"]
     ]
@@ -91,5 +93,5 @@ def _print(values: dict[str, Any], options: Any) -> None:
         click.echo("  ".join(text.ljust(width) for text, width in zip(row, wide, strict=True)).rstrip())
 
 
-def _told(numbers: list[float]) -> str:
+def _numbers(numbers: list[float]) -> str:
     return " ".join(f"{number + 0.0:.5g}" for number in numbers)

@@ -7,9 +7,9 @@ import time
 from types import TracebackType
 from typing import Any, Self
 
-from .words import counted
+from .text import counted
 
-# A terminal is not asked to show more often than this, in seconds.
+# The shortest time between two updates of a terminal, in seconds.
 _PAUSE = 0.1
 
 
@@ -69,8 +69,8 @@ class Progress:
     def _show(self) -> None:
         self._shown = time.monotonic()
         if self._bar is not None:
-            told = {"errors": counted(self._failed, "error"), "rate": f"{self._rate():.1f}/s"}
-            self._bar.update(self._task, completed=self._done, **told)
+            fields = {"errors": counted(self._failed, "error"), "rate": f"{self._rate():.1f}/s"}
+            self._bar.update(self._task, completed=self._done, **fields)
         else:
             sys.stderr.write(f"\r\x1b[K{self.line()}")
             sys.stderr.flush()

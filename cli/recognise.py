@@ -10,10 +10,10 @@ from typing import Any
 
 import click
 
-from .asked import read_options
 from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
-from .telling import tell_root, tell_warnings
-from .words import plain
+from .parameters import read_options
+from .printing import print_warnings, warn_unused_root
+from .text import plain
 
 
 @click.command("recognise")
@@ -54,5 +54,5 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
         click.echo(plain(text(document.rig, layout, joints=joints, width=width)))
         if not values["quiet"]:
-            tell_root(source, values["root"])
-            tell_warnings(document.warnings, verbose=True)
+            warn_unused_root(source, values["root"])
+            print_warnings(document.warnings, verbose=True)

@@ -10,9 +10,9 @@ import click
 
 from rigtri.errors import UsageError
 
-from .asked import read_options
 from .options import json_option, output_option, overwrite_option, reading_options, source_argument
-from .words import plain
+from .parameters import read_options
+from .text import plain
 
 
 @click.command("spec-init")

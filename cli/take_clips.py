@@ -20,17 +20,17 @@ import click
 
 from rigtri.operations.options.take_clips import TakeClipsOptions
 
-from .asked import check_streams, given_options
 from .edit_command import declared_options, step_of
 from .editing import run_edit
-from .options import edit_options, output_options, reading_options, says_more, target_option
-from .words import grown
+from .options import edit_options, extend_help, output_options, reading_options, target_option
+from .parameters import check_streams, given_options
+from .text import grown
 
 if TYPE_CHECKING:
     from rigtri.report import Report
 
 
-@says_more(
+@extend_help(
     "tolerance",
     "Also how far what counts as unchanged, and keys that are left out, may be off, of the rig's size.",
 )

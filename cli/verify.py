@@ -11,10 +11,10 @@ import click
 from rigtri.errors import DeviationError
 
 from . import failures
-from .asked import check_streams, read_options
 from .options import output_options, reading_options, tolerance_option
-from .telling import tell_root
-from .words import plain
+from .parameters import check_streams, read_options
+from .printing import warn_unused_root
+from .text import plain
 
 
 @click.command("verify")
@@ -44,7 +44,7 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         result = verify(read(Path(one), options), read(Path(other), options))
     passes = result.passes(tolerance)
     if not values["quiet"]:
-        tell_root(before, values["root"])
+        warn_unused_root(before, values["root"])
     if values["as_json"]:
         document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
         click.echo(json.dumps(document | result.as_json(), indent=2, ensure_ascii=False))

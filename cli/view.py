@@ -12,7 +12,6 @@ import click
 from rigtri.errors import UsageError
 
 from . import pictures
-from .asked import check_streams, read_options
 from .options import (
     json_option,
     output_option,
@@ -21,8 +20,9 @@ from .options import (
     reading_options,
     source_argument,
 )
+from .parameters import check_streams, read_options
+from .text import plain
 from .values import Number
-from .words import plain
 
 if TYPE_CHECKING:
     from rigtri.export.viewer.page import Shown
@@ -89,13 +89,13 @@ def command(source: str, target: str, **values: Any) -> None:
     content = text.encode("utf-8", "backslashreplace")
     _deliver(content, target)
     if values["as_json"]:
-        click.echo(json.dumps(_told(shown, target, len(content), report), indent=2, ensure_ascii=False))
-    pictures.tell(report, target, values)
+        click.echo(json.dumps(_as_json(shown, target, len(content), report), indent=2, ensure_ascii=False))
+    pictures.print_result(report, target, values)
     if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
-        told = (
+        message = (
             f"no browser could be started; install one (such as chromium), or open {plain(target)} elsewhere"
         )
-        click.echo(f"warning: {told}", err=True)
+        click.echo(f"warning: {message}", err=True)
 
 
 def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
@@ -121,7 +121,7 @@ def _deliver(text: bytes, target: str) -> None:
         write_bytes(Path(target), text)
 
 
-def _told(shown: list[Shown], target: str, size: int, report: Report) -> dict[str, Any]:
+def _as_json(shown: list[Shown], target: str, size: int, report: Report) -> dict[str, Any]:
     """What was written, for machines."""
     sides = [{"file": one.name, "joints": sum(node["joint"] for node in one.facts["nodes"])} for one in shown]
     warnings = [notice.as_json() for notice in report.warnings]

@@ -12,12 +12,16 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
 
 @dataclass(frozen=True)
 class Rule:
-    """One thing that can be wrong. says: what it is and why it matters; remedy: what to do about it."""
+    """One thing that can be wrong. meaning: what it is and why it matters; remedy: what to do about it."""
 
     id: str
     severity: Severity
-    says: str
+    meaning: str
     remedy: str
+
+    def as_json(self) -> dict[str, str]:
+        """As `rigtri check --list --json` prints it."""
+        return {"id": self.id, "severity": self.severity, "says": self.meaning, "remedy": self.remedy}
 
 
 class Violation(NamedTuple):

@@ -99,12 +99,12 @@ def edit(
         files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
         for place in (*side_files, *(() if to_stdout else (final,))):
             check_not_an_input(place, needed)
-        _hear(document, report, strict)
+        _take_warnings(document, report, strict)
         clock.lap("read")
         rig = step(document.rig, report)
         _check_numbers(document.rig, rig)
         _check_order(rig)
-        _hear(document, report, strict)
+        _take_warnings(document, report, strict)
         clock.lap("edit")
         with _folder(final, to_stdout or dry_run) as folder:
             place = folder / final.name
@@ -112,7 +112,7 @@ def edit(
             try:
                 keep = not (to_stdout or dry_run)
                 result = _deliver(document, path, rig, written, verify, tolerance, clock, report, keep)
-                _hear(document, report, strict)  # meshes are read, and misread, while measuring
+                _take_warnings(document, report, strict)  # meshes are read, and misread, while measuring
                 if to_stdout and not dry_run:
                     _to_stdout(written)
                 elif not dry_run:
@@ -237,7 +237,7 @@ def _to_stdout(written: StagedOutput) -> None:
     sys.stdout.buffer.flush()
 
 
-def _hear(document: Document, report: Report, strict: bool) -> None:
+def _take_warnings(document: Document, report: Report, strict: bool) -> None:
     """Take the document's notices into the report; with ``strict`` the first of all is an error."""
     report.extend(document.warnings)
     if strict:

@@ -123,7 +123,7 @@ def auto(
             raise GeometryError(found.missing())
         if found.questions:
             _write(place, found.text)
-            raise GeometryError(_asked(found, place, target))
+            raise GeometryError(_unsure_message(found, place, target))
         spec = Path(folder, "rig.yaml")
         write_text(spec, found.text)
         try:
@@ -146,7 +146,7 @@ def auto(
     return built
 
 
-def _asked(found: Proposal, place: Path | None, target: Path | str) -> str:
+def _unsure_message(found: Proposal, place: Path | None, target: Path | str) -> str:
     words = "; ".join(found.questions)
     if not found.is_sure:
         words = f"nothing of {found.source} is sure to be a character's: {words}"

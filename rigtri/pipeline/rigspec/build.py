@@ -89,7 +89,7 @@ def build(
                 work.at = place
         if not work.do(spec.steps[-1], target, **last) and not work.lost:
             work.edit(lambda rig, _: rig, target, **last)
-        work.tell_lost()
+        work.raise_lost()
     return Built(tuple(work.done), work.whole())
 
 
@@ -134,8 +134,8 @@ class _Work:
         except NameNotFoundError as error:
             if not one.optional:
                 tree = self.spec.tree
-                told = named(tree, one.index, seen[0], error) if seen else [_of_root(tree, error)]
-                self.lost.append((told, error))
+                faults = named(tree, one.index, seen[0], error) if seen else [_of_root(tree, error)]
+                self.lost.append((faults, error))
                 return False
             return self._leave_out(one, error)
         except NoLimbError as error:
@@ -146,7 +146,7 @@ class _Work:
             # What cannot be read before a step, or written after it, is no fault of the spec.
             if len(seen) == 1 or (seen and isinstance(error, GeometryError | DeviationError)):
                 self._give_up(one, error)
-            self.tell_lost()
+            self.raise_lost()
             raise
         for record in (*report.joints, *report.limbs, *report.added, *report.removed):
             record |= {"by_step": one.number, **({"by_word": one.label.word} if one.label.word else {})}
@@ -168,7 +168,7 @@ class _Work:
 
     def _give_up(self, one: PlannedStep, error: RigtriError) -> None:
         self.lost.append(([fault_of(self.spec.tree, one.index, str(error))], error))
-        self.tell_lost()
+        self.raise_lost()
 
     def edit(self, step: Step, target: Path | str, **last: Any) -> Report:
         """Apply a step to the character as it is, and note what came of it."""
@@ -205,7 +205,7 @@ class _Work:
             at, source = str(self.at), str(self.source)
             report.warnings[:] = [replace(n, text=n.text.replace(at, source)) for n in report.warnings]
 
-    def tell_lost(self) -> None:
+    def raise_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""
         if self.lost:
             faults = [fault for some, _ in self.lost for fault in some]

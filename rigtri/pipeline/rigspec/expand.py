@@ -31,7 +31,7 @@ class Merged:
     """A spec with all that it extends. files: it and these. faults: bases and variables that there are not.
 
     bases: the specs that it extends, each by itself.
-    whole: no base is lost, which might say what is not said here. unsure: the places of values
+    whole: no base is lost, which might have what is missing here. unsure: the places of values
     with variables that there are not.
     """
 
@@ -74,7 +74,7 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
     bases = tree.values.get("extends", ())
     bases = [bases] if isinstance(bases, str) else bases
     if not isinstance(bases, list | tuple) or not all(isinstance(base, str) for base in bases):
-        return tree  # the model tells what is wrong with it
+        return tree  # the model reports what is wrong with it
     whole = Tree(tree.file, {}, Spot(tree.spot.place))
     for number, base in enumerate(bases):
         try:
@@ -83,14 +83,14 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
             lost += error.found
         except FileError as error:
             lost.append(Fault(tree.place(("extends", number)), "", f"extends {base}: {error}"))
-    whole.values.pop("version", None)  # each file says its own
+    whole.values.pop("version", None)  # each file has its own
     _over(whole, tree)
     whole.file = tree.file
     return whole
 
 
 def _over(base: Tree, tree: Tree) -> None:
-    """Lay one spec over another: what it says wins; variables and defaults are taken one by one."""
+    """Lay one spec over another: its values win; variables and defaults are taken one by one."""
     for key, value in tree.values.items():
         if key in ("variables", "defaults") and isinstance(value, Mapping):
             for name, part in value.items():
@@ -117,8 +117,8 @@ def _put(base: Tree, keys: Keys, value: Any, source: Tree) -> None:
 
 def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     """Variables that the user sets and the spec has not."""
-    said = tree.values.get("variables", {})
-    known = said if isinstance(said, Mapping) else {}
+    section = tree.values.get("variables", {})
+    known = section if isinstance(section, Mapping) else {}
     has = f" It has {', '.join(map(str, known))}." if known else " It has none."
     return [
         Fault(tree.place(()), "", f"the spec has no variable '{name}'.{did_you_mean(name, known) or has}")
@@ -129,8 +129,8 @@ def _unset(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
 
 def _fill(tree: Tree, given: Mapping[str, str]) -> list[Fault]:
     """Put variables' values into all texts; what is wrong with them."""
-    said = tree.values.get("variables", {})
-    known = dict(said) if isinstance(said, Mapping) else {}
+    section = tree.values.get("variables", {})
+    known = dict(section) if isinstance(section, Mapping) else {}
     known |= {name: _typed(text, known.get(name)) for name, text in given.items()}
     faults: list[Fault] = []
     for key in tree.values:
@@ -170,7 +170,7 @@ def _filled(value: Any, keys: Keys, tree: Tree, known: Mapping[str, Any], faults
 
 
 def plain(tree: Tree) -> Tree:
-    """What a spec says by itself, but for its steps: values that no other spec and no variable changes."""
+    """What a spec has by itself, except its steps: values that no other spec and no variable changes."""
     values = {key: value for key, value in tree.values.items() if key != "steps" and not _varies(value)}
     return Tree(tree.file, values, tree.spot)
 
@@ -192,7 +192,7 @@ def _typed(text: str, like: Any) -> Any:
 
 
 def _default(tree: Tree) -> None:
-    """Give steps the options that their operation's defaults say and they do not."""
+    """Give steps the options that their operation's defaults have and they have not."""
     steps, defaults = tree.values.get("steps"), tree.values.get("defaults")
     if not isinstance(steps, list) or not isinstance(defaults, Mapping):
         return
@@ -202,8 +202,8 @@ def _default(tree: Tree) -> None:
         for option, value in own.items() if isinstance(own, Mapping) else ():
             if option not in step:
                 step[option] = value
-                said = tree.spot.at("defaults").at(str(do)).at(option)
-                tree.spot.at("steps").at(number).below[option] = said
+                default = tree.spot.at("defaults").at(str(do)).at(option)
+                tree.spot.at("steps").at(number).below[option] = default
 
 
 def _expand(tree: Tree) -> None:

@@ -11,7 +11,7 @@ from rigtri.pipeline.rigspec.positions import Spot, Spots
 
 _SPACE = re.compile(r"[ \t\n\r]*")
 _WORD = re.compile(r"[^\s,:\[\]{}\"]+")
-# What is wrong with a text in quotes, by the words of Python's reader.
+# What is wrong with a text in quotes, by the start of the message of Python's reader.
 _QUOTES = {
     "Unterminated": "these quotes are never closed",
     "Invalid control": "a line ends, or what cannot be seen stands, within quotes; write \\n or \\t",
@@ -88,7 +88,7 @@ class _Reader:
         try:
             return self._plain.raw_decode(self._text, at)
         except json.JSONDecodeError as error:
-            words = next((own for said, own in _QUOTES.items() if error.msg.startswith(said)), error.msg)
+            words = next((text for start, text in _QUOTES.items() if error.msg.startswith(start)), error.msg)
             raise self._wrong(error.pos, words) from None
 
     def _no_number(self, word: str, at: int) -> Any:

@@ -51,7 +51,7 @@ class Spec:
     ) -> Spec:
         """The spec as one that is strict, or with another tolerance or way with the files of a .gltf.
 
-        Its own where nothing is said.
+        Its own where nothing is given.
         """
         changed: dict[str, Any] = {"strict": True} if strict else {}
         changed |= {} if tolerance is None else {"tolerance": tolerance}
@@ -66,10 +66,10 @@ class Spec:
 
     def canonical(self) -> str:
         """What is done, as JSON that is equal for equal work: options by name, defaults filled in."""
-        said = self.model.model_dump(mode="json", by_alias=True, exclude={"schema_", "name", "extends"})
+        document = self.model.model_dump(mode="json", by_alias=True, exclude={"schema_", "name", "extends"})
         for word in ("variables", "defaults"):  # they have gone into the steps
-            said.pop(word)
-        return json.dumps(said, sort_keys=True, ensure_ascii=False)
+            document.pop(word)
+        return json.dumps(document, sort_keys=True, ensure_ascii=False)
 
     def files(self) -> tuple[Path, ...]:
         """All files that the spec is made of or that its steps read, besides the character."""
@@ -79,8 +79,8 @@ class Spec:
     def needed(self) -> tuple[tuple[Path, str], ...]:
         """`files`, each with what it is: nothing that is written may take their place."""
         spec = self.sources[0]
-        said = {spec: "the spec", **dict.fromkeys(self.sources[1:], f"a spec that {spec} extends")}
-        return tuple((file, said.get(file, f"a file that {spec} names")) for file in self.files())
+        roles = {spec: "the spec", **dict.fromkeys(self.sources[1:], f"a spec that {spec} extends")}
+        return tuple((file, roles.get(file, f"a file that {spec} names")) for file in self.files())
 
 
 def load(
@@ -93,7 +93,7 @@ def load(
     """The spec in a YAML or JSON file.
 
     variables: values instead of those in the spec. folders: what paths that begin with these are seen from,
-    by their names; the working folder unless said. source: a character, whose names are looked for where
+    by their names; else the working folder. source: a character, whose names are looked for where
     the spec is wrong. Raises FileError for a file that cannot be read, SpecError, a UsageError,
     with all that is wrong in it.
     """
@@ -110,9 +110,9 @@ def load(
         *spec.faults,
         *(one for keys, one in found if one and not unsure & {place for _, place in tree.under(keys)}),
     ]
-    told = {fault.place for fault in faults}
+    known = {fault.place for fault in faults}
     hidden = (one for base in spec.bases for _, one in wrong(plain(base), whole=False) if one)
-    faults += [one for one in hidden if one.place not in told]
+    faults += [one for one in hidden if one.place not in known]
     parts = [keys for keys, _ in found] + [keys for keys, place in tree.spot.all() if place in unsure]
     model, numbers = sound(tree, {keys[: 2 if keys[0] == "steps" else 1] for keys in parts})
     steps, contradictions = _planned(model, tree, numbers)
@@ -127,17 +127,17 @@ def load(
     return Spec(path, model, steps, tree, spec.files, paths)
 
 
-def _contradiction(tree: Tree, number: int, do: str, asked: Request) -> Fault | None:
+def _contradiction(tree: Tree, number: int, do: str, request: Request) -> Fault | None:
     keys: Keys = ("steps", number)
     try:
-        step(do, asked)
+        step(do, request)
     except RigtriError as error:
         return Fault(tree.place(keys), where_of(tree, keys), str(error))
     return None
 
 
 def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], list[tuple[Keys, Fault]]]:
-    """Let the files that steps name be seen from the file of the spec that says so, or its variable.
+    """Let the files that steps name be seen from the file of the spec that names it, or its variable.
 
     given: folders of variables that the user gives. The names of those that paths begin with; and by their
     keys the files that are not there.
@@ -152,9 +152,9 @@ def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], 
             if name in files and isinstance(one.get(option), str) and one[option]:
                 keys: Keys = ("steps", number, option)
                 spot = tree.at(keys)
-                says = tree.place(("variables", spot.variable)) if spot.variable else spot.place
+                source = tree.place(("variables", spot.variable)) if spot.variable else spot.place
                 used.update(given.keys() & {spot.variable})
-                one[option] = str(given.get(spot.variable, Path(says.file).parent) / one[option])
+                one[option] = str(given.get(spot.variable, Path(source.file).parent) / one[option])
                 try:
                     check_plain(one[option], option)
                 except FileError as error:
@@ -193,16 +193,16 @@ def _planned(
     reading, shared = model.reading(), model.shared()
     found, faults = [], []
     for number, one in zip(numbers, model.steps, strict=True):
-        asked = one.request(shared, reading)
-        if told := _contradiction(tree, number, one.do, asked):
-            faults.append(told)
+        request = one.request(shared, reading)
+        if fault := _contradiction(tree, number, one.do, request):
+            faults.append(fault)
             continue
         place, label = tree.place(("steps", number)), tree.labels[number]
-        found.append(PlannedStep(number, label, one.do, asked, one.optional, place, _said(one)))
+        found.append(PlannedStep(number, label, one.do, request, one.optional, place, _given_options(one)))
     return tuple(found), faults
 
 
-def _said(one: StepModel) -> dict[str, Any]:
+def _given_options(one: StepModel) -> dict[str, Any]:
     """The options that the spec gives a step, by their names there."""
-    said = one.model_dump(mode="json", by_alias=True, exclude_unset=True)
-    return {name: value for name, value in said.items() if name not in ("do", "optional")}
+    given = one.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    return {name: value for name, value in given.items() if name not in ("do", "optional")}

@@ -1,4 +1,4 @@
-"""Names that a spec says and a character has not, all of them at once, each at its word."""
+"""Names in a spec that a character has not, all of them at once, each at its word."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def missing(tree: Tree, number: int, rig: Rig) -> Iterator[Fault]:
 
     from rigtri.pipeline.rigspec.models.values import UNKNOWN
 
-    said, keys = tree.steps[number], ("steps", number)
+    values, keys = tree.steps[number], ("steps", number)
     lost: dict[tuple[str | int, str], str] = {}
     try:
-        step_models()[said["do"]].model_validate(said, context=rig)
+        step_models()[values["do"]].model_validate(values, context=rig)
     except ValidationError as error:
-        for told in error.errors(include_url=False):
-            if told["type"] == UNKNOWN:
-                lost |= {(told["loc"][0], name): text for name, text in told["ctx"]["names"].items()}
+        for detail in error.errors(include_url=False):
+            if detail["type"] == UNKNOWN:
+                lost |= {(detail["loc"][0], name): text for name, text in detail["ctx"]["names"].items()}
     where = where_of(tree, keys)
     for below, place in tree.under(keys):
         for name in _names(value_at(tree.values, (*keys, *below)), below) if below else ():
@@ -51,9 +51,9 @@ def unnamed(
     step before adds.
     """
     right, faults = {one.index: one for one in steps}, list[Fault]()
-    with suppress(RigtriError), opened(source) as path:  # a file that is wrong is told when the spec is right
+    with suppress(RigtriError), opened(source) as path:  # a wrong file is reported once the spec is right
         rig = read(path, reading).rig
-        for number, said in enumerate(tree.steps):
+        for number, values in enumerate(tree.steps):
             one, lost = right.get(number), list[Fault]()
             if one is not None:
                 try:
@@ -62,15 +62,15 @@ def unnamed(
                     lost = named(tree, number, rig, error)
                 except RigtriError:
                     continue
-            elif isinstance(said, dict) and str(said.get("do")) in step_models():
+            elif isinstance(values, dict) and str(values.get("do")) in step_models():
                 lost = list(missing(tree, number, rig))
-            if not (isinstance(said, dict) and said.get("optional") is True):
+            if not (isinstance(values, dict) and values.get("optional") is True):
                 faults += lost
     return faults
 
 
 def named(tree: Tree, number: int, rig: Rig, error: NameNotFoundError) -> list[Fault]:
-    """What a step said that it does not find, and all else that it names and the rig has not."""
+    """The name that a step did not find, and all else that it names and the rig has not."""
     own = fault_of(tree, number, str(error))
     return [own, *(one for one in missing(tree, number, rig) if one.place != own.place)]
 

@@ -12,7 +12,10 @@ from rigtri.pipeline.steps.request import Request
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """One step: its operation, what is asked of it, and where it stands. index: among all, from 0."""
+    """One step: its operation, its request, and its position in the spec.
+
+    index: among all, from 0. options: as the spec gives them.
+    """
 
     index: int
     label: Label
@@ -20,7 +23,7 @@ class PlannedStep:
     request: Request
     optional: bool
     place: Place
-    said: dict[str, Any]
+    options: dict[str, Any]
 
     @property
     def number(self) -> int:

@@ -56,7 +56,7 @@ def starter(
     limbs = _Limbs(rig, layout, open_places)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
-        *(f"# {_visible(line)}" for line in told(layout)),
+        *(f"# {_visible(line)}" for line in recognised_lines(layout)),
         "# Steps and options are those of the commands: rigtri COMMAND --help.",
         "# Editors check and complete it with the schema: rigtri schema spec > spec.schema.json",
         "version: 1",
@@ -75,7 +75,7 @@ def starter(
 
 
 def _reading(options: ReadOptions) -> Iterator[str]:
-    """How the file was read, where that was said."""
+    """How the file was read, where that was given."""
     if options.root is not None:
         yield f"root: {_quoted(options.root)}"
     if options.lenient:
@@ -91,7 +91,7 @@ def plain_values(text: str) -> Any:
     return YAML(typ="safe", pure=True).load(text)
 
 
-def told(layout: Layout) -> Iterator[str]:
+def recognised_lines(layout: Layout) -> Iterator[str]:
     """What was recognised, a line for each character, and for what was not."""
     for one in layout.characters:
         looks = axis_words(np.array(one.facing)) if any(one.facing) else ""
@@ -146,15 +146,15 @@ class _Limbs:
 
     def steps(self) -> Iterator[str]:
         """All lines behind the preset of orient-joints."""
-        asked = unsure(self.layout) if self.open_places else []
+        open_limbs = unsure(self.layout) if self.open_places else []
         sure = [chain for chain in _reaching(self.layout) if chain.is_sure]
-        if sure or asked:
-            if lacking := self._lacking([*sure, *asked]):
+        if sure or open_limbs:
+            if lacking := self._lacking([*sure, *open_limbs]):
                 words = ", ".join(lacking)
                 yield f"    # Not recognised, so not here: {words}. Name three joints of each."
             yield "    limb: &limbs"
             yield from (self._row(self._names(chain), chain) for chain in sure)
-            yield from (self._row("null, null, null", chain) for chain in asked)
+            yield from (self._row("null, null, null", chain) for chain in open_limbs)
             yield from self._left_out()
         yield ""
         if not self.layout.characters:
@@ -166,7 +166,7 @@ class _Limbs:
             yield ""
             return
         yield from self._twist(sure)
-        yield from self._controls(bool(sure or asked))
+        yield from self._controls(bool(sure or open_limbs))
 
     def _row(self, names: str, chain: Chain) -> str:
         """A limb as an item of a list, with what it is."""

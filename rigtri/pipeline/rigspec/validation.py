@@ -1,4 +1,4 @@
-"""What is wrong with a spec that its models can tell, in the user's words and with its place."""
+"""What is wrong with a spec that its models find, in the user's words and with its place."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _PLAIN = {
 def wrong(tree: Tree, *, whole: bool) -> Iterator[tuple[Keys, Fault | None]]:
     """What is wrong with a spec, by the keys that lead there.
 
-    whole: the spec says all that it will say. Else what is missing is no fault, but nor is it right: None.
+    whole: the spec is complete. Else what is missing is no fault, but nor is it right: None.
     """
     from pydantic import ValidationError
 
@@ -44,11 +44,11 @@ def wrong(tree: Tree, *, whole: bool) -> Iterator[tuple[Keys, Fault | None]]:
     try:
         SpecModel.model_validate(tree.values)
     except ValidationError as error:
-        for told in error.errors(include_url=False):
-            keys, fault = _fault(tree, told["loc"], told)
+        for detail in error.errors(include_url=False):
+            keys, fault = _fault(tree, detail["loc"], detail)
             known.add(fault.place)
-            yield keys, fault if whole or "missing" not in told["type"] else None
-    # Steps have said what is wrong with values of defaults.
+            yield keys, fault if whole or "missing" not in detail["type"] else None
+    # Steps have reported what is wrong with values of defaults.
     yield from ((keys, one) for keys, one in _wrong_defaults(tree) if one.place not in known)
 
 
@@ -81,15 +81,15 @@ def _wrong_defaults(tree: Tree) -> Iterator[tuple[Keys, Fault]]:
             try:
                 step_models()[do].model_validate({**own, "do": do})
             except ValidationError as error:
-                for told in error.errors(include_url=False):
-                    if told["type"] != "missing":
-                        yield _fault(tree, (*keys, *told["loc"]), told)
+                for detail in error.errors(include_url=False):
+                    if detail["type"] != "missing":
+                        yield _fault(tree, (*keys, *detail["loc"]), detail)
 
 
-def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[Keys, Fault]:
+def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tuple[Keys, Fault]:
     """A fault of the model in the user's words, at the place of the value; and the keys to that."""
     keys = _known(tree.values, loc)
-    kind, ctx = told["type"], told.get("ctx", {})
+    kind, ctx = detail["type"], detail.get("ctx", {})
     name = str(loc[-1]) if loc else ""
     option, at = _option(keys), keys
     if kind == "extra_forbidden":
@@ -106,13 +106,13 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], told: ErrorDetails) -> tuple[
     elif kind == "union_tag_invalid":
         hint = did_you_mean(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
-    elif kind == "string_type" and told["input"] is None:
+    elif kind == "string_type" and detail["input"] is None:
         text = f"{option}: this place is open: name what belongs there, or leave it out"
     else:
-        text = told["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
+        text = detail["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
         by = f", by the variable '{tree.at(keys).variable}'" if tree.at(keys).variable else ""
-        text += "" if kind == "value_error" else f" (it is {_short(told['input'])}{by})"
+        text += "" if kind == "value_error" else f" (it is {_short(detail['input'])}{by})"
         text = f"{option}: {text}" if option else text
     return keys, Fault(tree.place(at), where_of(tree, keys), text)
 

@@ -67,7 +67,7 @@ def as_markdown() -> str:
     parts = []
     for key, title in titles.items():
         rows = [
-            f"| `{rule.id}` | {rule.severity} | {rule.says} | {rule.remedy} |"
+            f"| `{rule.id}` | {rule.severity} | {rule.meaning} | {rule.remedy} |"
             for rule in RULES.values()
             if rule.id.partition(".")[0] == key
         ]

@@ -1,4 +1,4 @@
-"""What commands say of what they did, on standard error."""
+"""What commands print on standard error about their work."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .words import plain
+from .text import plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 MOST_ALIKE = 4
 
 
-def tell_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
+def print_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
     """The warnings; of many alike, unless ``verbose``, only the first few."""
-    said: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for notice in warnings:
-        said[notice.code] = said.get(notice.code, 0) + 1
-        if verbose or said[notice.code] <= MOST_ALIKE:
+        counts[notice.code] = counts.get(notice.code, 0) + 1
+        if verbose or counts[notice.code] <= MOST_ALIKE:
             click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
-    for code, count in said.items():
+    for code, count in counts.items():
         if count > MOST_ALIKE and not verbose:
             click.echo(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all", err=True)
 
 
-def tell_joints(report: Report) -> None:
+def print_joints(report: Report) -> None:
     """One line per joint: what became of it and why."""
     for entry in report.joints:
         words = [f"  {entry['joint']}: {entry['status']}"]
@@ -47,7 +47,7 @@ def tell_joints(report: Report) -> None:
         click.echo(plain(" ".join(words), one_line=True), err=True)
 
 
-def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
+def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     target = values["target"]
     where = "standard output" if target == "-" else target
     if outcome.verification is None:
@@ -66,8 +66,8 @@ def tell_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo(f"Wrote {where}", err=True)
 
 
-def tell_root(source: str, root: str | None) -> None:
-    """Say where --root changes nothing: of a glTF file all nodes are read, below a skin or not."""
+def warn_unused_root(source: str, root: str | None) -> None:
+    """Warn where --root changes nothing: of a glTF file all nodes are read, below a skin or not."""
     from rigtri.formats import GLTF_SUFFIXES
 
     if root is not None and source.lower().endswith(GLTF_SUFFIXES):

@@ -45,7 +45,7 @@ def without_advice(text: str) -> tuple[str, list[str]]:
 
 
 def grown(clips: Sequence[Mapping[str, Any]]) -> str:
-    """What is told of clips, as reports have them, whose keys have become more than twice as many.
+    """A remark on clips, as reports have them, whose number of keys more than doubled.
 
     >>> grown([{"keys": 9, "keys_before": 2, "keys_of": {"a": [2, 1], "b": [7, 1]}}])
     '; the same properties had 2 keys before, most others are of b (a larger --tolerance leaves out more)'

@@ -1,4 +1,4 @@
-"""What a user has asked of a command, by its options."""
+"""The parameters of a command: which the user gave, and what they request."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def request(values: dict[str, Any]) -> Request:
-    """What the user asks of the operation of this command."""
+    """What the user requests of the operation of this command."""
     from rigtri.pipeline.steps.request import Request
 
     ctx = click.get_current_context()
@@ -23,8 +23,8 @@ def request(values: dict[str, Any]) -> Request:
 
 def given(ctx: click.Context) -> list[str]:
     """The names of the parameters that the user gave, with the command or by the environment."""
-    unsaid = (None, click.core.ParameterSource.DEFAULT)
-    return [name for name in ctx.params if ctx.get_parameter_source(name) not in unsaid]
+    defaults = (None, click.core.ParameterSource.DEFAULT)
+    return [name for name in ctx.params if ctx.get_parameter_source(name) not in defaults]
 
 
 def given_options(ctx: click.Context) -> dict[str, Any]:
@@ -35,9 +35,9 @@ def given_options(ctx: click.Context) -> dict[str, Any]:
 
 def refuse_given(options: dict[str, str], why: str) -> None:
     """UsageError for the first of these options (flag → parameter) that the user gave."""
-    said = given(click.get_current_context())
+    named = given(click.get_current_context())
     for flag, name in options.items():
-        if name in said:
+        if name in named:
             raise UsageError(f"{flag} {why}")
 
 

@@ -1,4 +1,4 @@
-"""What rigtri batch says: what was chosen, each file as it is done, and what became of all."""
+"""What rigtri batch prints: which files it does, each as it is done, and a summary."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import click
 
 from rigtri.errors import FileError
 
-from .words import counted, plain, without_advice
+from .text import counted, plain, without_advice
 
 if TYPE_CHECKING:
     from rigtri.pipeline.batch.inputs import Entry, Found
@@ -20,13 +20,15 @@ if TYPE_CHECKING:
     from rigtri.pipeline.batch.shards import Shard
     from rigtri.pipeline.batch.work import Record
 
-# Failures that are told while a batch runs; the summary counts all, and the manifest has each.
-MOST_TOLD = 20
-# Names that files have not which are told at the end.
+# Failures that are printed while a batch runs; the summary counts all, and the manifest has each.
+MOST_SHOWN = 20
+# Names missing in files that the summary lists.
 MOST_MISSING = 10
 
 
-def tell_chosen(found: Found, chosen: Sequence[Entry], shard: Shard | None, values: dict[str, Any]) -> None:
+def print_selection(
+    found: Found, chosen: Sequence[Entry], shard: Shard | None, values: dict[str, Any]
+) -> None:
     """Which files are not done, and why."""
     if found.left_out:
         text = f"{counted(found.left_out, 'file')} in {values['out_dir']} left out: outputs are no inputs"
@@ -37,9 +39,9 @@ def tell_chosen(found: Found, chosen: Sequence[Entry], shard: Shard | None, valu
 
 
 class Files:
-    """Tells each file as it is done: a line in the log, and on standard output with --json.
+    """Prints each file as it is done: a line in the log, and on standard output with --json.
 
-    advice: what to do about failures that were told, in the order they came.
+    advice: what to do about failures that were printed, in the order they came.
     """
 
     def __init__(self, log: IO[str] | None, shard: str | None, *, as_json: bool) -> None:
@@ -48,7 +50,7 @@ class Files:
         self._failed = 0
         self.advice: dict[str, None] = {}
 
-    def tell(self, entry: Entry, record: Record) -> None:
+    def print_record(self, entry: Entry, record: Record) -> None:
         """A line for machines."""
         line = json.dumps(record.as_json(entry, self._began, self._shard), ensure_ascii=False)
         if self._log is not None:
@@ -57,27 +59,27 @@ class Files:
         if self._as_json:
             click.echo(line)
 
-    def tell_failure(self, entry: Entry, record: Record) -> None:
-        """A line for people, without advice that others have, too."""
+    def print_failure(self, entry: Entry, record: Record) -> None:
+        """A line for people, without advice that other failures share."""
         self._failed += 1
-        if self._failed <= MOST_TOLD:
+        if self._failed <= MOST_SHOWN:
             text, advice = without_advice(str(record.message))
             self.advice |= dict.fromkeys(advice)
-            said = text.strip().splitlines()[-1] if record.kind == "bug" else text
-            where = "" if entry.source in said else f"{entry.source}: "
-            click.echo(f"{record.status}: {plain(where + said, one_line=True)}", err=True)
-        elif self._failed == MOST_TOLD + 1:
+            line = text.strip().splitlines()[-1] if record.kind == "bug" else text
+            where = "" if entry.source in line else f"{entry.source}: "
+            click.echo(f"{record.status}: {plain(where + line, one_line=True)}", err=True)
+        elif self._failed == MOST_SHOWN + 1:
             click.echo("more failures are counted at the end", err=True)
 
 
-def tell_end(session: Run, left: int, advice: Iterable[str], values: dict[str, Any]) -> None:
+def print_summary(session: Run, left: int, advice: Iterable[str], values: dict[str, Any]) -> None:
     """What became of all files. left: those that were not begun."""
     from rigtri.pipeline.batch.work import STATUSES
 
     counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
     words = [*counts, *([f"{left} not begun"] if left else [])]
-    said = ", ".join(words) or "nothing to do"
-    click.echo(f"{counted(session.counts.total() + left, 'file')}: {said}", err=True)
+    text = ", ".join(words) or "nothing to do"
+    click.echo(f"{counted(session.counts.total() + left, 'file')}: {text}", err=True)
     for what, count in session.missing.most_common(MOST_MISSING):
         click.echo(plain(f"in {count} of them: {what}", one_line=True), err=True)
     if len(session.missing) > MOST_MISSING:
