@@ -247,7 +247,7 @@ def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
     keys = times_within(timelines(rig)[-1], None)
     inside = min(max(time, keys[0]), keys[-1])
     done, like = (
-        snap(rig, options=SnapOptions(to, (f"{name}@{at:.17g}",)))  # type: ignore[arg-type]
+        snap(rig, options=SnapOptions(to, (f"{name}@{at:.17g}",), all_limbs=True))  # type: ignore[arg-type]
         for at in (time, inside)
     )
     now = times_within(timelines(done)[-1], None)
@@ -263,7 +263,7 @@ def test_what_cannot_be_snapped_is_told() -> None:
     with pytest.raises(GeometryError, match="no IK end"):
         snap(rig, options=SnapOptions("ik", ("rest",), (("hips", "spine", "chest"),)))
     with pytest.raises(UsageError, match="say when"):
-        snap(rig, options=SnapOptions("ik", ()))
+        snap(rig, options=SnapOptions("ik", (), all_limbs=True))
 
 
 REAL = {"pixar_skinnedArm.usda", "raylib_robot.glb", "usdwg_RiggedFigure.usdz"}

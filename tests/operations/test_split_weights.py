@@ -99,7 +99,7 @@ def test_a_fifth_joint_opens_a_second_set_unless_the_nearest_is_to_take_all(tmp_
     edit(source, tmp_path / "wide.glb", split, report=report)
     assert "more-influences" in {notice.code for notice in report.warnings}
     assert set(layouts(tmp_path / "wide.glb")) == {"JOINTS_0", "JOINTS_1", "WEIGHTS_0", "WEIGHTS_1"}
-    options = replace(SPLIT, most=4)
+    options = replace(SPLIT, max_influences=4)
     edit(source, tmp_path / "same.glb", lambda rig, report: add_twist(rig, options=options, report=report))
     assert set(layouts(tmp_path / "same.glb")) == {"JOINTS_0", "WEIGHTS_0"}
     assert named(read(tmp_path / "same.glb"))[1]["joint_0_twist_2"] == pytest.approx(0.4)

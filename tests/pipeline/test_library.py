@@ -59,7 +59,7 @@ ASKED: list[Asked] = [
     (
         "constrain --type parent --child staff --driver head",
         "constrain",
-        {"kind": "parent", "child": "staff", "drivers": [("head", 1)]},
+        {"type": "parent", "child": "staff", "driver": [("head", 1)]},
     ),
     ("add-rivet --mesh body --triangle 3", "add_rivet", {"mesh": "body", "triangle": [3]}),
     ("mirror --what joints", "mirror", {"what": ["joints"]}),
@@ -303,7 +303,7 @@ def test_objects_of_options_do_what_keywords_do() -> None:
             TypeError,
             "options or aim, not both",
         ),
-        ("constrain", {"child": "head"}, TypeError, "constrain() needs kind"),
+        ("constrain", {"child": "head"}, TypeError, "constrain() needs type"),
         ("orient_joints", {"preset": "vrm", "aim": "x"}, UsageError, "parallel to the world"),
         ("add_controls", {"joints": "*", "color": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),
         ("add_controls", {"joints": "*", "shape": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),

@@ -107,7 +107,7 @@ def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
     from rigtri.pipeline.batch.manifest_writer import Manifest
 
     steps: list[tuple[str, str]] = []
-    sync, done = run.sync_folder, Manifest.done
+    sync, done = run.fsync_folder, Manifest.done
 
     def synced(folder: Path) -> None:
         steps.append(("disk", str(folder)))
@@ -117,7 +117,7 @@ def test_a_name_is_on_the_disk_before_it_is_put_down_as_done(
         steps.append(("done", str(Path(entry.target).parent)))
         done(manifest, entry, *rest)
 
-    monkeypatch.setattr(run, "sync_folder", synced)
+    monkeypatch.setattr(run, "fsync_folder", synced)
     monkeypatch.setattr(Manifest, "done", noted)
     batch()
     assert steps
@@ -211,6 +211,7 @@ def test_a_file_that_ends_its_process_is_told_and_costs_nobody_anything(batch: B
     # What failed is tried again, and nothing else.
     for name in ("hang", "eat", "die"):
         Path(f"in/{name}.glb").unlink()
+    Path("in/hang.begun").unlink()  # by which the file said that its work had begun
     again = statuses(batch("--json"))
     assert {name for name, status in again.items() if status != "skipped"} == {"fault.glb", "refuse.glb"}
 
