@@ -26,9 +26,6 @@ from rigtri.model.metadata import PoseReaderRecord
 Kind = Literal["dot", "cone", "rbf"]
 Kernel = Literal["linear", "gaussian"]
 Mode = Literal["swing", "twist", "both"]
-KINDS: tuple[Kind, ...] = ("dot", "cone", "rbf")
-KERNELS: tuple[Kernel, ...] = ("linear", "gaussian")
-MODES: tuple[Mode, ...] = ("swing", "twist", "both")
 
 # Poses nearer to each other, in radians, are one: no weights can separate them.
 SAME_POSE = 1e-4

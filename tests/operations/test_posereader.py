@@ -39,7 +39,7 @@ X, Y, Z = np.eye(3)
 UP = Goal("up", direction=(0, 1, 0))
 SIDE = Goal("side", direction=(-1, 0, 0))
 BULGE = AddPosereaderOptions(
-    driver="lower", axis=(0, 1, 0), targets=(SIDE,), morphs=(("side", "Skin", "bulge"),), name="reader"
+    driver="lower", axis=(0, 1, 0), target_=(SIDE,), morph=(("side", "Skin", "bulge"),), name="reader"
 )
 
 
@@ -263,13 +263,13 @@ def test_a_blend_shape_of_two_meshes_is_driven_in_both_or_not_at_all(tmp_path: P
     with pytest.raises(FileError, match=r"'bulge' is also one of </Root/Twin>"):
         driven(source, tmp_path / "out.usda", for_kind("usda"))
     both = (("side", "Skin", "bulge"), ("side", "Twin", "bulge"))
-    driven(source, tmp_path / "out.usda", replace(for_kind("usda"), morphs=both))
+    driven(source, tmp_path / "out.usda", replace(for_kind("usda"), morph=both))
 
 
 @pytest.mark.parametrize("kind", ["glb", "usda"])
 def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_path: Path) -> None:
     source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
-    options = replace(for_kind(kind), targets=(UP, SIDE), morphs=())
+    options = replace(for_kind(kind), target_=(UP, SIDE), morph=())
     outcome = driven(source, target, options)
     assert outcome.verification is not None
     assert outcome.verification.passes()
@@ -285,7 +285,7 @@ def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_pat
 
 def with_control(rig: Rig, report: Report) -> Rig:
     rig = add_controls(rig, options=AddControlsOptions(joints=("b",)), report=report)
-    options = replace(for_kind("usda"), morphs=(), attributes=(("side", "b_ctl", "bulge"),))
+    options = replace(for_kind("usda"), morph=(), attribute=(("side", "b_ctl", "bulge"),))
     return add_posereader(rig, options=options, report=report)
 
 
@@ -306,7 +306,7 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     for kind in ("dot", "cone", "rbf"):
         goals = (Goal("half", pose="bend@0.5"), Goal("start", pose="rest"))
         out = add_posereader(
-            rig, options=AddPosereaderOptions(driver="lower", axis=(0, 1, 0), reader=kind, targets=goals)
+            rig, options=AddPosereaderOptions(driver="lower", axis=(0, 1, 0), reader=kind, target_=goals)
         )  # type: ignore[arg-type]
         node = out.find("lower_reader_half")
         (track,) = (t for t in out.clips[0].tracks if t.node == node)
@@ -318,21 +318,21 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     [
         ({"driver": ""}, UsageError, "--driver"),
         ({"driver": "lowre"}, NameNotFoundError, "Did you mean 'lower'"),
-        ({"targets": ()}, UsageError, "--target"),
-        ({"targets": (Goal("side", direction=(0, 0, 0)),)}, UsageError, "other than 0,0,0"),
-        ({"targets": (Goal("side", pose="bend@then"),)}, UsageError, "CLIP@TIME"),
-        ({"targets": (Goal("side", pose="walk@1"),)}, NameNotFoundError, "walk"),
-        ({"targets": (SIDE, SIDE)}, UsageError, "name of its own"),
-        ({"morphs": (("side", "Skim", "bulge"),)}, NameNotFoundError, "Did you mean 'Skin'"),
-        ({"morphs": (("side", "Skin", "bulg"),)}, NameNotFoundError, "Did you mean 'bulge'"),
-        ({"morphs": (("sid", "Skin", "bulge"),)}, UsageError, "there are side"),
-        ({"attributes": (("side", "upper", "x"),)}, UsageError, "is no control"),
+        ({"target_": ()}, UsageError, "--target"),
+        ({"target_": (Goal("side", direction=(0, 0, 0)),)}, UsageError, "other than 0,0,0"),
+        ({"target_": (Goal("side", pose="bend@then"),)}, UsageError, "CLIP@TIME"),
+        ({"target_": (Goal("side", pose="walk@1"),)}, NameNotFoundError, "walk"),
+        ({"target_": (SIDE, SIDE)}, UsageError, "name of its own"),
+        ({"morph": (("side", "Skim", "bulge"),)}, NameNotFoundError, "Did you mean 'Skin'"),
+        ({"morph": (("side", "Skin", "bulg"),)}, NameNotFoundError, "Did you mean 'bulge'"),
+        ({"morph": (("sid", "Skin", "bulge"),)}, UsageError, "there are side"),
+        ({"attribute": (("side", "upper", "x"),)}, UsageError, "is no control"),
         ({"reader": "cone", "inner": 50.0, "outer": 40.0}, UsageError, "larger outer"),
-        ({"reader": "rbf", "targets": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
-        ({"targets": (Goal("side", node="lower"),)}, UsageError, "does not point at itself"),
+        ({"reader": "rbf", "target_": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
+        ({"target_": (Goal("side", node="lower"),)}, UsageError, "does not point at itself"),
         ({"name": "upper"}, UsageError, "another node is called so"),
         (
-            {"reader": "rbf", "targets": (SIDE, Goal("same", pose="bend@1"))},
+            {"reader": "rbf", "target_": (SIDE, Goal("same", pose="bend@1"))},
             GeometryError,
             "'side' and 'same' are one pose",
         ),
@@ -350,7 +350,7 @@ def test_a_file_without_morphs_is_told_what_there_is(tmp_path: Path, samples: Pa
     rig = read(samples / "biped.glb").rig
     name = rig.names[rig.meshes[0].node]
     joint = rig.names[int(rig.skins[0].joints[3])]
-    options = replace(BULGE, driver=joint, morphs=(("side", name, "bulge"),))
+    options = replace(BULGE, driver=joint, morph=(("side", name, "bulge"),))
     with pytest.raises(GeometryError, match="no other mesh of this file has any"):
         add_posereader(rig, options=options)
 
@@ -398,7 +398,7 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
         report = Report()
         goal = Goal("side", pose=f"bend@{time}")
         out = add_posereader(
-            rig, options=AddPosereaderOptions(driver="lower", targets=(goal,)), report=report
+            rig, options=AddPosereaderOptions(driver="lower", target_=(goal,)), report=report
         )
         texts = [notice.text for notice in report.warnings if notice.code == "pose-clamped"]
         assert len(texts) == told
@@ -412,7 +412,8 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
 @pytest.mark.parametrize("kind", ["dot", "rbf"])
 def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str, samples: Path) -> None:
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)), Goal(name="b", pose="walk@0.5"))
-    options = AddPosereaderOptions(driver="forearm_R", targets=goals, reader=kind, mode="both", name="e")  # type: ignore[arg-type]
+    mode = {"mode": "both"} if kind == "rbf" else {}
+    options = AddPosereaderOptions(driver="forearm_R", target_=goals, reader=kind, name="e", **mode)  # type: ignore[arg-type]
     rig = add_posereader(read(samples / "biped.glb").rig, options=options)
     out = orient_joints(rig, options=OrientJointsOptions())
     found = []
@@ -433,8 +434,8 @@ def test_a_morph_target_that_another_reader_drives_is_told(tmp_path: Path) -> No
     for name in ("one", "two"):
         options = AddPosereaderOptions(
             driver=rig.names[int(rig.skins[0].joints[-1])],
-            targets=(Goal(name="a", direction=(0.0, 1.0, 0.0)),),
-            morphs=(("a", rig.names[mesh.node], morph),),
+            target_=(Goal(name="a", direction=(0.0, 1.0, 0.0)),),
+            morph=(("a", rig.names[mesh.node], morph),),
             name=name,
         )
         rig = add_posereader(rig, options=options, report=report)
@@ -446,10 +447,10 @@ def test_a_reader_that_drives_a_morph_no_longer_gives_its_keys_back(tmp_path: Pa
     mesh = next(m for m in source.meshes if len(m.morphs))
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)),)
     driving = AddPosereaderOptions(
-        driver="lower", targets=goals, name="r", morphs=(("a", source.names[mesh.node], "bulge"),)
+        driver="lower", target_=goals, name="r", morph=(("a", source.names[mesh.node], "bulge"),)
     )
     rig = add_posereader(source, options=driving)
-    rig = add_posereader(rig, options=replace(driving, morphs=()))
+    rig = add_posereader(rig, options=replace(driving, morph=()))
     for was, now in zip(source.clips, rig.clips, strict=True):
         old, new = (next(t for t in c.tracks if t.path == "weights") for c in (was, now))
         assert np.array_equal(old.times, new.times)

@@ -51,7 +51,7 @@ def read_by_pose(rig: Rig, report: Report) -> Rig:
     joint = "lower" if "lower" in rig.names else "b"
     goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
     wanted = posereader.AddPosereaderOptions(
-        driver=joint, targets=(goal,), morphs=(("side", "Skin", "other"),)
+        driver=joint, target_=(goal,), morph=(("side", "Skin", "other"),)
     )
     return posereader.add_posereader(rig, options=wanted, report=report)
 

@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.evaluation.pose_readers import (
-    KERNELS,
-    KINDS,
-    MODES,
-    Kernel,
-    Kind,
-    Mode,
-    PoseReader,
-    same_poses,
-)
-from rigtri.evaluation.timelines import (
-    Timeline,
-    merged_weights,
-    put_tracks,
-)
-from rigtri.limits import refuse_unworkable
+from rigtri.evaluation.pose_readers import PoseReader, same_poses
+from rigtri.evaluation.timelines import Timeline, merged_weights, put_tracks
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -34,89 +20,19 @@ from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
+from rigtri.operations.add_posereader.goals import named_goals
 from rigtri.operations.add_posereader.morph_drives import morph_drives
 from rigtri.operations.add_posereader.reader_frame import ReaderFrame
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
 from rigtri.operations.add_rivet.rebind import rebind_rivets
 from rigtri.operations.control_names import refuse_taken
+from rigtri.operations.declaration.option import check
 from rigtri.operations.operation import operation
+from rigtri.operations.options.add_posereader import ONLY_OF
+from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
+from rigtri.operations.options.add_posereader import Goal as Goal
 from rigtri.operations.rigtri_nodes import add, find, group, noted
 from rigtri.report import Report
-
-
-@dataclass(frozen=True)
-class Goal:
-    """A target as a user gives it: one of a direction of the world at rest, a pose, or a node.
-
-    pose: ``CLIP@TIME`` or ``rest``; the last @ splits. rotation: a pose as xyzw of the driver seen
-    from the frame.
-    """
-
-    name: str = ""
-    direction: tuple[float, float, float] | None = None
-    pose: str = ""
-    node: str = ""
-    rotation: tuple[float, float, float, float] | None = None
-
-
-@dataclass(frozen=True)
-class AddPosereaderOptions:
-    """A pose reader. ``name`` is what it is found by in a second run.
-
-    driver: the joint that is read. axis: of the driver. frame: what it is seen from, its parent
-    unless named, or ``world``. targets: what it looks for. morphs: (target, mesh, morph target),
-    by name or number; a target may drive several. attributes: (target, control, attribute). A target
-    that drives no morph gets a node whose x translation is its weight. inner, outer: of a cone, in
-    degrees. within: how far a weight may be off between keys. fps: additional keys a second.
-    """
-
-    driver: str = ""
-    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    frame: str = ""
-    reader: Kind = "dot"
-    targets: tuple[Goal, ...] = ()
-    morphs: tuple[tuple[str, str, str], ...] = ()
-    attributes: tuple[tuple[str, str, str], ...] = ()
-    inner: float = 0.0
-    outer: float = 90.0
-    kernel: Kernel = "linear"
-    mode: Mode = "swing"
-    name: str = ""
-    within: float = 1e-4
-    fps: float | None = None
-
-    def checked(self) -> AddPosereaderOptions:
-        """These options. UsageError where they are incomplete, or contradict each other."""
-        if not self.driver:
-            raise UsageError("name the joint to read: --driver JOINT")
-        if not self.targets:
-            raise UsageError("give its target poses: --target X,Y,Z, CLIP@TIME, rest or a node")
-        known = self.names()
-        if len(set(known)) < len(known):
-            raise UsageError("each target needs a name of its own")
-        for target, *rest in (*self.morphs, *self.attributes):
-            if target not in known:
-                raise UsageError(f"'{target}' ({' '.join(rest)}) is no target; there are {', '.join(known)}")
-        if self.reader not in KINDS or self.kernel not in KERNELS or self.mode not in MODES:
-            raise UsageError(
-                f"readers are {', '.join(KINDS)}, of {', '.join(KERNELS)} and {', '.join(MODES)}"
-            )
-        if not 0 <= self.inner < self.outer <= 180:
-            raise UsageError(
-                f"a cone goes from an inner to a larger outer angle, not {self.inner:g} to {self.outer:g}"
-            )
-        if self.reader == "rbf" and any(goal.node for goal in self.targets):
-            raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
-        if not np.isfinite(self.axis).all() or not any(self.axis):
-            raise UsageError("the axis of the driver is a direction, e.g. x or 0,1,0")
-        refuse_unworkable("--fps", self.fps)
-        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
-            raise UsageError("--within and --fps are numbers above 0")
-        return self
-
-    def names(self) -> list[str]:
-        """The names of the targets: their own, else ``target1``, ``target2`` …"""
-        return [goal.name or f"target{k + 1}" for k, goal in enumerate(self.targets)]
 
 
 @operation(AddPosereaderOptions)
@@ -129,7 +45,6 @@ def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -
 
     Raises NameNotFoundError, UsageError, GeometryError (no morphs, poses that coincide), FileError.
     """
-    options.checked()
     builder = _Builder(rig, options, report)
     return rebind_rivets(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
 
@@ -139,22 +54,20 @@ def options_of(note: Mapping[str, Any]) -> AddPosereaderOptions:
 
     Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
     """
-    outputs = note["outputs"]
+    outputs, reader = note["outputs"], note["reader"]
+    own = {name: note[name] for name in ONLY_OF.get(reader, ()) if name in note}
     x, y, z = map(float, note["axis"])
     return AddPosereaderOptions(
         driver=note["driver"],
         axis=(x, y, z),
         frame=note["frame"] or "world",
-        reader=note["reader"],
-        targets=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
-        morphs=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
-        attributes=tuple(
+        reader=reader,
+        target_=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
+        morph=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
+        attribute=tuple(
             (str(o["target"]), str(o["control"]), str(o["attribute"])) for o in outputs if "morph" not in o
         ),
-        inner=float(note.get("inner", 0.0)),
-        outer=float(note.get("outer", 90.0)),
-        kernel=note.get("kernel", "linear"),
-        mode=note.get("mode", "swing"),
+        **own,
         name=str(note["name"]),
         within=float(note["within"]),
         fps=note.get("fps"),
@@ -168,7 +81,9 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     """
     note = rig.metadata[node]
     report = report if report is not None else Report()
-    return _Builder(rig, options_of(note).checked(), report, note=note, clips=frozenset(clips)).build()
+    options = options_of(note)
+    check(options)
+    return _Builder(rig, options, report, note=note, clips=frozenset(clips)).build()
 
 
 class _Builder:
@@ -185,6 +100,7 @@ class _Builder:
     ) -> None:
         self.clips = clips
         self.rig, self.options, self.report = rig, options, report
+        self.goals = named_goals(rig, options)
         self.driver = rig.find(options.driver)
         self.frame = self._frame()
         self.seen = ReaderFrame(rig, self.driver, self.frame, report)
@@ -196,7 +112,7 @@ class _Builder:
                 f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "
                 f"as to its {options.mode}; leave one of them out"
             )
-        self.drives = morph_drives(rig, options.morphs, options.names(), self.name, report)
+        self.drives = morph_drives(rig, options.morph, [goal.name for goal in self.goals], self.name, report)
         self.motion = ReaderMotion(rig, self.driver, self.frame, self._nodes())
 
     @property
@@ -269,16 +185,15 @@ class _Builder:
             mine = {"inner": float(options.inner), "outer": float(options.outer)}
         if options.reader == "rbf":
             mine = {"kernel": options.kernel, "mode": options.mode, "rest": self._numbers(self.seen.resting)}
-        names = options.names()
-        controls = {name: self._control(name) for _, name, _ in options.attributes}
+        controls = {name: self._control(name) for _, name, _ in options.attribute}
         outputs = [
             *(
                 {"target": t, "mesh": rig.address(meshes_named(rig, mesh)[0].node), "morph": morph}
-                for t, mesh, morph in options.morphs
+                for t, mesh, morph in options.morph
             ),
             *(
                 {"target": t, "control": rig.address(controls[control]), "attribute": attribute}
-                for t, control, attribute in options.attributes
+                for t, control, attribute in options.attribute
             ),
         ]
         return {
@@ -290,7 +205,7 @@ class _Builder:
             "axis": self._numbers(self.axis),
             "reader": options.reader,
             **mine,
-            "targets": [self._target(goal, name) for goal, name in zip(options.targets, names, strict=True)],
+            "targets": [self._target(goal) for goal in self.goals],
             "outputs": outputs,
             "within": float(options.within),
             **({"fps": float(options.fps)} if options.fps is not None else {}),
@@ -307,13 +222,13 @@ class _Builder:
     def _numbers(values: Floats) -> list[float]:
         return [float(value) for value in values]
 
-    def _target(self, goal: Goal, name: str) -> dict[str, Any]:
+    def _target(self, goal: Goal) -> dict[str, Any]:
         """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
         if goal.node:
             node = self.rig.find(goal.node, "node")
             if node == self.driver:
                 raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
-            return {"name": name, "node": self.rig.address(node)}
+            return {"name": goal.name, "node": self.rig.address(node)}
         if goal.pose or goal.rotation is not None:
             rotation = (
                 self.seen.rotation_in_pose(goal.pose) if goal.rotation is None else np.array(goal.rotation)
@@ -324,8 +239,8 @@ class _Builder:
             away = between(rotate(self.seen.resting, self.axis), direction)
             rotation = product(away, self.seen.resting)
         if self.options.reader == "rbf":
-            return {"name": name, "rotation": self._numbers(rotation)}
-        return {"name": name, "direction": self._numbers(direction)}
+            return {"name": goal.name, "rotation": self._numbers(rotation)}
+        return {"name": goal.name, "direction": self._numbers(direction)}
 
     def _nodes(self) -> dict[str, int]:
         """The nodes that targets name, by address."""
@@ -336,8 +251,8 @@ class _Builder:
         driving = {column for drive in self.drives for column in drive.columns.values()}
         rest = self.motion.weights_at_rest(self.reader)
         found = {}
-        outputs = {t: (control, attribute) for t, control, attribute in self.options.attributes}
-        for column, name in enumerate(self.options.names()):
+        outputs = {t: (control, attribute) for t, control, attribute in self.options.attribute}
+        for column, name in enumerate(goal.name for goal in self.goals):
             if column in driving and name not in outputs:
                 continue
             note: dict[str, Any] = {"v": 1, "type": "poseWeight", "reader": self.name, "target": name}
@@ -389,7 +304,7 @@ class _Builder:
                 "driver": self.rig.title(self.driver),
                 "reader": self.options.reader,
                 "new": self.rig.keys[node] is None,
-                "rest": dict(zip(self.options.names(), map(float, rest), strict=True)),
+                "rest": {g.name: float(r) for g, r in zip(self.goals, rest, strict=True)},
                 "morphs": sum(len(drive.columns) for drive in self.drives) if counts else 0,
                 "keys": dict(counts),
             }

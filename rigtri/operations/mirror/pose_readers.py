@@ -74,9 +74,9 @@ def _twin_options(
         driver=rig.address(there),
         axis=(x, y, z),
         frame=rig.address(frames[1]) if frames[1] >= 0 else "world",
-        targets=goals,
-        morphs=morphs,
-        attributes=attributes,
+        target_=goals,
+        morph=morphs,
+        attribute=attributes,
         name=name,
     )
 

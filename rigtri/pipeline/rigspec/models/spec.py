@@ -9,14 +9,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from rigtri.formats import ReadOptions
 from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.rigspec.models.base import StepModel
-from rigtri.pipeline.rigspec.models.controls import AddPosereader
 from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
-_OLD: dict[str, type[StepModel]] = {
-    "add-posereader": AddPosereader,
-}
-STEP_MODELS: dict[str, type[StepModel]] = {name: _OLD.get(name) or step_model(name) for name in OPERATIONS}
+STEP_MODELS: dict[str, type[StepModel]] = {name: step_model(name) for name in OPERATIONS}
 if TYPE_CHECKING:
     AnyStep = StepModel
 else:

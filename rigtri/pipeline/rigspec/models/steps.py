@@ -46,6 +46,8 @@ _KINDS: dict[str, Any] = {
     "of nodes": values.OfNodes,
     "node to node": values.NodeToNode,
     "assignments": values.Assignments,
+    "triples": values.Triples,
+    "driven": values.Driven,
     "joined": values.Joined,
     "joint orient": values.JointOrient,
 }

@@ -1,0 +1,95 @@
+"""What add-posereader can be asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from math import isfinite
+from typing import Annotated, Literal
+
+from rigtri.errors import UsageError
+from rigtri.limits import refuse_unworkable
+from rigtri.operations.declaration.kinds import Above, Direction, Node, Number, Tolerance, Vector
+from rigtri.operations.declaration.option import Kind, option, refuse
+
+# Options that only one kind of reader has.
+ONLY_OF = {"cone": ("inner", "outer"), "rbf": ("kernel", "mode")}
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A target as a user gives it: one of a direction of the world at rest, a pose, or a node.
+
+    pose: ``CLIP@TIME`` or ``rest``; the last @ splits. rotation: a pose as xyzw of the driver seen
+    from the frame.
+    """
+
+    name: str = ""
+    direction: Vector | None = None
+    pose: str = ""
+    node: str = ""
+    rotation: tuple[float, float, float, float] | None = None
+
+
+# Names of nodes may hold ``=``, ``,`` and ``@`` themselves, so that the rig must be asked.
+Goals = Annotated[tuple[Goal | str, ...], Kind("assignments", "[NAME=]X,Y,Z|CLIP@TIME|rest|NODE")]
+Morphs = Annotated[tuple[tuple[str, str, str], ...], Kind("triples", "TARGET MESH MORPH")]
+Attributes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET NODE NAME")]
+
+
+@dataclass(frozen=True)
+class AddPosereaderOptions:
+    """Let morph targets or values follow a joint's pose, baked to keys of every clip.
+
+    target_: what it looks for, in Python also a `Goal` each, or a mapping with its fields; ``target`` is what
+    commands write. morph: (target, mesh, morph target); a target may drive several. attribute: (target,
+    control, attribute).
+    """
+
+    driver: Node = option(metavar="JOINT", help="The joint whose pose is read.")
+    axis: Direction = option((1.0, 0.0, 0.0), help="The axis of the driver that points somewhere. [x]")
+    frame: str = option("", metavar="NODE|world", help="What the driver is seen from. [its parent]")
+    target_: Goals = option(
+        (),
+        help="What is looked for: a direction of the world at rest, a pose, or a node to point at. "
+        "Repeatable; without a name they are target1, target2 and so on.",
+    )
+    reader: Literal["dot", "cone", "rbf"] = option(
+        "dot",
+        help="dot: the cosine to each target. cone: 1 inside an angle, 0 outside another. "
+        "rbf: several poses.",
+    )
+    inner: Number = option(0.0, help="Cone: 1 up to here (degrees).")
+    outer: Number = option(90.0, help="Cone: 0 from here (degrees).")
+    kernel: Literal["linear", "gaussian"] = option("linear", help="rbf: how a pose fades out.")
+    mode: Literal["swing", "twist", "both"] = option(
+        "swing", help="rbf: which part of the rotation counts, about --axis."
+    )
+    morph: Morphs = option(
+        (), help="Let a target drive this morph target (name or number) of a mesh. Repeatable."
+    )
+    attribute: Attributes = option(
+        (), help="Let a target drive a value called NAME of a control. Repeatable."
+    )
+    name: str = option("", help="Name of the reader, by which it is found again. [JOINT_reader]")
+    within: Tolerance = option(1e-4, help="How far a weight may be off between keys.")
+    fps: Above | None = option(None, help="Additional keys, so many a second.")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for options that are incomplete or contradict each other, as far as no rig is needed."""
+        for kind, names in ONLY_OF.items():
+            if self.reader != kind:
+                refuse(given, names, f"is for --reader {kind}")
+        if not self.driver:
+            raise UsageError("name the joint to read: --driver JOINT")
+        if not self.target_:
+            raise UsageError("give its target poses: --target X,Y,Z, CLIP@TIME, rest or a node")
+        if not 0 <= self.inner < self.outer <= 180:
+            raise UsageError(
+                f"a cone goes from an inner to a larger outer angle, not {self.inner:g} to {self.outer:g}"
+            )
+        if not all(map(isfinite, self.axis)) or not any(self.axis):
+            raise UsageError("the axis of the driver is a direction, e.g. x or 0,1,0")
+        refuse_unworkable("--fps", self.fps)
+        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
+            raise UsageError("--within and --fps are numbers above 0")
