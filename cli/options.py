@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import click
 
 from . import failures
-from .values import Tolerance, direction
+from .values import Tolerance
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -89,12 +89,6 @@ def preset_option(words: str) -> Callable[[F], F]:
 
 dry_run_option = click.option(
     "-n", "--dry-run", is_flag=True, is_eager=True, help="Do all but write: report and measure."
-)
-facing_option = click.option(
-    "--facing",
-    callback=direction,
-    metavar="AXIS|X,Y,Z",
-    help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing.",
 )
 
 

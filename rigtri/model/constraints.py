@@ -21,7 +21,6 @@ from rigtri.model.metadata import ConstraintKind, ConstraintRecord, ConstraintSp
 from rigtri.model.rig import Rig
 
 KINDS: tuple[ConstraintKind, ...] = get_args(ConstraintKind)
-WORLD_UPS: tuple[WorldUp, ...] = get_args(WorldUp)
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # What each kind sets on its child.
 CHANNELS: dict[ConstraintKind, tuple[str, ...]] = {

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.frames.mirror_modes import side_of, twin_of
-from rigtri.maths.matrices import nearest_rotation, orthonormal_axes
+from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.joint_names import Side, twin
@@ -130,11 +130,6 @@ def tidy(direction: Floats) -> Floats:
     """A direction with the parts that are an axis up to rounding made so."""
     whole = np.rint(direction)
     return np.where(np.abs(direction - whole) < ALIKE, whole, direction) + 0.0
-
-
-def axes_at(rig: Rig, node: int) -> Floats:
-    """The world axes of a node as rows, (3, 3)."""
-    return orthonormal_axes(rig.world[node])
 
 
 def alike(one: Any, other_one: Any, size: float) -> bool:

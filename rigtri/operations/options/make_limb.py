@@ -27,9 +27,6 @@ def _node_or_point(_flag: str, text: str) -> str | Vector:
     return x, y, z
 
 
-NodeOrPoint = Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)]
-
-
 @dataclass(frozen=True)
 class MakeLimbOptions(PlacementOptions):
     """Make an oriented chain of joints and its pole vector from three locators or points.

@@ -64,22 +64,6 @@ class Proposal:
         )
 
 
-def propose(
-    source: Path | str,
-    *,
-    preset: str = "",
-    own: Sequence[Scheme] = (),
-    options: ReadOptions | None = None,
-) -> Proposal:
-    """What `auto` would do with a file. preset: of the axes, "" for Maya's, or the world's for a VRM 0.
-
-    own: naming schemes to be asked before rigtri's own. Raises FileError for a file that cannot be read, or
-    is without joints.
-    """
-    with opened(source) as at:
-        return _proposal(at, Path(source), preset, own, options or ReadOptions())
-
-
 def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: ReadOptions) -> Proposal:
     need_extra()
     rig = read(at, options).rig

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import partial
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -21,7 +20,6 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
-from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.declaration.kinds import direction
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
@@ -225,11 +223,6 @@ File = Name
 # What a variable may stand for.
 Scalar = Annotated[
     Any, AfterValidator(_scalar), WithJsonSchema({"type": ["string", "number", "integer", "boolean"]})
-]
-Preset = Annotated[
-    str,
-    AfterValidator(partial(one_of, known=PRESETS)),
-    WithJsonSchema({"enum": list(PRESETS)}),
 ]
 Auto = Literal["auto"]
 EndKind = Literal["locator", "joint"]
