@@ -126,10 +126,10 @@ def test_the_usd_schema_is_what_the_node_schema_says() -> None:
     assert (folder / "plugInfo.json").read_text(encoding="utf-8") == plugin
 
 
-def test_the_page_of_notes_is_what_the_node_schema_says() -> None:
-    from rigtri.schemas.make import notes_page
+def test_the_page_of_metadata_follows_from_the_node_schema() -> None:
+    from rigtri.schemas.make import metadata_page
 
-    assert (ROOT / "docs" / "notes.md").read_text(encoding="utf-8") == notes_page(schema("node"))
+    assert (ROOT / "docs" / "metadata.md").read_text(encoding="utf-8") == metadata_page(schema("node"))
 
 
 def test_usd_knows_the_schemas_of_prims_that_rigtri_makes(tmp_path: Path) -> None:
