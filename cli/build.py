@@ -132,7 +132,7 @@ def steps_of(built: Built, *, places: bool = True) -> list[dict[str, Any]]:
 
 
 def _step_json(one: PlannedStep, places: bool) -> dict[str, Any]:
-    entry = {"step": one.number, "do": one.do, "options": one.options, "optional": one.optional}
+    entry = {"step": one.number, "do": one.do, "options": one.given, "optional": one.optional}
     entry |= {"word": one.label.word} if one.label.word else {}
     return entry | ({"place": str(one.place)} if places else {})
 
@@ -174,7 +174,7 @@ def _title(one: PlannedStep) -> str:
 
 
 def _line(one: PlannedStep) -> str:
-    options = "; ".join(f"{name} {_short(value)}" for name, value in one.options.items())
+    options = "; ".join(f"{name} {_short(value)}" for name, value in one.given.items())
     can_miss = ", optional" if one.optional else ""
     return f"{_title(one)}{can_miss}{': ' if options else ''}{options} ({one.place})"
 

@@ -1,4 +1,4 @@
-"""The parameters of a command: which the user gave, and what they request."""
+"""The parameters of a command: which the user gave, and how files are read by them."""
 
 from __future__ import annotations
 
@@ -10,15 +10,6 @@ from rigtri.errors import UsageError
 
 if TYPE_CHECKING:
     from rigtri.formats import ReadOptions
-    from rigtri.pipeline.steps.request import Request
-
-
-def request(values: dict[str, Any]) -> Request:
-    """What the user requests of the operation of this command."""
-    from rigtri.pipeline.steps.request import Request
-
-    ctx = click.get_current_context()
-    return Request(values, frozenset(given(ctx)), read_options(values))
 
 
 def given(ctx: click.Context) -> list[str]:

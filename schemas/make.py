@@ -14,7 +14,6 @@ docs/metadata.md: node.schema.json as a page, a table for each type of metadata.
 from __future__ import annotations
 
 import json
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -107,10 +106,9 @@ def spec_schema() -> dict[str, Any]:
         options = model["properties"]
         if "do" in options:
             model["required"] = list(dict.fromkeys(["do", *model.get("required", [])]))
-            told = _help(options["do"]["const"])
             for name, about in options.items():
                 if name not in ("do", "optional"):
-                    words = about.pop("description", None) or told[name]
+                    words = about.pop("description")
                     options[name] = {"description": words, **_or_variable(about)}
                 about.pop("title", None)
     whole = found["properties"]
@@ -139,12 +137,6 @@ def _defaults(about: dict[str, Any], models: dict[str, Any]) -> dict[str, Any]:
     }
     kept = {key: about[key] for key in ("description", "type")}
     return {**kept, "additionalProperties": False, "properties": operations}
-
-
-def _help(command: str) -> dict[str, str]:
-    """What the help of a command says of its options, by their names."""
-    params = import_module(f"rigtri.cli.{command.replace('-', '_')}").command.params
-    return {max(p.opts, key=len).removeprefix("--"): p.help for p in params if getattr(p, "help", None)}
 
 
 def _or_variable(about: dict[str, Any]) -> dict[str, Any]:

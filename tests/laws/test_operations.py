@@ -17,8 +17,8 @@ from places import SAMPLES, slow
 from program import cli
 
 from rigtri.formats import read
+from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.edit import edit
-from rigtri.pipeline.steps import STEPS
 from rigtri.verification.compare.compare import TOLERANCE, verify
 
 
@@ -104,7 +104,7 @@ def _made(command: str, suffix: str, folder: Path) -> Made:
     return first
 
 
-@pytest.mark.parametrize("command", STEPS)
+@pytest.mark.parametrize("command", OPERATIONS)
 def test_every_operation_has_a_case(command: str) -> None:
     assert command in CASES, (
         f"{command} has no laws: add an entry to CASES in tests/laws/test_operations.py, with options that "

@@ -21,6 +21,8 @@ from second_opinions import validator
 from rigtri.errors import FileError, UsageError
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
+from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.edit import edit
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
@@ -29,7 +31,7 @@ from rigtri.pipeline.rigspec.models.base import StepModel
 from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
 from rigtri.pipeline.rigspec.models.values import UNKNOWN
 from rigtri.pipeline.rigspec.spec_init import starter
-from rigtri.pipeline.steps import STEPS, step
+from rigtri.pipeline.steps import applied
 from rigtri.report import Notice
 from rigtri.verification.compare.compare import verify
 
@@ -108,34 +110,28 @@ def own(name: str) -> list[click.Parameter]:
 
 
 def test_there_is_a_step_for_every_operation() -> None:
-    assert list(MODELS) == list(STEPS)
+    assert list(MODELS) == list(OPERATIONS)
 
 
-@pytest.mark.parametrize("name", STEPS)
+@pytest.mark.parametrize("name", OPERATIONS)
 def test_a_step_has_the_options_of_its_command(name: str) -> None:
     fields = {field: about.alias or field for field, about in MODELS[name].model_fields.items()}
     told = {str(p.name): max(p.opts, key=len).removeprefix("--") for p in own(name)}
     assert {k: v for k, v in fields.items() if k not in ("do", "optional")} == told
 
 
-@pytest.mark.parametrize("name", STEPS)
+@pytest.mark.parametrize("name", OPERATIONS)
 def test_a_step_has_the_defaults_of_its_command(name: str) -> None:
     least = LEAST.get(name, {})
     context = command_of(name).make_context(name, ["in.glb", "-o", "out.glb", *words(least)])
     model = MODELS[name].model_validate({"do": name, **least})
-    ours = model.request({}, read_nothing()).values
+    ours = model.values()
     for parameter in own(name):
         if parameter.name not in (*STYLES, "limb") or name == "make-limb":
             assert ours[str(parameter.name)] == context.params[str(parameter.name)], parameter.name
 
 
-def read_nothing() -> Any:
-    from rigtri.formats import ReadOptions
-
-    return ReadOptions()
-
-
-@pytest.mark.parametrize("name", STEPS)
+@pytest.mark.parametrize("name", OPERATIONS)
 def test_a_step_takes_the_choices_of_its_command(name: str) -> None:
     properties = MODELS[name].model_json_schema(by_alias=True)["properties"]
     for parameter in own(name):
@@ -169,7 +165,7 @@ def asks(name: str, option: str, rig: Rig) -> bool:
 
 
 # What means a node in some cases only (an axis, a place, a rule of branches) is asked by the step itself.
-@pytest.mark.parametrize("name", STEPS)
+@pytest.mark.parametrize("name", OPERATIONS)
 def test_a_step_looks_for_all_nodes_that_its_command_says_it_names(name: str) -> None:
     rig = read(SAMPLES / "biped.glb").rig
     options = {max(p.opts, key=len).removeprefix("--"): p for p in own(name)}
@@ -206,7 +202,7 @@ def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: 
     for one in spec.steps:
         then = tmp_path / str(one.index) / source.name
         then.parent.mkdir()
-        edit(at, then, step(one.do, one.request))
+        edit(at, then, applied(one.do, one.options, spec.reading))
         at = then
     built = build(source, tmp_path / source.name, spec)
     result = read(tmp_path / source.name)
@@ -228,7 +224,7 @@ def test_yaml_and_json_say_the_same(tmp_path: Path) -> None:
     told = {"steps": [{"do": "add-controls", "chain": [["a", "no"]], "size": 2.0}]}
     found = load(write(tmp_path, json.dumps(told, indent="\t"), "rig.json"))
     assert yaml.canonical() == found.canonical()
-    assert yaml.steps[0].request["chain"] == (("a", "no"),)
+    assert yaml.steps[0].options.chain == (("a", "no"),)
 
 
 FAULTY = """version: 1
@@ -310,7 +306,7 @@ def test_what_a_spec_extends_holds_until_it_says_otherwise(tmp_path: Path) -> No
     text += "  name: '${who}_{joint}_$${side}'\n"
     spec = load(write(tmp_path, text))
     (only,) = spec.steps
-    assert (only.request["size"], only.request["stretch"], only.request["name"]) == (
+    assert (only.options.size, only.options.stretch, only.options.name) == (
         2.0,
         True,
         "hero_{joint}_${side}",
@@ -318,7 +314,7 @@ def test_what_a_spec_extends_holds_until_it_says_otherwise(tmp_path: Path) -> No
     assert spec.model.tolerance == 1e-6
     assert {path.name for path in spec.files()} == {"rig.yaml", "studio.yaml"}
     assert load(write(tmp_path, "extends: studio.yaml\n", "b.yaml")).steps[0].do == "orient-joints"
-    assert load(tmp_path / "rig.yaml", variables={"size": "3"}).steps[0].request["size"] == 3.0
+    assert load(tmp_path / "rig.yaml", variables={"size": "3"}).steps[0].options.size == 3.0
 
 
 def test_a_fault_of_an_extended_spec_names_that_file(tmp_path: Path) -> None:
@@ -332,7 +328,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         'steps:\n- do: add-controls\n  chain: ["{index,ring}_1", "{index,ring}_3"]\n  name: "{joint}_ctl"\n'
     )
     spec = load(write(tmp_path, text))
-    assert [one.request["chain"] for one in spec.steps] == [
+    assert [one.options.chain for one in spec.steps] == [
         (("index_1", "index_3"),),
         (("ring_1", "ring_3"),),
     ]
@@ -384,16 +380,12 @@ def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
 def test_files_that_a_spec_names_are_found_beside_it(tmp_path: Path) -> None:
     folder = tmp_path / "specs"
     folder.mkdir()
-    edit(SAMPLES / "biped.glb", folder / "axes.glb", step("orient-joints", orient_request()))
+    maya = applied("orient-joints", OrientJointsOptions(preset="maya"), ReadOptions())
+    edit(SAMPLES / "biped.glb", folder / "axes.glb", maya)
     spec = load(write(folder, "steps:\n- do: orient-joints\n  like: axes.glb\n"))
     build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
     assert [path.name for path in spec.files()] == ["rig.yaml", "axes.glb"]
     assert verify(read(SAMPLES / "biped.glb"), read(tmp_path / "out.glb")).passes(1e-5)
-
-
-def orient_request() -> Any:
-    model = MODELS["orient-joints"].model_validate({"do": "orient-joints", "preset": "maya"})
-    return model.request({"root": None, "tolerance": 1e-5}, read_nothing())
 
 
 def test_a_target_that_exists_is_refused_before_anything_is_done(tmp_path: Path) -> None:
@@ -543,7 +535,7 @@ def test_the_schema_is_what_the_models_say() -> None:
 def test_every_option_of_the_schema_is_told_in_words() -> None:
     about = schema()["$defs"]
     steps = [model for model in about.values() if "do" in model["properties"]]
-    assert len(steps) == len(STEPS)
+    assert len(steps) == len(OPERATIONS)
     for model in steps:
         for name, option in model["properties"].items():
             assert name == "do" or option.get("description"), (model["description"], name)

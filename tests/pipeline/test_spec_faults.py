@@ -46,7 +46,7 @@ def faults(path: Path, source: Path | None = None) -> dict[tuple[int, int], str]
 def test_a_json_spec_is_read_as_json(tmp_path: Path) -> None:
     text = '{"steps": [{"do": "orient-joints", "joints": ["a\\ud83d\\ude00", "b\\/c\\t"], "end": "tip"}]}'
     (only,) = load(write(tmp_path, text, "rig.json")).steps
-    assert only.request["joints"] == ("a\U0001f600", "b/c\t")
+    assert only.options.joints == ("a\U0001f600", "b/c\t")
 
 
 def test_faults_of_json_have_their_places(tmp_path: Path) -> None:
@@ -267,8 +267,8 @@ def test_yaml_takes_mappings_in_and_keeps_words(tmp_path: Path) -> None:
     text = "steps:\n- &o {do: orient-joints, preset: maya, joints: [no, 2001-01-01]}\n"
     text += "- <<: *o\n  preset: blender\n"
     one, other = load(write(tmp_path, text)).steps
-    assert (one.request["preset"], other.request["preset"]) == ("maya", "blender")
-    assert other.request["joints"] == ("no", "2001-01-01")
+    assert (one.options.preset, other.options.preset) == ("maya", "blender")
+    assert other.options.joints == ("no", "2001-01-01")
 
 
 # Defaults
@@ -309,9 +309,9 @@ def test_files_are_found_beside_the_spec_that_names_them(tmp_path: Path) -> None
     text = "defaults:\n  take-clips: {from: f.json}\nsteps: [{do: orient-joints, frames: f.json}]\n"
     write(tmp_path, text, "studio/studio.yaml")
     spec = load(write(tmp_path, "extends: studio/studio.yaml\n"))
-    assert spec.steps[0].request["frames"] == str(tmp_path / "studio" / "f.json")
+    assert spec.steps[0].options.frames == str(tmp_path / "studio" / "f.json")
     spec = load(write(tmp_path, "extends: studio/studio.yaml\nsteps: [{do: take-clips}]\n"))
-    assert spec.steps[0].request["from_"] == str(tmp_path / "studio" / "f.json")
+    assert spec.steps[0].options.from_ == str(tmp_path / "studio" / "f.json")
 
 
 def test_a_path_in_a_variable_is_seen_from_who_gives_it(
@@ -325,7 +325,7 @@ def test_a_path_in_a_variable_is_seen_from_who_gives_it(
     monkeypatch.chdir(tmp_path / "here")
 
     def frames(**more: Any) -> Path:
-        return Path(load(path, **more).steps[0].request["frames"]).resolve().relative_to(tmp_path)
+        return Path(load(path, **more).steps[0].options.frames).resolve().relative_to(tmp_path)
 
     assert frames() == Path("studio/f.json")
     assert frames(variables={"where": "f.json"}) == Path("here/f.json")
@@ -402,7 +402,7 @@ def test_a_variable_that_is_set_has_the_type_of_the_one_in_the_spec(tmp_path: Pa
     text = "variables: {n: 2, on: false, who: '12'}\n"
     text += "steps: [{do: add-twist, joint: '${who}', to: a, count: '${n}', upper: '${on}'}]\n"
     (only,) = load(write(tmp_path, text), variables={"n": "4", "on": "true", "who": "13"}).steps
-    assert (only.request["count"], only.request["upper"], only.request["joint"]) == (4, True, ("13",))
+    assert (only.options.count, only.options.upper, only.options.joint) == (4, True, ("13",))
 
 
 # Bounds

@@ -14,14 +14,13 @@ from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import StagedOutput, check_not_an_input
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import Outcome, check_target, edit
+from rigtri.pipeline.edit import Outcome, Step, check_target, edit
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import PlannedStep, Spec, load
 from rigtri.pipeline.rigspec.missing_names import fault_of, named
 from rigtri.pipeline.rigspec.positions import Tree
 from rigtri.pipeline.rigspec.validation import where_of
-from rigtri.pipeline.steps import step
-from rigtri.pipeline.steps.request import Step
+from rigtri.pipeline.steps import applied
 from rigtri.report import Report
 
 
@@ -120,7 +119,7 @@ class _Work:
 
     def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
         """Do a step; whether there is anything of it at ``target``."""
-        made, seen = step(one.do, one.request), list[Rig]()
+        made, seen = applied(one.do, one.options, self.spec.reading), list[Rig]()
 
         def looking_on(rig: Rig, report: Report) -> Rig:
             seen.append(rig)

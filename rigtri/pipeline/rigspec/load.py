@@ -19,8 +19,7 @@ from rigtri.pipeline.rigspec.missing_names import unnamed
 from rigtri.pipeline.rigspec.planned_step import PlannedStep as PlannedStep
 from rigtri.pipeline.rigspec.positions import Keys, Tree
 from rigtri.pipeline.rigspec.validation import sound, step_models, where_of, wrong
-from rigtri.pipeline.steps import step
-from rigtri.pipeline.steps.request import Request
+from rigtri.pipeline.steps import applied
 
 if TYPE_CHECKING:
     from rigtri.pipeline.rigspec.models.base import StepModel
@@ -73,7 +72,7 @@ class Spec:
 
     def files(self) -> tuple[Path, ...]:
         """All files that the spec is made of or that its steps read, besides the character."""
-        named = [step.request.values.get(name) for step in self.steps for name in _files_of(step.do)]
+        named = [getattr(step.options, name) for step in self.steps for name in _files_of(step.do)]
         return (*self.sources, *dict.fromkeys(Path(name) for name in named if name))
 
     def needed(self) -> tuple[tuple[Path, str], ...]:
@@ -125,15 +124,6 @@ def load(
     if faults:
         raise SpecError(faults)
     return Spec(path, model, steps, tree, spec.files, paths)
-
-
-def _contradiction(tree: Tree, number: int, do: str, request: Request) -> Fault | None:
-    keys: Keys = ("steps", number)
-    try:
-        step(do, request)
-    except RigtriError as error:
-        return Fault(tree.place(keys), where_of(tree, keys), str(error))
-    return None
 
 
 def _find_files(tree: Tree, given: Mapping[str, Path]) -> tuple[frozenset[str], list[tuple[Keys, Fault]]]:
@@ -193,12 +183,15 @@ def _planned(
     reading, shared = model.reading(), model.shared()
     found, faults = [], []
     for number, one in zip(numbers, model.steps, strict=True):
-        request = one.request(shared, reading)
-        if fault := _contradiction(tree, number, one.do, request):
-            faults.append(fault)
+        keys: Keys = ("steps", number)
+        place, label = tree.place(keys), tree.labels[number]
+        try:
+            options = one.options(shared)
+            applied(one.do, options, reading)
+        except RigtriError as error:
+            faults.append(Fault(place, where_of(tree, keys), str(error)))
             continue
-        place, label = tree.place(("steps", number)), tree.labels[number]
-        found.append(PlannedStep(number, label, one.do, request, one.optional, place, _given_options(one)))
+        found.append(PlannedStep(number, label, one.do, options, one.optional, place, _given_options(one)))
     return tuple(found), faults
 
 

@@ -14,7 +14,7 @@ from rigtri.model.rig import Rig
 from rigtri.pipeline.rigspec.errors import Fault
 from rigtri.pipeline.rigspec.positions import Keys, Tree
 from rigtri.pipeline.rigspec.validation import step_models, value_at, where_of
-from rigtri.pipeline.steps import step
+from rigtri.pipeline.steps import applied
 from rigtri.report import Report
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def unnamed(
             one, lost = right.get(number), list[Fault]()
             if one is not None:
                 try:
-                    rig = step(one.do, one.request)(rig, Report())
+                    rig = applied(one.do, one.options, reading)(rig, Report())
                 except NameNotFoundError as error:
                     lost = named(tree, number, rig, error)
                 except RigtriError:

@@ -7,23 +7,22 @@ from typing import Any
 
 from rigtri.pipeline.rigspec.errors import Place
 from rigtri.pipeline.rigspec.positions import Label
-from rigtri.pipeline.steps.request import Request
 
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """One step: its operation, its request, and its position in the spec.
+    """One step: its operation, that one's options, and its position in the spec.
 
-    index: among all, from 0. options: as the spec gives them.
+    index: among all, from 0. given: the options that the spec gives, as it gives them.
     """
 
     index: int
     label: Label
     do: str
-    request: Request
+    options: Any
     optional: bool
     place: Place
-    options: dict[str, Any]
+    given: dict[str, Any]
 
     @property
     def number(self) -> int:

@@ -7,9 +7,9 @@ from collections.abc import Container, Iterator
 from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import did_you_mean
+from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.rigspec.errors import Fault
 from rigtri.pipeline.rigspec.positions import Keys, Tree
-from rigtri.pipeline.steps import STEPS
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -72,8 +72,8 @@ def _wrong_defaults(tree: Tree) -> Iterator[tuple[Keys, Fault]]:
     defaults = tree.values.get("defaults")
     for do, own in defaults.items() if isinstance(defaults, dict) else ():
         keys: Keys = ("defaults", do)
-        if do not in STEPS:
-            text = f"there is no operation '{do}'.{did_you_mean(do, STEPS)}"
+        if do not in OPERATIONS:
+            text = f"there is no operation '{do}'.{did_you_mean(do, OPERATIONS)}"
             yield keys, Fault(tree.place(keys), "defaults", text)
         elif isinstance(own, dict):
             if "do" in own:
@@ -104,7 +104,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
     elif kind == "union_tag_not_found":
         text = "'do' is missing: the name of an operation, e.g. orient-joints"
     elif kind == "union_tag_invalid":
-        hint = did_you_mean(str(ctx.get("tag")), STEPS) or f" There are {', '.join(STEPS)}."
+        hint = did_you_mean(str(ctx.get("tag")), OPERATIONS) or f" There are {', '.join(OPERATIONS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
     elif kind == "string_type" and detail["input"] is None:
         text = f"{option}: this place is open: name what belongs there, or leave it out"

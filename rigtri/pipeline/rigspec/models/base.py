@@ -6,18 +6,13 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rigtri.formats import ReadOptions
+from rigtri.operations.declaration.option import made
+from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.models.values import Flag
-from rigtri.pipeline.steps.request import Request
-
-
-def option(name: str, default: Any = ...) -> Any:
-    """A field that a spec calls by the name of the command's option."""
-    return Field(default, alias=name)
 
 
 class StepModel(BaseModel):
-    """The options of one operation; fields have the names of the command's parameters."""
+    """The options of one operation; fields have the names that the operation declares."""
 
     model_config = ConfigDict(extra="forbid", strict=False, populate_by_name=False)
 
@@ -29,11 +24,14 @@ class StepModel(BaseModel):
     do: str
 
     def values(self) -> dict[str, Any]:
-        """Values of the command's parameters."""
+        """Values of the options, by their names."""
         return {
             name: getattr(self, name) for name in type(self).model_fields if name not in ("do", "optional")
         }
 
-    def request(self, shared: dict[str, Any], reading: ReadOptions) -> Request:
-        """What this step asks of its operation; shared: values that the whole spec has."""
-        return Request(shared | self.values(), frozenset(self.model_fields_set), reading)
+    def options(self, shared: dict[str, Any]) -> Any:
+        """The options of the operation, checked; UsageError where they contradict each other.
+
+        shared: values that the whole spec has.
+        """
+        return made(options_class(self.do), shared | self.values(), self.model_fields_set)

@@ -1,39 +1,23 @@
-"""Operations as steps of an edit: from what a command or a spec asks for to a function of a rig."""
+"""Operations as steps of an edit: from the options of a command or a spec to a function of a rig."""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import RigtriError
 from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain, json_of
 from rigtri.formats import Document, ReadOptions, read
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.option import Option, made, options_of
-from rigtri.operations.registry import OPERATIONS, operation, options_class
-from rigtri.pipeline.steps.request import Request, Step
+from rigtri.operations.declaration.option import Option, options_of
+from rigtri.operations.registry import operation
 from rigtri.report import Report
 
-STEPS = tuple(OPERATIONS)
-
-
-def step(name: str, request: Request) -> Step:
-    """The step that ``request`` asks of the operation ``name``, one of `STEPS`.
-
-    Raises UsageError for options that contradict each other or fit nothing, FileError for files they
-    name.
-    """
-    old = f"rigtri.pipeline.steps.{name.replace('-', '_')}"
-    if find_spec(old) is not None:  # one that does not yet declare its options
-        step: Step = import_module(old).step(request)
-        return step
-    options = made(options_class(name), request.values, request.given)
-    return applied(name, options, request.reading)
+if TYPE_CHECKING:
+    from rigtri.pipeline.edit import Step
 
 
 def applied(name: str, options: Any, reading: ReadOptions) -> Step:
