@@ -1,8 +1,8 @@
 """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
 
-Each control stands in its joint's frame with zero channels, below an offset, below the
-control of the joint above. A second run finds its controls again: those that nobody has
-edited get the shape, size, colour and name that are asked for; edited ones stay, and are named.
+Each control has its joint's frame and zero channels. Its parent is an offset group below the
+control of the parent joint. A second run finds its controls again: unedited ones get the
+requested shape, size, colour and name; edited ones stay and are listed.
 
 \b
 Examples:

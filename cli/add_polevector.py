@@ -1,7 +1,7 @@
 """Add a locator that says which way a limb bends.
 
-It stands in the plane of the limb, on the side it bends to. Straight limbs ask
-the clips, the other side and the joint names; a direction is never invented.
+It lies in the plane of the limb, on the side it bends to. For straight limbs the direction comes from
+the clips, the other side or the joint names; it is never invented.
 A second run finds its locator and moves it.
 
 \b

@@ -1,6 +1,6 @@
 """Let morph targets or values follow a joint's pose, baked to keys of every clip.
 
-Driven morphs look different on purpose: the self-check compares everything else, and says
+Driven morphs change on purpose: the self-check compares everything else, and reports
 how far they move. A target that drives no morph gets a node whose x translation is its weight.
 
 \b
@@ -32,7 +32,7 @@ def summary(report: Report) -> str:
     return (
         f"{entry['reader']} reader of {entry['driver']}: at rest {rest}; {keys} keys in "
         f"{counted(len(entry['keys']), 'clip')}, {counted(entry['morphs'], 'morph target')} driven"
-        + (f"; rivets baked anew: {', '.join(rivets)}" if rivets else "")
+        + (f"; rivets rebaked: {', '.join(rivets)}" if rivets else "")
     )
 
 

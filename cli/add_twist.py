@@ -1,9 +1,9 @@
-"""Put twist joints along bones, so that forearms and shoulders turn without wringing.
+"""Put twist joints along bones, which avoids the candy-wrapper effect.
 
-Each of n joints at i/(n+1) of a bone carries i/(n+1) of the twist and none of the swing. On
+Each of n joints at i/(n+1) of a bone takes i/(n+1) of the twist and none of the swing. On
 the lower bone of a limb it comes from the end joint (the wrist), on the upper bone the
-joint's own is taken away towards the root. No point changes its weights unless
---split-weights says so; then the rest pose looks as before, and twisted poses better.
+joint's own is taken away towards the root. Skin weights change only
+with --split-weights; then the rest pose looks as before, and twisted poses better.
 
 \b
 Examples:
@@ -33,7 +33,7 @@ def summary(report: Report) -> str:
     clips = {clip["clip"] for entry in made for clip in entry["clips"]}
     keys = f", with keys in {counted(len(clips), 'clip')}" if clips else ""
     rivets = [entry["node"] for entry in report.added if entry["type"] == "rivet"]
-    rebaked = f"; rivets baked anew: {', '.join(rivets)}" if rivets else ""
+    rebaked = f"; rivets rebaked: {', '.join(rivets)}" if rivets else ""
     along = f"{counted(len(made), 'twist joint')} along {counted(len(bones), 'bone')}"
     return f"{along}, {len(new)} of them new{keys}{rebaked}"
 

@@ -41,12 +41,12 @@ SUFFIX = ".rig.yaml"
 @click.command("auto")
 @source_argument
 @target_option
-@preset_option("Whose axes the joints get. [maya; vrm where a file allows no others]")
+@preset_option("Axes of the joints. [maya; vrm where a file allows no others]")
 @click.option(
     "--spec-out",
     metavar="FILE.yaml",
     type=click.Path(dir_okay=False),
-    help=f"Where the spec goes by which OUT was built. [OUT's name with {SUFFIX}]",
+    help=f"Where to write the spec of the build. [OUT's name with {SUFFIX}]",
 )
 @click.option("--no-spec", is_flag=True, help="Write no spec.")
 @scheme_option
@@ -68,9 +68,9 @@ SUFFIX = ".rig.yaml"
 def command(ctx: click.Context, /, **values: Any) -> None:
     """Recognise a character and give it a rig: axes, twist joints, controls, IK ends, pole vectors.
 
-    The spec that it is built by is written beside OUT: the next character of the same kind is a
-    `rigtri build` away. A limb that is not sure is not guessed: then nothing is built, and the spec has
-    open places (null) for the names of its joints.
+    The spec of the build is written beside OUT, for `rigtri build` with the next character of the same
+    kind. An uncertain limb is not guessed: then nothing is built, and the spec has null where you name
+    its joints.
 
     \b
     Examples:

@@ -1,7 +1,7 @@
-"""Work controls and constraints out into joint keys, or joints' motion into controls.
+"""Bake controls and constraints to joint keys, or joints' motion to controls.
 
 A control that has keys in a clip moves its joints there; joints whose controls have none keep
-their own keys. Keys that tell nothing new are left out, within --tolerance.
+their own keys. Redundant keys are removed, within --tolerance.
 
 \b
 Examples:
@@ -68,5 +68,5 @@ def _beside(report: Report) -> list[str]:
 
 
 command = extend_help(
-    "tolerance", "Also how far keys that are left out may be off, all together, as a share of the rig's size."
+    "tolerance", "Also the largest error of removed keys, all together, as a share of the rig's size."
 )(edit_command("bake", BakeOptions, summary, __doc__))

@@ -36,7 +36,11 @@ SOME_FAILED = 7
 @spec_option
 @set_option
 @click.option(
-    "-O", "--out-dir", metavar="DIR", type=click.Path(), help="Where outputs go; they keep the folder tree."
+    "-O",
+    "--out-dir",
+    metavar="DIR",
+    type=click.Path(),
+    help="Folder of the outputs, which keep the folder tree.",
 )
 @click.option(
     "--base",
@@ -51,24 +55,24 @@ SOME_FAILED = 7
     "--manifest",
     metavar="FILE.sqlite",
     type=click.Path(),
-    help="Where it is kept what was done. [rigtri-batch.sqlite in DIR]",
+    help="File that records what was done. [rigtri-batch.sqlite in DIR]",
 )
 @click.option("--log", metavar="FILE.jsonl", type=click.Path(), help="Add a line of JSON for each file.")
-@click.option("-j", "--jobs", type=click.IntRange(1, 1024), help="How many processes work. [one per core]")
+@click.option("-j", "--jobs", type=click.IntRange(1, 1024), help="Number of processes. [one per core]")
 @click.option(
     "--timeout",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
-    help="Give a file up after so long.",
+    help="Time limit for one file.",
 )
 @click.option(
-    "--max-memory", type=Bytes(), metavar="SIZE", help="Give a file up that takes more, as 2G (Linux)."
+    "--max-memory", type=Bytes(), metavar="SIZE", help="Memory limit for one file, e.g. 2G (Linux)."
 )
 @click.option(
     "--dask",
     metavar="tcp://HOST:PORT",
     callback=batch_engine.address,
-    help="Let the workers of a Dask scheduler do it. [this machine]",
+    help="Run on the workers of a Dask scheduler. [this machine]",
 )
 @click.option(
     "--emit-openjd",
@@ -77,9 +81,12 @@ SOME_FAILED = 7
     help="Write a job for render farms (Open Job Description) instead.",
 )
 @click.option("--shard", metavar="i/n", help="Do the i-th of n parts. [of a SLURM array: its own part]")
-@click.option("--fail-fast", is_flag=True, help="Begin no other file when one has failed.")
+@click.option("--fail-fast", is_flag=True, help="Start no other file when one has failed.")
 @click.option(
-    "--max-errors", type=click.IntRange(0), metavar="N", help="Begin no other file when more than N failed."
+    "--max-errors",
+    type=click.IntRange(0),
+    metavar="N",
+    help="Start no other file when more than N have failed.",
 )
 @verify_option("Compare source and result in every pose before an output appears.")
 @strict_option("Make any warning an error, also where the spec does not.")
@@ -87,18 +94,18 @@ SOME_FAILED = 7
 @click.option(
     "--resources",
     type=click.Choice(["copy", "relink"]),
-    help="A .gltf takes its files along, or points back. [as the spec says, else copy]",
+    help="Copy the files that a .gltf refers to, or link to them. [as in the spec, else copy]",
 )
 @dry_run_option
 @click.option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.")
 @quiet_option
 @json_option
 def command(inputs: tuple[str, ...], **values: Any) -> None:
-    """Do what a spec says to many files, in several processes.
+    """Build many files by a spec, in several processes.
 
     IN is a path, a pattern in quotes (** stands for all folders), or @LIST, a file with one of
-    these in each line. A file that crashes or takes too long is told and costs the others
-    nothing. Run again, it does only what is not done: files, spec and version decide. Exit code 0
+    these in each line. A crash or timeout is reported and does not affect the
+    other files. A second run does only what is new or changed: file, spec or version. Exit code 0
     when all is done, 7 when some files failed, 130 when it was interrupted.
 
     \b
@@ -109,7 +116,7 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
     try:
         sys.exit(run(inputs, values, _tasks(values)))
     except KeyboardInterrupt:  # before files are worked on, or after
-        click.echo("\ninterrupted: what is done is done; run it again for the rest", err=True)
+        click.echo("\ninterrupted: finished files are kept; run it again for the rest", err=True)
         sys.exit(INTERRUPTED)
 
 
@@ -217,7 +224,7 @@ def _manifest(values: dict[str, Any], out_dir: Path | str | None) -> Path:
         return path
     if isinstance(out_dir, str):
         raise UsageError(
-            f"-O {out_dir} is elsewhere: say with --manifest FILE.sqlite where it is kept what was done"
+            f"-O {out_dir} is remote: name a local file for its manifest with --manifest FILE.sqlite"
         )
     return (out_dir or Path(values["job"]).parent) / NAME
 

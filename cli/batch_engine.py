@@ -21,7 +21,9 @@ def address(ctx: click.Context, param: click.Parameter, value: str | None) -> st
     if value is not None and not re.fullmatch(
         r"([a-z]+://)?(\[[0-9a-f:.]+\]|[^\s/:]+):[0-9]{1,5}|inproc://.+", value
     ):
-        raise click.BadParameter(f"'{value}' is no address of a scheduler: give tcp://HOST:PORT", ctx, param)
+        raise click.BadParameter(
+            f"'{value}' is not a valid scheduler address: use tcp://HOST:PORT", ctx, param
+        )
     return value
 
 
@@ -68,7 +70,7 @@ def signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
             else:
                 engine.stop()
         if len(received) == 1 and not quiet:
-            os.write(2, b"\nending: files that are begun are finished; once more gives them up\n")
+            os.write(2, b"\nstopping: started files are finished; interrupt again to abort them\n")
 
     kinds = [signal.SIGINT, signal.SIGTERM]
     before: list[Any] = [signal.signal(kind, receive) for kind in kinds]

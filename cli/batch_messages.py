@@ -31,7 +31,7 @@ def print_selection(
 ) -> None:
     """Which files are not done, and why."""
     if found.left_out:
-        text = f"{counted(found.left_out, 'file')} in {values['out_dir']} left out: outputs are no inputs"
+        text = f"{counted(found.left_out, 'file')} in {values['out_dir']} skipped: outputs are not inputs"
         click.echo(plain(text, one_line=True), err=True)
     if shard is not None:
         whose = "" if values["shard"] else " (of the SLURM array; --shard 1/1 does all)"
@@ -69,7 +69,7 @@ class Files:
             where = "" if entry.source in line else f"{entry.source}: "
             click.echo(f"{record.status}: {plain(where + line, one_line=True)}", err=True)
         elif self._failed == MOST_SHOWN + 1:
-            click.echo("more failures are counted at the end", err=True)
+            click.echo("more failures are counted in the summary", err=True)
 
 
 def print_summary(session: Run, left: int, advice: Iterable[str], values: dict[str, Any]) -> None:
@@ -77,14 +77,14 @@ def print_summary(session: Run, left: int, advice: Iterable[str], values: dict[s
     from rigtri.pipeline.batch.work import STATUSES
 
     counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
-    words = [*counts, *([f"{left} not begun"] if left else [])]
+    words = [*counts, *([f"{left} not started"] if left else [])]
     text = ", ".join(words) or "nothing to do"
     click.echo(f"{counted(session.counts.total() + left, 'file')}: {text}", err=True)
     for what, count in session.missing.most_common(MOST_MISSING):
         click.echo(plain(f"in {count} of them: {what}", one_line=True), err=True)
     if len(session.missing) > MOST_MISSING:
         more = len(session.missing) - MOST_MISSING
-        click.echo(f"{counted(more, 'name')} more that files have not; rigtri batch-report tells", err=True)
+        click.echo(f"{counted(more, 'more missing name')}; rigtri batch-report lists them", err=True)
     for line in advice:
         click.echo(line, err=True)
     if values["dry_run"]:

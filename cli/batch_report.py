@@ -17,7 +17,7 @@ from .values import Tolerance
 @click.command("batch-report")
 @click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=click.Path())
 @click.option(
-    "--most", type=click.IntRange(1), default=10, show_default=True, help="How many of each kind are told."
+    "--most", type=click.IntRange(1), default=10, show_default=True, help="How many of each kind are listed."
 )
 @click.option(
     "--within",
@@ -28,10 +28,10 @@ from .values import Tolerance
 )
 @json_option
 def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool) -> None:
-    """Say what the manifest of a batch knows: counts, the worst, the slowest, errors by kind.
+    """Summarise the manifest of a batch: counts, the worst, the slowest, errors by kind.
 
-    MANIFEST is a file or the folder that holds it, with those of all parts. Also told are files of
-    one skeleton whose axes came out different, so that they cannot share clips.
+    MANIFEST is a file or the folder that holds it, with those of all parts. It also lists files of
+    one skeleton whose axes differ, so that they cannot share clips.
 
     \b
     Example:
@@ -66,7 +66,7 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
         "errors", [(row["files"], row["kind"], row["reason"], row["example"]) for row in found["errors"]]
     )
     yield from _table(
-        f"what files have not (of {found['files']})",
+        f"missing in files (of {found['files']})",
         [(row["files"], row["what"], row["example"]) for row in found["missing"]],
     )
     warned = [(row["files"], row["code"], f"e.g. {row['example']}") for row in found["warnings"]]

@@ -38,7 +38,7 @@ spec_option = click.option(
     help="The rig spec: YAML or JSON.",
 )
 set_option = click.option(
-    "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Give a variable of the spec a value."
+    "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Set a variable of the spec."
 )
 spec_tolerance_option = click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
 
@@ -49,7 +49,7 @@ spec_tolerance_option = click.option("--tolerance", type=Tolerance(), help="Inst
 @spec_option
 @set_option
 @click.option(
-    "--explain", is_flag=True, help="Say what would be done, step by step; with IN, what comes of it."
+    "--explain", is_flag=True, help="Print the steps without writing OUT; with IN, also their results."
 )
 @strict_option("Make any warning an error (5), also where the spec does not.")
 @spec_tolerance_option
@@ -61,8 +61,8 @@ spec_tolerance_option = click.option("--tolerance", type=Tolerance(), help="Inst
 def command(**values: Any) -> None:
     """Build a rig by a spec: the steps that a file lists, in one go.
 
-    A step is an operation with its options, as the commands call them. Steps work on what the steps
-    before have made; OUT appears when all are done and measured, or not at all.
+    A step is an operation with its options, as the commands call them. Each step works on the result
+    of those before; OUT is written when all of them succeed and are verified, or not at all.
 
     \b
     Examples:

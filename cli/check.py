@@ -31,12 +31,14 @@ MOST_ALIKE = 4
     type=click.Choice(["error", "warning", "info"]),
     default="info",
     show_default=True,
-    help="Leave out what is less severe.",
+    help="Hide less severe findings.",
 )
-@click.option("--ignore", multiple=True, metavar="ID", help="Leave a check out; * stands for anything.")
-@click.option("--strict", is_flag=True, help="Let warnings fail as errors do.")
-@click.option("--external", is_flag=True, help="USD: add what OpenUSD's own validators say.")
-@click.option("--list", "list_rules", is_flag=True, help="Print every id with what it means, and end.")
+@click.option(
+    "--ignore", multiple=True, metavar="ID", help="Hide the findings of a check; * matches anything."
+)
+@click.option("--strict", is_flag=True, help="Treat warnings as errors.")
+@click.option("--external", is_flag=True, help="USD: add the findings of OpenUSD's own validators.")
+@click.option("--list", "list_rules", is_flag=True, help="Print every id with its meaning, and exit.")
 @click.option(
     "--allow-external-paths",
     is_flag=True,
@@ -48,7 +50,7 @@ MOST_ALIKE = 4
 def command(files: tuple[str, ...], **values: Any) -> None:
     """Find all that is wrong with the skinned rigs in files.
 
-    Skins, joints, clips, weights, VRM and our own notes in glTF; skeletons, animations
+    Skins, joints, clips, weights, VRM and rigtri's metadata in glTF; skeletons, animations
     and bindings in USD. Exit code 0 when nothing worse than a warning is found, 1 with
     errors (--strict: or warnings), 3 when a file cannot be read at all.
 

@@ -17,7 +17,7 @@ SHELLS = ("bash", "zsh", "fish")
 @json_option
 @click.pass_context
 def command(ctx: click.Context, shell: str, as_json: bool) -> None:
-    """Print the lines by which a shell completes commands, options and their values.
+    """Print the script with which a shell completes commands, options and their values.
 
     \b
     Examples:
@@ -27,7 +27,7 @@ def command(ctx: click.Context, shell: str, as_json: bool) -> None:
     """
     known = get_completion_class(shell)
     if known is None:
-        raise UsageError(f"click knows no completion for {shell}")
+        raise UsageError(f"click has no completion for {shell}")
     program = ctx.find_root().command
     lines = known(program, {}, "rigtri", "_RIGTRI_COMPLETE").source()
     # For fish, click cuts what it says of a choice at the first comma.

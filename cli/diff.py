@@ -23,25 +23,28 @@ DIFFERS, ERROR = 1, 2
 @click.command("diff")
 @click.argument("before", metavar="A", type=click.Path(allow_dash=True))
 @click.argument("after", metavar="B", type=click.Path(allow_dash=True))
-@click.option("-q", "--brief", is_flag=True, help="Say only whether they differ.")
+@click.option("-q", "--brief", is_flag=True, help="Print only whether they differ.")
 @click.option("--all", "every", is_flag=True, help="Show every line of long groups.")
 @click.option(
-    "--only", type=click.Choice(["rig", "file"]), help="Compare in the terms of riggers or of files alone."
+    "--only", type=click.Choice(["rig", "file"]), help="Compare only in rig terms, or only in file terms."
 )
 @click.option(
     "--tolerance",
     type=Tolerance(),
     default=0.0,
     show_default=True,
-    help="Numbers that differ by no more are the same; 0 compares every bit and spelling.",
+    help="Numbers that differ by no more are equal; 0 compares every bit and spelling.",
 )
 @click.option(
-    "--verify/--no-verify", default=True, show_default=True, help="Measure how far they look apart, too."
+    "--verify/--no-verify",
+    default=True,
+    show_default=True,
+    help="Also measure how much they differ in every pose.",
 )
 @reading_options
 @json_option
 def command(before: str, after: str, **values: Any) -> None:
-    """Say in rig terms and in file terms what differs between two files.
+    """Show in rig terms and in file terms how two files differ.
 
     Rig terms: joints, axes, rest and bind pose, skins, clips, attachments, colliders. File
     terms: JSON members, chunks, buffers, images, spelling; layers, prims, fields, package

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     "--against",
     metavar="BEFORE",
     type=click.Path(allow_dash=True),
-    help="Draw this file on the left, at the same scale: what IN was before.",
+    help="Draw this file on the left, at the same scale: IN before the edit.",
 )
 @pictures.view_option
 @click.option(
@@ -45,16 +45,16 @@ if TYPE_CHECKING:
     metavar="CLIP@TIME",
     default="rest",
     show_default=True,
-    help="The moment, in seconds (USD: time codes), or rest. Controls at work move their joints.",
+    help="The moment, in seconds (USD: time codes), or rest. Active controls move their joints.",
 )
-@click.option("--joints", multiple=True, metavar="GLOB", help="Draw these joints alone, larger. Repeatable.")
+@click.option("--joints", multiple=True, metavar="GLOB", help="Draw only these joints, larger. Repeatable.")
 @click.option(
     "--chain",
     "chains",
     nargs=2,
     multiple=True,
     metavar="START END",
-    help="Draw this chain alone. Repeatable.",
+    help="Draw only this chain. Repeatable.",
 )
 @click.option("--below", multiple=True, metavar="NAME", help="Draw this joint and all below it. Repeatable.")
 @click.option("--skin", metavar="NAME", help="Only joints of this skin.")
@@ -81,7 +81,7 @@ def command(source: str, target: str, **values: Any) -> None:
 
     The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
     Joints none of whose axes lies along their bone are orange. A limb is a yellow triangle with the
-    projection of its middle joint; the arrow from there says where it bends to. --json also prints
+    projection of its middle joint; the arrow from there is its bend direction. --json also prints
     what is drawn: lines, arrows and triangles in space.
 
     \b
@@ -97,7 +97,7 @@ def command(source: str, target: str, **values: Any) -> None:
     from rigtri.report import Report
 
     if values["as_json"] and target == "-":
-        raise UsageError("--json and -o - both want standard output; give the picture a name")
+        raise UsageError("--json and -o - both use standard output; give the picture a name")
     options, report = _draw_options(values), Report()
     sources = [source] if values["against"] is None else [source, values["against"]]
     if len(sources) > 1:

@@ -79,7 +79,7 @@ def run(
 
     source, target, quiet = values["source"], values["target"], values["quiet"]
     if values["as_json"] and target == "-" and not values["dry_run"]:
-        raise UsageError("--json and -o - both want standard output; use --report FILE.json")
+        raise UsageError("--json and -o - both use standard output; use --report FILE.json")
     if values["sidecar"] and target == "-" and not values["unnamed"]:
         raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     check_side_files(values)

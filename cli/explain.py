@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 @click.argument("points", metavar="A B C | IN [ROOT MIDDLE END]", nargs=-1, required=True)
 @click.option("--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.")
 @output_option(
-    "Draw it, too: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
+    "Also write a picture: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
 )
-@click.option("--view", metavar="X,Y,Z", help="Where the picture is seen from. [across the plane]")
+@click.option("--view", metavar="X,Y,Z", help="View direction of the picture. [across the plane]")
 @reading_options
 @overwrite_option("the picture")
 @quiet_option
@@ -52,7 +52,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
 
     target, report = values["target"], Report()
     if values["as_json"] and target == "-":
-        raise UsageError("--json and -o - both want standard output; give the picture a name")
+        raise UsageError("--json and -o - both use standard output; give the picture a name")
     if target is not None:
         pictures.check_target(target, [points[0]], overwrite=values["overwrite"])
     found = _explained(points, values)
@@ -96,7 +96,9 @@ def _numbers(words: tuple[str, ...]) -> list[float] | None:
         try:
             found.append(float(part))
         except ValueError:
-            raise UsageError(f"'{part}' is no number: give three points as x,y,z x,y,z x,y,z") from None
+            raise UsageError(
+                f"'{part}' is not a valid number: give three points as x,y,z x,y,z x,y,z"
+            ) from None
     if len(found) != 9:
         raise UsageError(f"three points are nine numbers, not {len(found)}: give x,y,z x,y,z x,y,z")
     return found
@@ -110,7 +112,7 @@ def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
 
     named = words[1:]
     if bool(named) == (values["limb"] is not None) or len(named) not in (0, 3):
-        raise UsageError("say which limb of the file: --limb JOINT, or its joints ROOT MIDDLE END")
+        raise UsageError("name the limb of the file: --limb JOINT, or its joints ROOT MIDDLE END")
     with opened(words[0]) as path:
         rig = read(path, read_options({**values, "empty": True})).rig
         joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])

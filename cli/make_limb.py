@@ -125,7 +125,7 @@ command = command_of(
     more=_MORE,
     source=click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True)),
     target=output_option(
-        "The file to write, in the format of IN, or a new file; - for standard output. Needed but for "
+        "The file to write, in the format of IN, or a new file; - for standard output. Required unless "
         "--dry-run with IN.",
         callback=needed_output,
     ),

@@ -1,6 +1,6 @@
 """Give one side of a character what the other has: joint axes, and what rigtri has built.
 
-Joints stay in place and all that can be seen stays as it is; axes turn as with
+Joints stay in place and all that can be seen stays as it is; axes change as with
 orient-joints. Limbs, controls, pole vectors, twist joints, constraints, rivets and pose
 readers of one side are built, or brought up to date, on the other, with what an animator has
 set. What cannot be mirrored is named.
@@ -79,13 +79,13 @@ def _check(values: dict[str, Any], options: MirrorOptions) -> None:
         if len(shown) < len(worse):
             click.echo(f"{len(worse) - len(shown)} more; -v shows all")
         for name in found.alone:
-            click.echo(plain(f"without twin: {name}", one_line=True))
+            click.echo(plain(f"without counterpart: {name}", one_line=True))
         if found.better is not None:
             plane, at = found.better
             click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
         where = f" about --plane {found.plane} --plane-at {found.at:g}" if found.at else ""
         total = f"{counted(len(found.pairs), 'pair')}, {len(worse)} not symmetric{where}"
-        total += f", {counted(len(found.alone), 'node')} without twin"
+        total += f", {counted(len(found.alone), 'node')} without counterpart"
         click.echo(total, err=True)
     if worse or found.alone:
         sys.exit(1)
@@ -93,10 +93,10 @@ def _check(values: dict[str, Any], options: MirrorOptions) -> None:
 
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
-    turned = sum(entry["status"] == "turned" for entry in report.joints)
+    reoriented = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)
-    return f"{counted(turned, 'joint')} turned; {made} of what rigtri has built mirrored, {new} of them new"
+    return f"{counted(reoriented, 'joint')} re-oriented; {made} rigtri nodes mirrored, {new} of them new"
 
 
 _MORE = [
@@ -110,14 +110,14 @@ _MORE = [
         type=Number(min=0),
         default=1e-4,
         show_default=True,
-        help="With --check: places this far off, as a share of the size, pass.",
+        help="With --check: largest position difference that passes, as a share of the size.",
     ),
     click.Option(
         ["--tolerance-degrees"],
         type=Number(min=0),
         default=0.1,
         show_default=True,
-        help="With --check: axes this far off pass.",
+        help="With --check: largest axis difference that passes.",
     ),
     allow_rename_option,
 ]

@@ -41,7 +41,7 @@ def needed_output(ctx: click.Context, param: click.Parameter, value: Any) -> Any
 
 
 _IN_FORMAT = "The file to write, in the format of IN; - for standard output."
-target_option = output_option(f"{_IN_FORMAT} Needed but for --dry-run.", callback=needed_output)
+target_option = output_option(f"{_IN_FORMAT} Required unless --dry-run.", callback=needed_output)
 optional_target_option = output_option(_IN_FORMAT)
 
 
@@ -53,7 +53,7 @@ def verify_option(
 
 
 def tolerance_option(
-    words: str = "Refuse a result farther off than this share of the bounding-box diagonal.",
+    words: str = "Refuse a result that differs by more than this share of the bounding-box diagonal.",
 ) -> Callable[[F], F]:
     """How far a result may be off."""
     return click.option("--tolerance", type=Tolerance(), default=TOLERANCE, show_default=True, help=words)
@@ -88,7 +88,7 @@ def preset_option(words: str) -> Callable[[F], F]:
 
 
 dry_run_option = click.option(
-    "-n", "--dry-run", is_flag=True, is_eager=True, help="Do all but write: report and measure."
+    "-n", "--dry-run", is_flag=True, is_eager=True, help="Do everything except write the output."
 )
 
 
@@ -98,7 +98,7 @@ def reading_options(command: F) -> F:
         click.option(
             "--root",
             metavar="NODE",
-            help="Take this node and all below it as the rig, in a file without a skeleton.",
+            help="Use this node and all below it as the rig, in a file without a skeleton.",
         ),
         click.option(
             "--lenient",
@@ -118,7 +118,7 @@ def reading_options(command: F) -> F:
 allow_rename_option = click.Option(
     ["--allow-rename"],
     is_flag=True,
-    help="USD: a split may rename joints, whose paths name all that is above them.",
+    help="USD: allow a split to rename joints, whose names are paths.",
 )
 
 
@@ -128,7 +128,7 @@ scheme_option = click.option(
     metavar="FILE",
     type=click.Path(path_type=Path),
     multiple=True,
-    help="Ask this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES names folders.",
+    help="Try this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES lists folders.",
 )
 json_option = click.option(
     "--json",
@@ -138,13 +138,13 @@ json_option = click.option(
     callback=failures.request_json,
     help="Print the result as JSON.",
 )
-quiet_option = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
-no_warnings_option = click.option("-q", "--quiet", is_flag=True, help="Leave out the warnings.")
+quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print only errors.")
+no_warnings_option = click.option("-q", "--quiet", is_flag=True, help="Print no warnings.")
 
 
 def output_options(command: F) -> F:
     """How much is printed, and in which form."""
-    verbose = click.option("-v", "--verbose", is_flag=True, help="Say more: each joint, each mesh and clip.")
+    verbose = click.option("-v", "--verbose", is_flag=True, help="More detail: each joint, mesh and clip.")
     return json_option(quiet_option(verbose(command)))
 
 
@@ -168,7 +168,7 @@ def edit_options(command: F) -> F:
             type=click.Choice(["copy", "relink"]),
             default="copy",
             show_default=True,
-            help="A .gltf that moves to another folder takes its files along, or points back (what then "
+            help="For a .gltf that is written to another folder: copy its files, or link to them (what then "
             "lies outside its folder is read only with --allow-external-paths).",
         ),
         click.option("--override", is_flag=True, help="USD: write only a layer of opinions over IN."),
@@ -184,7 +184,7 @@ def edit_options(command: F) -> F:
         click.option(
             "--sidecar",
             is_flag=True,
-            help="Also write what rigtri has stored in OUT as a file beside it, OUT's name with .rig.json, "
+            help="Also write rigtri's metadata of OUT to a file beside it, OUT's name with .rig.json, "
             "for engines and exporters that drop extras.",
         ),
         dry_run_option,

@@ -1,6 +1,6 @@
 """Give joints new axes; nothing that can be seen moves.
 
-Unnamed, the joints with weight on or below them turn; root joints, helpers, lone
+By default all joints with weight on or below them get new axes; root joints, helpers, lone
 end joints beside siblings and VRM eyes stay. The hierarchy never changes.
 
 \b
@@ -92,7 +92,7 @@ _MORE = [
         default="freeze",
         show_default=True,
         help="A glTF node with an extension that may hold directions in the node's axes: leave the "
-        "node, turn it all the same, or stop.",
+        "node, re-orient it anyway, or stop.",
     ),
     click.Option(
         ["--save-frames"],

@@ -21,7 +21,7 @@ SUFFIXES = (".svg", ".png")
 view_option = click.option(
     "--view",
     metavar="front|back|side|top|three-quarter|X,Y,Z",
-    help="Where it is looked at from; front is where the character faces, side its left. [three-quarter]",
+    help="View direction; front looks at the character's face, side at its left. [three-quarter]",
 )
 
 
@@ -32,7 +32,7 @@ def size(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple
     wide, mark, high = value.lower().partition("x")
     if not (mark and wide.isdecimal() and high.isdecimal() and len(value) <= 20):
         raise click.BadParameter(
-            f"'{value}' is no size: give WIDTHxHEIGHT in pixels, e.g. 1200x900", ctx, param
+            f"'{value}' is not a valid size: use WIDTHxHEIGHT in pixels, e.g. 1200x900", ctx, param
         )
     return int(wide), int(high)
 
@@ -43,7 +43,7 @@ def check_target(target: str, sources: list[str], *, overwrite: bool) -> None:
         return
     path = Path(target)
     if path.suffix.lower() not in SUFFIXES:
-        raise UsageError(f"{path} is to be a picture: give a name that ends in .svg or .png")
+        raise UsageError(f"{path} is not a valid picture name: use the suffix .svg or .png")
     check_place(target, sources, overwrite=overwrite)
     if path.suffix.lower() == ".png":
         from rigtri.export.drawing.png import check_installed
@@ -59,7 +59,7 @@ def check_place(target: str, sources: list[str], *, overwrite: bool) -> None:
     path = Path(target)
     for source in sources:
         if source != "-" and same_file(path, Path(source)):
-            raise UsageError(f"{path} is the file to be drawn; it would be lost. Give another name")
+            raise UsageError(f"{path} is an input and would be overwritten. Give another name")
     if destination(path).exists() and not overwrite:
         raise UsageError(f"{path} exists; it is replaced only with --overwrite")
 

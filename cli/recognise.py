@@ -18,17 +18,17 @@ from .text import plain
 
 @click.command("recognise")
 @source_argument
-@click.option("--joints", is_flag=True, help="List every joint by itself: its bone, what it is for, and why.")
+@click.option("--joints", is_flag=True, help="List every joint: its bone, its role, and why.")
 @scheme_option
 @reading_options
 @no_warnings_option
 @json_option
 def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> None:
-    """Find spine, head, arms, legs, hands and fingers by map, names and shape, and say why.
+    """Find spine, head, arms, legs, hands and fingers by map, names and shape, and show why.
 
     Each chain and joint comes with how sure that is, from 0 to 1, and with the evidence in words. What
     is below 0.75 is shown with a question mark, and left alone by --limbs auto, --whole-character and
-    the like. Where a file shows no character, it is said why; that is no error.
+    the like. A file without a character is no error; the reason is printed.
 
     \b
     Examples:

@@ -43,7 +43,7 @@ def command(name: str, as_json: bool) -> None:
     """
     known = _known()
     if name not in known:
-        raise UsageError(f"there is no schema '{name}'; choose of {', '.join(known)}")
+        raise UsageError(f"'{name}' is not a valid schema: use {', '.join(known)}")
     click.echo(_whole(name), nl=False)
 
 

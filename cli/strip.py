@@ -1,6 +1,6 @@
-"""Take out again what rigtri has put into IN: controls, locators, shapes and notes.
+"""Remove what rigtri has added to IN: controls, locators, shapes and metadata.
 
-The axes of joints stay as orient-joints has set them. All that stays is proven to look as before.
+The axes of joints stay as orient-joints has set them. All that stays is verified to look as before.
 
 \b
 Example:
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     nodes = sum(not entry["kept"] for entry in report.removed)
-    notes = len(report.removed) - nodes
+    others = len(report.removed) - nodes
     if not report.removed:
-        return "Nothing here is rigtri's"
-    return f"Taken out: {nodes} nodes, and notes on {notes} others"
+        return "nothing in this file was added by rigtri"
+    return f"removed: {nodes} nodes, and the metadata of {others} others"
 
 
 command = edit_command("strip", StripOptions, summary, __doc__)

@@ -1,9 +1,9 @@
 """Transfer the animation of an edited file back to the rig that it was made from.
 
 Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
-axes, unit and extra nodes a DCC has given EDITED. A track that nobody has changed stays as it is,
-bit for bit; of one that was edited in a part, the other part does. A key a frame becomes as few keys
-as say the same, within --tolerance. Clips that were split per object are joined.
+axes, unit and extra nodes a DCC has given EDITED. Unchanged tracks stay bit for bit, and so do
+the unchanged parts of edited ones. Keys on every frame are reduced to those that are needed, within
+--tolerance. Clips that were split per object are joined.
 
 \b
 Examples:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @extend_help(
     "tolerance",
-    "Also how far what counts as unchanged, and keys that are left out, may be off, of the rig's size.",
+    "Also the largest difference that counts as unchanged, and error of removed keys, of the rig's size.",
 )
 @click.command("take-clips", help=__doc__)
 @click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))
@@ -55,8 +55,8 @@ def summary(report: Report) -> str:
     tracks, same = sum(entry["tracks"] for entry in clips), sum(entry["same"] for entry in clips)
     nodes = {name for entry in clips for name in entry["changed"]}
     if not tracks:
-        return f"{len(clips)} clips, {same} tracks: EDITED says nothing that RIG does not; nothing was taken"
+        return f"{len(clips)} clips, {same} tracks: EDITED has no changes; nothing was transferred"
     new = sum(entry["new"] for entry in clips)
     more = f", {new} of them new" if new else ""
-    line = f"{len(clips)} clips{more}: {tracks} tracks of {len(nodes)} nodes were taken, {same} say the same"
+    line = f"{len(clips)} clips{more}: {tracks} tracks of {len(nodes)} nodes transferred, {same} unchanged"
     return line + grown(clips)

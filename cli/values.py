@@ -28,7 +28,7 @@ class Tolerance(click.FloatRange):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
-            self.fail(f"{value} is no number that differences can be compared with", param, ctx)
+            self.fail(f"{value} is not a valid tolerance: use a number from 0 on", param, ctx)
         return number
 
 
@@ -70,7 +70,9 @@ class Bytes(ParamType):
         found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
         size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
         if not 1 << 20 <= size < 1 << 50:
-            self.fail(f"{value} is no amount of memory, such as 500M or 2G; the least is 1M", param, ctx)
+            self.fail(
+                f"{value} is not a valid amount of memory: use e.g. 500M or 2G, at least 1M", param, ctx
+            )
         return int(size)
 
 
@@ -97,5 +99,5 @@ def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[flo
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise click.BadParameter(f"'{text}' is no point: give x,y,z", ctx, param) from None
+        raise click.BadParameter(f"'{text}' is not a valid point: use x,y,z", ctx, param) from None
     return x, y, z

@@ -20,13 +20,13 @@ from .text import plain
 @click.command("verify")
 @click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
 @click.argument("after", metavar="AFTER", type=click.Path(allow_dash=True))
-@tolerance_option("Pass up to this share of the bounding-box diagonal.")
+@tolerance_option("Largest difference that passes, as a share of the bounding-box diagonal.")
 @reading_options
 @output_options
 def command(before: str, after: str, tolerance: float, **values: Any) -> None:
-    """Measure how far two files look apart, in every pose.
+    """Measure how much two files differ in every pose.
 
-    Skinned points and rigid payload, at rest, in the bind pose, at every key and
+    Skinned vertices and attachments, at rest, in the bind pose, at every key and
     between keys; per mesh, clip and time. Exit code 6 when they differ by more than
     the tolerance or something is lost.
 

@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     "--against",
     metavar="BEFORE",
     type=click.Path(allow_dash=True),
-    help="What IN was before: the page shows either, or both, and how far their points are apart.",
+    help="The file before: the page shows either, or both, and the distance of their vertices.",
 )
-@click.option("--clip", metavar="CLIP", help="Begin with this clip, playing. [the rest pose]")
+@click.option("--clip", metavar="CLIP", help="Start with this clip, playing. [the rest pose]")
 @click.option(
     "--pose",
     metavar="CLIP@TIME",
-    help="Begin with this moment, in seconds (USD: time codes), standing still.",
+    help="Start paused at this moment, in seconds (USD: time codes).",
 )
 @click.option(
     "--limit",
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     metavar="MB",
     help="Refuse files that are larger than this, all together.",
 )
-@click.option("--open", "opens", is_flag=True, help="Show the page in the browser, too.")
+@click.option("--open", "opens", is_flag=True, help="Open the page in the browser.")
 @reading_options
 @overwrite_option("the page")
 @quiet_option
@@ -106,7 +106,7 @@ def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
         if values["opens"] or values["as_json"]:
             raise UsageError("--open and --json need a page in a file; give OUT a name")
     elif Path(target).suffix.lower() not in (".html", ".htm"):
-        raise UsageError(f"{target} is to be a page: give a name that ends in .html")
+        raise UsageError(f"{target} is not a valid page name: use the suffix .html")
     else:
         pictures.check_place(target, sources, overwrite=values["overwrite"])
 

@@ -354,7 +354,10 @@ IGNORED = {
     ("line", "told"),
     [
         ("draw", "Missing argument 'IN'. Help: rigtri draw --help"),
-        ("draw a.glb -o a.svg --size 3", "Invalid value for '--size': '3' is no size: give WIDTHxHEIGHT"),
+        (
+            "draw a.glb -o a.svg --size 3",
+            "Invalid value for '--size': '3' is not a valid size: use WIDTHxHEIGHT",
+        ),
         ("view a.glb -o a.html --limit much", "Invalid value for '--limit': 'much' is not a valid number."),
         ("inspect a.glb --jsn", "No such option '--jsn'. Did you mean '--json'? Help: rigtri inspect --help"),
         ("dance", "No such command 'dance'. Help: rigtri --help"),

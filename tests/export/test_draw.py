@@ -358,7 +358,7 @@ def test_a_mistake_gets_one_line(words: list[str], code: int, told: str, run: An
 
 def test_a_picture_never_replaces_what_it_is_of(run: Any, tmp_path: Path) -> None:
     (tmp_path / "arm.svg").write_bytes((SAMPLES / "arm.gltf").read_bytes())
-    assert "would be lost" in run("arm.svg", "-o", "arm.svg", "--overwrite", code=2).stderr
+    assert "would be overwritten" in run("arm.svg", "-o", "arm.svg", "--overwrite", code=2).stderr
 
 
 def test_png_is_made_by_resvg_and_where_it_is_missing_it_says_how_to_get_it(

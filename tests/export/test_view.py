@@ -240,7 +240,7 @@ def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(samples: Path, t
         (("--clip", "walk", "--pose", "walk@1"), 2, "give --clip or --pose, not both"),
         (("--limit", "0.001"), 2, "Allow it with --limit"),
         (("-o", "-", "--open"), 2, "--open and --json need a page in a file"),
-        (("-o", "page.glb"), 2, "give a name that ends in .html"),
+        (("-o", "page.glb"), 2, "is not a valid page name: use the suffix .html"),
         (("--against", "nobody.glb"), 3, "There is no file nobody.glb"),
     ],
 )
@@ -267,7 +267,7 @@ def test_a_page_never_replaces_what_it_shows(samples: Path, tmp_path: Path) -> N
     source, target = tmp_path / "a.glb", tmp_path / "a.html"
     shutil.copy(samples / "biped.glb", source)
     target.symlink_to(source)
-    assert "would be lost" in view(source, "-o", target, "--overwrite", code=2).stderr
+    assert "would be overwritten" in view(source, "-o", target, "--overwrite", code=2).stderr
     assert source.read_bytes() == (samples / "biped.glb").read_bytes()
 
 

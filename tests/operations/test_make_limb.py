@@ -88,7 +88,7 @@ def test_the_end_aims_where_it_is_told() -> None:
 @pytest.mark.parametrize("count", [0, 1, 2, 4, 5])
 def test_another_count_than_three_is_told(count: int) -> None:
     points = tuple((float(k), float(k * k), 0.0) for k in range(count))
-    words = f"here are {count}" if count else "say where the joints stand"
+    words = f"here are {count}" if count else "give the positions of the joints"
     with pytest.raises(UsageError, match=words):
         made(points)
 
@@ -379,5 +379,5 @@ def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
     there = worlds(rig, locals_at(rig, rig.clip("walk"), [0.5]))[0]
     assert_allclose(found["walk@0.5"], there[[rig.find(name) for name in names], 3, :3], atol=1e-9)
     assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01
-    with pytest.raises(UsageError, match="--pose says where locators stand"):
+    with pytest.raises(UsageError, match="--pose is for locators"):
         MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").check(())

@@ -230,7 +230,7 @@ def test_faces_are_cut_into_triangles(
     ("options", "error", "words"),
     [
         (AddRivetOptions(""), UsageError, "name the mesh"),
-        (AddRivetOptions(mesh="Skin"), UsageError, "place of the rivet"),
+        (AddRivetOptions(mesh="Skin"), UsageError, "position of the rivet"),
         (replace(MIDDLE, mesh="Skim"), NameNotFoundError, "Did you mean 'Skin'"),
         (replace(MIDDLE, triangle=(1,)), GeometryError, "has 1 triangles, 0 to 0"),
         (replace(MIDDLE, triangle=(-1,)), GeometryError, "no triangle -1"),

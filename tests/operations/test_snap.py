@@ -262,7 +262,7 @@ def test_what_cannot_be_snapped_is_told() -> None:
     rig = rigged()
     with pytest.raises(GeometryError, match="no IK end"):
         snap(rig, options=SnapOptions("ik", ("rest",), (("hips", "spine", "chest"),)))
-    with pytest.raises(UsageError, match="say when"):
+    with pytest.raises(UsageError, match="give the moment"):
         snap(rig, options=SnapOptions("ik", (), all_limbs=True))
 
 

@@ -233,7 +233,7 @@ def test_the_command_reports_every_twist_joint(suffix: str, samples: Path, tmp_p
     ("arguments", "words"),
     [
         (["--joint", "forearm_L"], "1 --joint and 0 --to"),
-        (["--limbs", "auto", "--max-influences", "4"], "give both"),
+        (["--limbs", "auto", "--max-influences", "4"], "needs --split-weights"),
         (["--limbs", "auto", "--upper", "--weights", "a,b"], "commas"),
     ],
 )

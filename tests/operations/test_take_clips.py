@@ -463,7 +463,7 @@ def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(tmp_path: Path)
     edit(BIPED, turned, lambda rig, report: orient_joints(rig, report=report))
     words = ["take-clips", str(BIPED), "--from", str(turned), "-o", str(out), "--report", str(report)]
     result = cli(*words, code=0)
-    assert "nothing was taken" in result.output
+    assert "nothing was transferred" in result.output
     assert out.read_bytes() == BIPED.read_bytes()
     added = json.loads(report.read_text("utf-8"))["added"]
     assert [(entry["clip"], entry["tracks"], entry["new"]) for entry in added] == [

@@ -345,14 +345,14 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ("steps: []\n", "has no steps"),
         ("version: 2\nsteps:\n- do: strip\n", "version"),
         ("steps:\n- do: strip\n  splits: maybe\n", "splits: input should be true or false"),
-        ("steps: [\n", "no YAML"),
-        ("steps: 1\nsteps: 2\n", "no YAML: found duplicate key"),
+        ("steps: [\n", "not valid YAML"),
+        ("steps: 1\nsteps: 2\n", "not valid YAML: found duplicate key"),
         ("steps:\n- {do: bake, to: '${way}'}\n", "there is no variable 'way'"),
         ("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
             f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
         ), "more values"),
         ("steps: " + "[" * 500 + "]" * 500, "deeper, than a spec can have"),
-        ("extends: rig.yaml\n", "in a circle"),
+        ("extends: rig.yaml\n", "in a cycle"),
         ("extends: nowhere.yaml\n", "There is no file"),
     ],
 )  # fmt: skip

@@ -57,16 +57,16 @@ def test_faults_of_json_have_their_places(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('{"steps": [], "steps": []}', {(1, 15): "no JSON: 'steps' is said twice"}),
-        ('{"steps": [{"do": "strip",}]}', {(1, 27): "no JSON"}),
-        ('{"tolerance":\n NaN}', {(2, 2): "no JSON: NaN is no number of JSON"}),
+        ('{"steps": [], "steps": []}', {(1, 15): "not valid JSON: duplicate key 'steps'"}),
+        ('{"steps": [{"do": "strip",}]}', {(1, 27): "not valid JSON"}),
+        ('{"tolerance":\n NaN}', {(2, 2): "not valid JSON: NaN is not a valid JSON number"}),
         ('{"steps": [{"do": "strip"}', {(1, 11): "this [ is never closed"}),
         ('{"steps": [{"do": "strip"', {(1, 12): "this { is never closed"}),
         ('{"steps": [{"do": "strip"} {}]}', {(1, 28): "a comma or ] is missing here"}),
         ('{"steps": [{"do" "strip"}]}', {(1, 18): "a colon is missing"}),
         ("{'steps': []}", {(1, 2): "a key is expected here, a text in double quotes"}),
         ('{"a": // none\n 1}', {(1, 7): "JSON has no comments"}),
-        ('{"a": "b\nc"}', {(1, 9): "a line ends"}),
+        ('{"a": "b\nc"}', {(1, 9): "a line break"}),
         ('{"a": "b', {(1, 7): "these quotes are never closed"}),
         ('{"a": yes}', {(1, 7): "a value is expected here, not yes"}),
         ('{"a": 1} 2', {(1, 10): "nothing may follow here"}),
@@ -226,8 +226,8 @@ def test_an_error_stands_at_the_name_and_not_at_what_may_be_meant(tmp_path: Path
 
 LOST = {
     "nowhere.yaml": "extends nowhere.yaml: There is no file",
-    "rig.yaml": "specs extend each other in a circle",
-    "broken.yaml": "no YAML",
+    "rig.yaml": "specs extend each other in a cycle",
+    "broken.yaml": "not valid YAML",
 }
 
 
@@ -260,7 +260,7 @@ def test_a_variable_that_is_none_is_one_fault(tmp_path: Path) -> None:
 
 
 def test_yaml_that_holds_itself_is_told_so(tmp_path: Path) -> None:
-    assert "an alias stands within" in faults(write(tmp_path, "steps: &a\n- *a\n"))[1, 8]
+    assert "an alias refers to a value" in faults(write(tmp_path, "steps: &a\n- *a\n"))[1, 8]
 
 
 def test_yaml_takes_mappings_in_and_keeps_words(tmp_path: Path) -> None:
@@ -490,7 +490,7 @@ def test_names_that_no_variable_can_have_are_one_fault_each(tmp_path: Path) -> N
     text = 'variables: {"bad name": left, "": 3, "a{b}": 1, größe: 2}\nsteps: [{do: strip}]\n'
     found = faults(write(tmp_path, text))
     assert len(found) == 3
-    assert all("is no name of a variable: " in said for said in found.values())
+    assert all("is not a valid variable name: " in said for said in found.values())
 
 
 def test_a_variable_that_names_another_one_is_told_where_it_is_used(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What add-controls can be asked for."""
+"""The options of add-controls."""
 
 from __future__ import annotations
 
@@ -80,14 +80,14 @@ class AddControlsOptions:
     below: Nodes = option((), metavar="NAME", help="FK controls for this joint and all below it.")
     skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
     exclude: Nodes = option((), help="No controls for these joints.")
-    root_control: bool = option(False, help="A control over all others, on the ground.")
+    root_control: bool = option(False, help="A root control, parent of all others, on the ground.")
     ik: Limbs = option(
         (),
         help="An IK control at the end of this limb, its pole vector, and FK controls below IK. Repeatable.",
     )
     limbs: Auto | None = option(None, help="The same for every limb that is known.")
     shape: Annotated[Mapping[str, str], Kind("assignments", "[KIND=]SHAPE", read=_shapes)] = option(
-        {}, help=f"Lines of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}."
+        {}, help=f"Shape of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}."
     )
     size: Above | None = option(
         None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]"
@@ -97,8 +97,8 @@ class AddControlsOptions:
     )
     name: str | None = option(
         None,
-        help="Names of the controls: {joint} and {side} stand for what they say, {kind} for ctl, ik_ctl or "
-        "root_ctl. [{joint}_{kind}]",
+        help="Names of the controls, with the tokens {joint}, {side} and {kind} (ctl, ik_ctl or root_ctl). "
+        "[{joint}_{kind}]",
     )
     reach: Above = option(0.5, help="Distance of pole vectors as a multiple of the limb's length.")
     as_: EndKind | None = option(
@@ -108,12 +108,13 @@ class AddControlsOptions:
     soft: Share | None = option(
         None,
         metavar="SHARE",
-        help="How far before it is straight an IK limb slows down, as a share of its length. "
+        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
         "[as stored, or 0]",
     )
     stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
     facing: Direction | None = option(
-        None, help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing."
+        None,
+        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
     )
     root: str | None = option(None, where="shared")
     bend: Bends = option({}, where="python")
@@ -129,7 +130,7 @@ class AddControlsOptions:
         """UsageError for what fits no control."""
         for kind in self.shape.values():
             if kind not in KINDS:
-                raise UsageError(f"there is no shape '{kind}'; choose of {', '.join(KINDS)}")
+                raise UsageError(f"'{kind}' is not a valid shape: use {', '.join(KINDS)}")
         if unknown := [kind for kind in self.shape if kind not in _CONTROLS]:
             raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
         if unknown := [side for side in self.color if side not in _SIDES.values()]:
@@ -149,6 +150,6 @@ class AddControlsOptions:
         named = self.joints or self.chain or self.below or self.ik or self.limbs
         if not (named or self.whole_character or self.root_control):
             raise UsageError(
-                "say which joints get controls: --chain START END, --joints GLOB, --below NAME, "
+                "name the joints that get controls: --chain START END, --joints GLOB, --below NAME, "
                 "or --whole-character"
             )

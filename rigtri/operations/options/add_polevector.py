@@ -1,4 +1,4 @@
-"""What add-polevector can be asked for."""
+"""The options of add-polevector."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rigtri.operations.declaration.option import option, refuse
 
 @dataclass(frozen=True)
 class PlacementOptions:
-    """Where the pole vector of a limb stands."""
+    """Position of the pole vector of a limb."""
 
     method: Literal["perpendicular", "ratio"] = option(
         "perpendicular",
-        help="Which point of the chord the direction starts at: nearest to the middle, or by lengths.",
+        help="Where on the root-to-end line the direction starts: nearest to the mid joint, or by lengths.",
     )
     from_: Literal["middle", "root", "foot"] = option(
-        "middle", help="Where the distance is counted from; foot is that point of the chord."
+        "middle", help="Where the distance is measured from; foot is that point of the root-to-end line."
     )
     reach: Above = option(0.5, help="Distance as a multiple of the limb's length.", excludes=["distance"])
     distance: Above | None = option(None, help="Distance in world units of the file.")
@@ -47,25 +47,24 @@ class AddPolevectorOptions(PlacementOptions):
 
     limb: Limbs = option((), help="The three joints of a limb, e.g. shoulder elbow wrist. Repeatable.")
     chain: Chains = option(
-        (), help="A limb of more joints; it bends at the one farthest from the chord. Repeatable."
+        (), help="A limb of more joints; it bends at the one farthest from the root-to-end line. Repeatable."
     )
     bend_joint: Node | None = option(
         None, metavar="NAME", help="With one --chain: the joint at which it bends."
     )
     limbs: Auto | None = option(
-        None, help="Find arms and legs by themselves, as rigtri recognise shows them."
+        None, help="Find arms and legs automatically, as rigtri recognise shows them."
     )
-    bend: Bends = option(
-        {}, help="The direction in which the limb of that joint bends; needed where it is straight."
-    )
+    bend: Bends = option({}, help="Bend direction of that joint's limb; required if it is straight.")
     facing: Direction | None = option(
-        None, help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing."
+        None,
+        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
     )
     name: str | None = option(None, help="Name of the locator. [MIDDLE_pole]")
     as_: EndKind | None = option(
-        None, help="A loose node, or a joint of the limb's skin, which engines import. [locator]"
+        None, help="A plain node, or a joint of the limb's skin, which engines import. [locator]"
     )
-    pose: str = option("nodes", metavar="nodes|bind|CLIP@TIME", help="Where positions are taken.")
+    pose: str = option("nodes", metavar="nodes|bind|CLIP@TIME", help="The pose that positions are read from.")
     check_clips: bool = option(
         False, help="List the times of every clip at which the limb is straight or its pole flips side."
     )

@@ -1,4 +1,4 @@
-"""What add-posereader can be asked for."""
+"""The options of add-posereader."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ Attributes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET 
 class AddPosereaderOptions:
     """Let morph targets or values follow a joint's pose, baked to keys of every clip.
 
-    target_: what it looks for, in Python also a `Goal` each, or a mapping with its fields; ``target`` is what
+    target_: the target poses, in Python also a `Goal` each, or a mapping with its fields; ``target`` is what
     commands write. morph: (target, mesh, morph target); a target may drive several. attribute: (target,
     control, attribute).
     """
 
     driver: Node = option(metavar="JOINT", help="The joint whose pose is read.")
-    axis: Direction = option((1.0, 0.0, 0.0), help="The axis of the driver that points somewhere. [x]")
-    frame: str = option("", metavar="NODE|world", help="What the driver is seen from. [its parent]")
+    axis: Direction = option((1.0, 0.0, 0.0), help="The axis of the driver whose direction is read. [x]")
+    frame: str = option("", metavar="NODE|world", help="The space in which the driver is read. [its parent]")
     target_: Goals = option(
         (),
-        help="What is looked for: a direction of the world at rest, a pose, or a node to point at. "
+        help="The target pose: a direction of the world at rest, a pose, or a node to point at. "
         "Repeatable; without a name they are target1, target2 and so on.",
     )
     reader: Literal["dot", "cone", "rbf"] = option(
@@ -72,8 +72,8 @@ class AddPosereaderOptions:
         (), help="Let a target drive a value called NAME of a control. Repeatable."
     )
     name: str = option("", help="Name of the reader, by which it is found again. [JOINT_reader]")
-    within: Tolerance = option(1e-4, help="How far a weight may be off between keys.")
-    fps: Above | None = option(None, help="Additional keys, so many a second.")
+    within: Tolerance = option(1e-4, help="Largest error of a weight between keys.")
+    fps: Above | None = option(None, help="Additional keys per second.")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for options that are incomplete or contradict each other, as far as no rig is needed."""

@@ -1,4 +1,4 @@
-"""What add-rivet can be asked for."""
+"""The options of add-rivet."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class AddRivetOptions:
 
     mesh: Name = option(
         metavar="NODE",
-        help="The node that shows the mesh, by name, path or #index; NODE/1 is its second primitive alone.",
+        help="The node with the mesh, by name, path or #index; NODE/1 is its second primitive alone.",
     )
     triangle: Integers = option(
         (),
@@ -43,9 +43,9 @@ class AddRivetOptions:
     )
     within: Tolerance = option(
         1e-5,
-        help="How far what is attached to a rivet may be off between keys, as a share of the mesh's size.",
+        help="Largest error between keys of what is attached to a rivet, as a share of the mesh's size.",
     )
-    fps: Above | None = option(None, help="Additional keys, so many a second.")
+    fps: Above | None = option(None, help="Additional keys per second.")
 
     @property
     def count(self) -> int:
@@ -57,7 +57,7 @@ class AddRivetOptions:
         if not self.mesh:
             raise UsageError("name the mesh that holds the rivet: --mesh NAME")
         if not self.count:
-            raise UsageError("give the place of the rivet: --triangle N, --at X,Y,Z or --vertex N")
+            raise UsageError("give the position of the rivet: --triangle N, --at X,Y,Z or --vertex N")
         if len(self.barycentric) > len(self.triangle):
             raise UsageError(
                 f"there are {len(self.barycentric)} --barycentric and {len(self.triangle)} --triangle; "

@@ -1,4 +1,4 @@
-"""What add-twist can be asked for."""
+"""The options of add-twist."""
 
 from __future__ import annotations
 
@@ -44,24 +44,22 @@ class AddTwistOptions:
     )
     weights: Annotated[tuple[float, ...], Kind("joined", "W1,W2,…", read=_weights)] = option(
         (),
-        help="The share of the driver's twist that each turns by, -1 to 1. "
+        help="The share of the driver's twist that each rotates by, -1 to 1. "
         "[i/(n+1) on lower, i/(n+1) - 1 on upper bones]",
     )
-    axis: Direction | None = option(
-        None, help="The axis of the twist as the bone's joint sees it. [the bone]"
-    )
+    axis: Direction | None = option(None, help="The twist axis in the space of the bone's joint. [the bone]")
     split_weights: bool = option(
         False,
-        help="Share the skin weights of the bone among its joint and the twist joints, by place along it.",
+        help="Distribute the bone's skin weights to its joint and the twist joints, by position along it.",
     )
     max_influences: Annotated[int, Kind("number", low=0)] = option(
         0,
         metavar="N",
-        help="With --split-weights: a point that would get more joints than N gets the nearest alone. "
+        help="With --split-weights: a vertex that would get more than N joints gets only the nearest. "
         "0 is any number.",
     )
     keys: bool = option(True, help="Let the joints follow in every clip.")
-    name: str = option(NAME, help="Names of the twist joints; {joint} and {number} stand for what they say.")
+    name: str = option(NAME, help="Names of the twist joints, with the tokens {joint} and {number}.")
 
     @property
     def bones(self) -> tuple[tuple[str, str], ...]:
@@ -73,9 +71,11 @@ class AddTwistOptions:
         if len(self.joint) != len(self.to):
             raise UsageError(f"{len(self.joint)} --joint and {len(self.to)} --to: each bone has one of both")
         if self.max_influences and not self.split_weights:
-            raise UsageError("--max-influences says how --split-weights shares; give both")
+            raise UsageError("--max-influences needs --split-weights")
         if not (self.limb or self.limbs or self.joint):
-            raise UsageError("say which: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto")
+            raise UsageError(
+                "name the bones: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto"
+            )
         if not 1 <= self.count <= MOST:
             raise UsageError(f"--count {self.count}: a bone takes 1 to {MOST} twist joints")
         if self.weights and len(self.weights) != self.count:
@@ -83,9 +83,9 @@ class AddTwistOptions:
         if not all(-1.0 <= weight <= 1.0 for weight in self.weights):
             raise UsageError("--weights: each lies between -1 and 1")
         if self.weights and (self.limb or self.limbs) and self.upper == self.lower:
-            raise UsageError("--weights: say for which bone of the limbs, --upper or --lower")
+            raise UsageError("--weights: choose the bone of the limbs, --upper or --lower")
         if self.axis is not None and not (all(map(math.isfinite, self.axis)) and any(self.axis)):
-            raise UsageError("--axis: a direction has a length")
+            raise UsageError("--axis is not a valid direction: use numbers that are not all 0")
         try:
             self.name.format(joint="x", number=1)
         except (KeyError, IndexError, ValueError, AttributeError) as error:

@@ -1,4 +1,4 @@
-"""What bake can be asked for."""
+"""The options of bake."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BakeOptions:
     """Bake controls and constraints to joint keys, or the motion of joints to their controls.
 
     fps: None is as many samples as ``between`` needs. tolerance: how far keys that are left out may be
-    off, as a share of the rig's size. soft, stretch: of all limbs, instead of what their controls say.
+    off, as a share of the rig's size. soft, stretch: of all limbs, instead of their controls' values.
     """
 
     to: Direction = option(
@@ -33,8 +33,8 @@ class BakeOptions:
     )
     rig_: RigFile = option(
         None,
-        help="Read what is a control of what from this file, by name: exporters drop it from IN. To keep its "
-        "keys between IN's frames, too, take-clips first.",
+        help="Read rigtri's metadata from this file, by name: exporters drop it from IN. To keep the "
+        "keys between IN's frames, too, use take-clips first.",
     )
     as_: ClipNames = option(
         {},
@@ -42,15 +42,13 @@ class BakeOptions:
     )
     clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.")
     fps: Above | None = option(
-        None, help="So many samples a second besides the keys, and no others. [as many as --between needs]"
+        None, help="Samples per second besides the keys, and no others. [as many as --between needs]"
     )
-    between: Tolerance = option(
-        BETWEEN, help="How far what lies between samples may be off, as a share of the rig's size."
-    )
+    between: Tolerance = option(BETWEEN, help="Largest error between samples, as a share of the rig's size.")
     soft: Share | None = option(
         None,
         metavar="SHARE",
-        help="How far before it is straight an IK limb slows down, as a share of its length. "
+        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
         "[as stored, or 0]",
     )
     stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
@@ -59,9 +57,9 @@ class BakeOptions:
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be."""
         if self.rig_ is None:
-            refuse(given, ["as_"], "says what clips are in another file: name that file with --rig")
+            refuse(given, ["as_"], "names clips of another file: give that file with --rig")
         if self.to not in DIRECTIONS:
-            raise UsageError(f"--to {self.to}: choose of {', '.join(DIRECTIONS)}")
+            raise UsageError(f"--to {self.to}: use {', '.join(DIRECTIONS)}")
         refuse_single_name("--clip", self.clip)
         numbers = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
         for flag, number in (*numbers, ("--between", self.between)):

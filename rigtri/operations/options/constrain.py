@@ -1,4 +1,4 @@
-"""What constrain can be asked for."""
+"""The options of constrain."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ class ConstrainOptions:
 def check_weight(name: str, weight: float) -> None:
     """UsageError for a weight of a driver that is none."""
     if not (isfinite(weight) and weight >= 0):
-        raise UsageError(f"--driver {name}: the weight {weight:g} is none; give a number from 0 on")
+        raise UsageError(f"--driver {name}: the weight {weight:g} is not valid: use a number from 0 on")
     refuse_unworkable(f"--driver {name}", weight)
 
 

@@ -1,4 +1,4 @@
-"""What make-limb can be asked for."""
+"""The options of make-limb."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def _node_or_point(_flag: str, text: str) -> str | Vector:
 class MakeLimbOptions(PlacementOptions):
     """Make an oriented chain of joints and its pole vector from three locators or points.
 
-    locators: nodes that stand where the joints are to stand; or points: the places themselves, in
-    the world. end_aim: None gives the end joint the axes of the joint before. names: else NAME_1, NAME_2 …
-    with _L or _R of the side. skin: that of the parent, else one of their own.
+    locators: nodes at the positions of the joints; or points: these positions, in the world. end_aim: None
+    gives the end joint the axes of the joint before. names: else NAME_1, NAME_2 … with _L or _R of the
+    side. skin: that of the parent, else one of their own.
     """
 
-    locators: Nodes = option((), metavar="A B C", help="Nodes that stand where the joints shall.")
+    locators: Nodes = option((), metavar="A B C", help="Nodes at the positions of the joints.")
     points: Annotated[tuple[Point, ...], Kind("points", "X,Y,Z X,Y,Z X,Y,Z")] = option(
-        (), help="The places themselves, in the world; without IN they make a new file."
+        (), help="Positions in the world; without IN they make a new file."
     )
     planar: bool = option(False, help="More than three: lay the inner joints into the limb's plane.")
     preset: str | None = option(None, choices=PRESETS, help="The axes of another program.")
@@ -47,12 +47,12 @@ class MakeLimbOptions(PlacementOptions):
     up_from: str | None = option(
         None,
         metavar="SOURCE",
-        help="plane (the hinge), pole (the side it bends to), world:AXIS or vector:X,Y,Z. [plane]",
+        help="plane (the hinge), pole (the bend direction), world:AXIS or vector:X,Y,Z. [plane]",
     )
     end_aim: Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)] | None = (
         option(None, help="What the end joint aims at; else it has the axes of the joint before.")
     )
-    bend: Point | None = option(None, help="The side that points on a line bend to; for no others.")
+    bend: Point | None = option(None, help="The bend direction of points on a line; for no others.")
     name: str = option("limb", help="The limb's name; its joints are NAME_1 …")
     side: Literal["left", "right"] | None = option(None, help="Put _L or _R behind the names.")
     names: Names = option((), metavar="A B C", help="Names of the joints.")
@@ -84,13 +84,15 @@ class MakeLimbOptions(PlacementOptions):
         if self.side not in (None, "left", "right"):
             raise UsageError(f"--side {self.side}: give left or right")
         if bool(self.locators) == bool(self.points):
-            raise UsageError("say where the joints stand: --locators A B C, or --points x,y,z x,y,z x,y,z")
+            raise UsageError(
+                "give the positions of the joints: --locators A B C, or --points x,y,z x,y,z x,y,z"
+            )
         self._check_count(len(self.locators or self.points))
         refuse_points("--points", self.points)
         refuse_points("--end-aim", [self.end_aim] if isinstance(self.end_aim, tuple) else [])
         refuse_points("--bend", [self.bend] if self.bend is not None else [])
         if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
-            raise UsageError("--pose says where locators stand; points stand where they are")
+            raise UsageError("--pose is for locators; points have fixed positions")
         self.style.checked()
 
     def _check_count(self, count: int) -> None:

@@ -1,4 +1,4 @@
-"""What mirror can be asked for."""
+"""The options of mirror."""
 
 from __future__ import annotations
 
@@ -50,21 +50,21 @@ class MirrorOptions:
         help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
     )
     what: tuple[What, ...] = option((), help="Mirror only these; repeatable. [all]")
-    joints: Nodes = option((), help="Only these joints and their twins.")
-    below: Nodes = option((), metavar="NAME", help="Only this joint, all below, and their twins.")
+    joints: Nodes = option((), help="Only these joints and their counterparts.")
+    below: Nodes = option((), metavar="NAME", help="Only this joint, all below, and their counterparts.")
     exclude: Nodes = option((), help="Not these joints.")
     pose: str | None = option(
-        None, metavar="POSE", help="The pose that tells axes: bind, nodes or CLIP@TIME.  [bind]"
+        None, metavar="POSE", help="The pose that axes are read from: bind, nodes or CLIP@TIME.  [bind]"
     )
     on_nonuniform_scale: Literal["snap", "skip", "split", "error"] = option(
         "snap",
-        help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
-        "a node of its own above it (USD: with --allow-rename), or stop.",
+        help="A joint whose scale would shear: use the nearest exact axes, skip it, hold its axes in "
+        "a new parent node (split; USD: with --allow-rename), or stop.",
     )
     on_constraint: Literal["freeze", "error"] = option(
         "freeze",
-        help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
-        "constraint allows or not at all, and say so; or stop.",
+        help="A joint whose new axes would change what a VRM node constraint does: rotate it as the "
+        "constraint allows or not at all, with a warning; or stop.",
     )
     root: str | None = option(None, where="shared")
     tolerance: Number = option(1e-5, where="shared")
@@ -73,7 +73,7 @@ class MirrorOptions:
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be mirrored."""
         if not set(self.what) <= set(WHAT):
-            raise UsageError(f"say what to mirror, of {', '.join(WHAT)}")
+            raise UsageError(f"choose what to mirror: {', '.join(WHAT)}")
         refuse_unworkable("--plane-at", self.plane_at)
 
     @cached_property

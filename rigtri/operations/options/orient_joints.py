@@ -1,4 +1,4 @@
-"""What orient-joints can be asked for."""
+"""The options of orient-joints."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _chains(_flag: str, chains: Iterable[Any]) -> tuple[StyledChain, ...]:
 class OrientJointsOptions:
     """Give joints new axes; nothing that can be seen moves.
 
-    keep: joints have their axes already; only ``mirror`` turns those of the other side. plane: of the
+    keep: joints have their axes already; only ``mirror`` re-orients those of the other side. plane: of the
     character's own space; across: the same in the world, where that is known already.
     """
 
@@ -91,11 +91,13 @@ class OrientJointsOptions:
         help="plane (the hinge, +n), pole (towards the bend), world:+y, vector:x,y,z, node:NAME, "
         "noderot:axis:NAME, parent, child, keep. [plane]",
     )
-    joints: Nodes = option((), help="Turn these joints. Repeatable.")
+    joints: Nodes = option((), help="Re-orient these joints. Repeatable.")
     chain: Annotated[
         tuple[StyledChain | tuple[str, str], ...], Kind("styled chains", "START END", read=_chains)
-    ] = option((), help="Turn this chain; --aim, --up, --up-from behind it are for it alone. Repeatable.")
-    below: Nodes = option((), metavar="NAME", help="Turn this joint and all below it.")
+    ] = option(
+        (), help="Re-orient this chain; --aim, --up, --up-from behind it are for it alone. Repeatable."
+    )
+    below: Nodes = option((), metavar="NAME", help="Re-orient this joint and all below it.")
     skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
     exclude: Nodes = option((), help="Leave these joints as they are.")
     aim_at: Annotated[tuple[tuple[str, str] | str, ...], Kind("node to node", "JOINT=NODE")] = option(
@@ -113,27 +115,28 @@ class OrientJointsOptions:
     )
     per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).")
     facing: Direction | None = option(
-        None, help="Where the character looks: knees bend forward, elbows back. glTF says +z, USD nothing."
+        None,
+        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
     )
     pose: str | None = option(
         None,
         metavar="bind|nodes|CLIP@TIME",
-        help="Where positions are taken. [bind where one skin holds the chain, else nodes]",
+        help="The pose that positions are read from. [bind where one skin holds the chain, else nodes]",
     )
     world: bool = option(False, help="Make every frame parallel to the world.")
     on_nonuniform_scale: Policy = option(
         "snap",
-        help="A joint whose scale shears under its turn: nearest exact axes, leave it, hold its axes in "
-        "a node of its own above it (USD: with --allow-rename), or stop.",
+        help="A joint whose scale would shear: use the nearest exact axes, skip it, hold its axes in "
+        "a new parent node (split; USD: with --allow-rename), or stop.",
     )
     on_constraint: Literal["freeze", "error"] = option(
         "freeze",
-        help="A joint whose new axes would change what a VRM node constraint does: turn it as the "
-        "constraint allows or not at all, and say so; or stop.",
+        help="A joint whose new axes would change what a VRM node constraint does: rotate it as the "
+        "constraint allows or not at all, with a warning; or stop.",
     )
-    snap: bool = option(False, help="Turn only to the nearest cardinal axes.")
+    snap: bool = option(False, help="Rotate only to the nearest cardinal axes.")
     offset: Annotated[Vector, Kind("point", "X,Y,Z", parse=_degrees)] = option(
-        (0.0, 0.0, 0.0), help="Afterwards turn about the new axes, in degrees: X, then Y, then Z."
+        (0.0, 0.0, 0.0), help="Afterwards rotate about the new axes, in degrees: X, then Y, then Z."
     )
     mirror: Literal["behavior", "orientation", "blender"] | None = option(
         None, help="Give the other side the mirrored axes of --from-side."

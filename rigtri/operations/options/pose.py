@@ -1,4 +1,4 @@
-"""What pose can be asked for."""
+"""The options of pose."""
 
 from __future__ import annotations
 

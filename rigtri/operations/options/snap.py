@@ -1,4 +1,4 @@
-"""What snap can be asked for."""
+"""The options of snap."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE E
 class SnapOptions:
     """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
 
-    to: Literal["ik", "fk"] = option(help="What takes over.")
+    to: Literal["ik", "fk"] = option(help="What the limbs are matched to.")
     at: Names = option(
         metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest. Repeatable."
     )
@@ -30,4 +30,4 @@ class SnapOptions:
         if bool(self.limb) == self.all_limbs:
             raise UsageError("give --limb ROOT MIDDLE END, or --all-limbs")
         if not self.at:
-            raise UsageError("say when: --at CLIP@TIME, or --at rest")
+            raise UsageError("give the moment: --at CLIP@TIME, or --at rest")

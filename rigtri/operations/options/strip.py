@@ -1,4 +1,4 @@
-"""What strip can be asked for."""
+"""The options of strip."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from rigtri.operations.declaration.option import option
 
 @dataclass(frozen=True)
 class StripOptions:
-    """Take out again what rigtri has added."""
+    """Remove what rigtri has added."""
 
     splits: bool = option(
         False,
-        help="Also forget which nodes hold the axes of split joints; they stay, as nodes like others.",
+        help="Also remove the metadata of nodes that hold the axes of split joints; the nodes stay.",
     )

@@ -1,4 +1,4 @@
-"""What take-clips can be asked for."""
+"""The options of take-clips."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class TakeClipsOptions:
     """
 
     from_: EditedFile = option(
-        metavar="EDITED", help="The file with the motion, of any format; nothing else of it is taken."
+        metavar="EDITED", help="The file with the animation, of any format; nothing else of it is used."
     )
     clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.")
     as_: ClipNames = option(

@@ -66,7 +66,7 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
     real = path.resolve()
     if real in chain:
         circle = " → ".join(str(file) for file in (*chain[chain.index(real) :], real))
-        raise FileError(f"specs extend each other in a circle: {circle}")
+        raise FileError(f"specs extend each other in a cycle: {circle}")
     if len(chain) >= MOST_EXTENDED:
         raise FileError(f"{path}: more than {MOST_EXTENDED} specs extend each other")
     tree = parse(path)

@@ -14,7 +14,7 @@ _WORD = re.compile(r"[^\s,:\[\]{}\"]+")
 # What is wrong with a text in quotes, by the start of the message of Python's reader.
 _QUOTES = {
     "Unterminated": "these quotes are never closed",
-    "Invalid control": "a line ends, or what cannot be seen stands, within quotes; write \\n or \\t",
+    "Invalid control": "a line break or an invisible character within quotes; write \\n or \\t",
 }
 
 
@@ -73,7 +73,7 @@ class _Reader:
             raise self._wrong(at, "a key is expected here, a text in double quotes")
         key, end = self._scalar(at)
         if key in known:
-            raise self._wrong(at, f"'{key}' is said twice")
+            raise self._wrong(at, f"duplicate key '{key}'")
         return key, self._passed(":", self._space(end), "a colon is missing here, between key and value")
 
     def _scalar(self, at: int) -> tuple[Any, int]:
@@ -92,13 +92,13 @@ class _Reader:
             raise self._wrong(error.pos, words) from None
 
     def _no_number(self, word: str, at: int) -> Any:
-        raise self._wrong(at, f"{word} is no number of JSON")
+        raise self._wrong(at, f"{word} is not a valid JSON number")
 
     def _instead(self, word: str) -> str:
         if word.startswith(("//", "/*", "#")):
             return "JSON has no comments"
         if word.startswith("'"):
-            return "texts stand in double quotes"
+            return "texts need double quotes"
         return f"a value is expected here, not {word}" if word else "a value is expected here"
 
     def _passed(self, mark: str, at: int, lacking: str) -> int:
@@ -112,4 +112,4 @@ class _Reader:
         return found.end() if found else at
 
     def _wrong(self, at: int, text: str) -> SpecError:
-        return SpecError([Fault(self._spots.place(at), "", f"no JSON: {text}")])
+        return SpecError([Fault(self._spots.place(at), "", f"not valid JSON: {text}")])

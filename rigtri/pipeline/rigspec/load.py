@@ -117,7 +117,7 @@ def load(
     steps, contradictions = _planned(model, tree, numbers)
     faults += contradictions
     if not faults and not tree.steps:
-        faults.append(Fault(tree.place(("steps",)), "", "the spec has no steps; say what is to be done"))
+        faults.append(Fault(tree.place(("steps",)), "", "the spec has no steps"))
     if faults and source is not None:
         names = unnamed(tree, steps, source, model.reading())
         faults += (fault for fault in names if fault.place not in unsure)

@@ -99,7 +99,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
     elif kind == "missing":
         text = f"'{name}' is missing"
     elif kind == "string_pattern_mismatch" and keys[:1] == ("variables",):
-        text = f"'{keys[-1]}' is no name of a variable: it has letters, as in ${{side}}, and no spaces, "
+        text = f"'{keys[-1]}' is not a valid variable name: use letters, as in ${{side}}, and no spaces, "
         text += "braces, quotes, $ or ="
     elif kind == "union_tag_not_found":
         text = "'do' is missing: the name of an operation, e.g. orient-joints"
@@ -107,7 +107,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
         hint = did_you_mean(str(ctx.get("tag")), OPERATIONS) or f" There are {', '.join(OPERATIONS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
     elif kind == "string_type" and detail["input"] is None:
-        text = f"{option}: this place is open: name what belongs there, or leave it out"
+        text = f"{option}is null: give it a value, or remove it"
     else:
         text = detail["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]

@@ -30,13 +30,13 @@ def read(file: str, text: str) -> tuple[Any, Spot]:
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
-        raise SpecError([Fault(place, "", f"no YAML: {error.problem or error.context}")]) from error
+        raise SpecError([Fault(place, "", f"not valid YAML: {error.problem or error.context}")]) from error
     except ReaderError as error:
         place = Spots(file, text).place(int(error.position))
-        words = f"no YAML: a character that cannot be seen (U+{error.character:04X})"
+        words = f"not valid YAML: a character that cannot be seen (U+{error.character:04X})"
         raise SpecError([Fault(place, "", words)]) from error
     except (YAMLError, ValueError) as error:
-        raise SpecError([Fault(Place(file, 1, 1), "", f"no YAML: {_first_line(error)}")]) from error
+        raise SpecError([Fault(Place(file, 1, 1), "", f"not valid YAML: {_first_line(error)}")]) from error
     except RecursionError:
         _find_depth(file, text)
         raise
@@ -66,7 +66,7 @@ class _Reader:
         if node.tag and not node.tag.startswith(_OWN):
             raise self._wrong(node, f"the tag {node.tag} means nothing in a spec")
         if id(node) in around:
-            raise self._wrong(node, "an alias stands within what it stands for")
+            raise self._wrong(node, "an alias refers to a value that contains it")
         inner = (*around, id(node))
         if node.id == "scalar":
             return self._scalar(node), spot
@@ -113,7 +113,7 @@ class _Reader:
         return Place(self._file, mark.line + 1, mark.column + 1)
 
     def _wrong(self, node: Any, text: str) -> SpecError:
-        return SpecError([Fault(self._place(node), "", f"no YAML: {text}")])
+        return SpecError([Fault(self._place(node), "", f"not valid YAML: {text}")])
 
 
 def _first_line(error: Exception) -> str:

@@ -254,7 +254,7 @@ def test_errors_end_a_batch_early_where_that_is_asked_for(
     result = batch("--json", "-j", "1", *flag, inputs=("in/r*.glb", "in/s*.glb"))
     assert result.exit_code == 7
     assert list(statuses(result).values()) == ["error"] * failed
-    assert f"{18 - failed} not begun" in result.stderr
+    assert f"{18 - failed} not started" in result.stderr
 
 
 def test_trying_writes_nothing(batch: Batch, samples: Path) -> None:
@@ -472,7 +472,7 @@ def test_an_interrupt_before_work_begins_is_told(batch: Batch, monkeypatch: pyte
     monkeypatch.setattr(command, "_found", interrupted)
     result = batch()
     assert result.exit_code == 130
-    assert "interrupted: what is done is done; run it again for the rest" in result.stderr
+    assert "interrupted: finished files are kept; run it again for the rest" in result.stderr
 
 
 def test_manifests_of_one_folder_remember_the_axes_of_all_files(batch: Batch) -> None:

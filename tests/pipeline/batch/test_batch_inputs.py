@@ -157,9 +157,12 @@ def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> Non
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ('{"input": "a.glb", "input": "b.glb"}', "job.jsonl:1: no JSON: 'input' is said twice (column 20)"),
-        ('{"input": "a.glb", "variables": {"x": 1, "x": 2}}', "'x' is said twice"),
-        ('{"input": "a.glb", "variables": {"x": NaN}}', "NaN is no number of JSON"),
+        (
+            '{"input": "a.glb", "input": "b.glb"}',
+            "job.jsonl:1: not valid JSON: duplicate key 'input' (column 20)",
+        ),
+        ('{"input": "a.glb", "variables": {"x": 1, "x": 2}}', "duplicate key 'x'"),
+        ('{"input": "a.glb", "variables": {"x": NaN}}', "NaN is not a valid JSON number"),
         ("{'input': 'a.glb'}", "a key is expected here, a text in double quotes (column 2)"),
     ],
 )
@@ -344,4 +347,4 @@ def test_tasks_of_a_slurm_array_are_parts() -> None:
 
 def test_too_little_memory_is_told_with_the_least(tree: Path) -> None:
     result = cli("batch", "in/a.glb", "--spec", "rig.yaml", "--max-memory", "1K", code=2)
-    assert "the least is 1M" in result.stderr
+    assert "at least 1M" in result.stderr

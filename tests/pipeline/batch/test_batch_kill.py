@@ -189,7 +189,7 @@ def test_an_interrupt_ends_what_is_begun_and_keeps_what_is_done(
     assert process.returncode == code
     assert {line["status"] for line in lines} == {"ok"}
     assert 0 < len(lines) < COUNT
-    assert f"{COUNT - len(lines)} not begun" in told
+    assert f"{COUNT - len(lines)} not started" in told
     assert len(outputs(tmp_path)) == len(lines)
     assert left_behind(tmp_path) == []
     rest, _ = start("--json").communicate(timeout=60)
@@ -212,7 +212,7 @@ def test_a_second_interrupt_gives_up_what_is_begun(tmp_path: Path, start: Start,
     out, told = process.communicate(timeout=60)
     assert process.returncode == 130
     assert out == ""
-    assert f"{COUNT + 2} not begun" in told
+    assert f"{COUNT + 2} not started" in told
     assert left_behind(tmp_path) == [] if (tmp_path / "out").exists() else True
 
 

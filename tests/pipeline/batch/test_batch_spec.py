@@ -125,7 +125,7 @@ def test_a_spec_that_fits_no_file_names_one(here: Path, samples: Path) -> None:
 def test_what_is_no_address_of_a_scheduler_is_a_mistake_of_the_command_line(here: Path) -> None:
     for address in ("foo", "tcp://foo", "tcp://foo:bar"):
         result = batch("--dask", address)
-        assert (result.exit_code, "give tcp://HOST:PORT" in result.stderr) == (2, True)
+        assert (result.exit_code, "use tcp://HOST:PORT" in result.stderr) == (2, True)
 
 
 def test_an_empty_part_has_nothing_to_do(here: Path) -> None:
