@@ -456,7 +456,7 @@ def test_a_folder_of_schemes_that_is_not_there_is_told(
 ) -> None:
     monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path / "gone"))
     result = cli("recognise", SAMPLES / "biped.glb", code=3)
-    assert "RIGTRI_SCHEMES lists" in result.stderr
+    assert "RIGTRI_SCHEMES names" in result.stderr
     assert "gone, which is no folder" in result.stderr
 
 
