@@ -109,7 +109,7 @@ def test_what_files_have_not_is_counted_name_by_name(tmp_path: Path) -> None:
         "No clip is named 'run'": (1, "in/d.glb"),
     }
     told = report(tmp_path).stdout
-    assert "what files have not (of 7)\n  3  No joint is named 'hips'  in/" in told
+    assert "missing in files (of 7)\n  3  No joint is named 'hips'  in/" in told
 
 
 def test_words_say_the_same(tmp_path: Path) -> None:
