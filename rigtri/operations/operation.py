@@ -12,8 +12,8 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
+from rigtri.operations.declaration.keywords import defaults, from_keywords
 from rigtri.operations.declaration.option import check, described, options_of
-from rigtri.operations.option_keywords import from_keywords, known
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
@@ -57,7 +57,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
             if kind is not None:
                 given = None if options is not None else tuple(keywords)
                 if options is None:
-                    options = from_keywords(kind, rig, keywords, function.__name__)
+                    options = from_keywords(kind, keywords, function.__name__)
                 _check_rigs(options)
                 check(options, given)
                 keywords = {"options": options}
@@ -100,6 +100,6 @@ def _signature(function: Callable[..., Rig], kind: type | None) -> inspect.Signa
     both = [inspect.Parameter(name, only, default=None) for name in ("options", "report")]
     words = [
         inspect.Parameter(word, only, default=inspect.Parameter.empty if default is MISSING else default)
-        for word, default in known(kind).items()
+        for word, default in defaults(kind).items()
     ]
     return own.replace(parameters=[*first, *both, *words])

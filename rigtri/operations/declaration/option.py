@@ -1,7 +1,7 @@
 """Options of an operation: the fields of a frozen dataclass, each with its kind, help and default.
 
 Commands (`cli/operation_options.py`), rig specs (`rigtri.pipeline.rigspec.models.steps`) and the keywords
-of the library (`rigtri.operations.option_keywords`) are derived from them. The field's name is the
+of the library (`rigtri.operations.declaration.keywords`) are derived from them. The field's name is the
 option's everywhere: ``max_influences`` is ``--max-influences`` and the key ``max-influences``, ``from_`` is
 ``--from``.
 """
@@ -155,8 +155,7 @@ def _option(one: Any, hint: Any) -> Option:
 
 def described(cls: Any) -> str:
     """The options of an operation with their help, a line for each, as Python's help shows them."""
-    told = ((one.name, one.metadata.get(_META, {}).get("help", "")) for one in fields(cls))
-    return "\n".join(f"    {name}: {words}" for name, words in told if words)
+    return "\n".join(f"    {name}: {one.help}" for name, one in options_of(cls).items() if one.help)
 
 
 def _without_none(hint: Any) -> tuple[bool, Any]:
