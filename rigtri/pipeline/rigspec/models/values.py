@@ -194,10 +194,7 @@ Triples = Annotated[tuple[tuple[Name, Name, Name], ...], OneOrMany(_row)]
 # What drives, the node that it drives, and what of it.
 Driven = Annotated[tuple[tuple[Name, Node, Name], ...], OneOrMany(_row)]
 Flag = Annotated[bool, Strict()]
-Number = Annotated[float, Strict(), AfterValidator(workable)]
-Above = Annotated[float, Strict(), Field(gt=0), AfterValidator(workable)]
 Tolerance = Annotated[float, Strict(), Field(ge=0), AfterValidator(_finite)]
-Share = Annotated[float, Strict(), Field(ge=0, lt=1)]
 Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(is_word)]
 Point = Annotated[tuple[float, float, float], BeforeValidator(_numbers), WithJsonSchema(_TRIPLE)]
 Points = Annotated[tuple[Point, ...], OneOrMany(_row)]
@@ -224,6 +221,4 @@ File = Name
 Scalar = Annotated[
     Any, AfterValidator(_scalar), WithJsonSchema({"type": ["string", "number", "integer", "boolean"]})
 ]
-Auto = Literal["auto"]
-EndKind = Literal["locator", "joint"]
 Axis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
