@@ -35,7 +35,7 @@ _LISTS = ("--locators", "--points", "--names")
 
 
 class _Listing(click.Command):
-    """Lets ``--locators A B C`` take as many words as there are, so that a wrong count can be told."""
+    """Lets ``--locators A B C`` take as many words as there are, so that a wrong count can be reported."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         return super().parse_args(ctx, spread(args))

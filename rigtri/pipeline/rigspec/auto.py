@@ -47,7 +47,7 @@ class Proposal:
 
     @property
     def questions(self) -> tuple[str, ...]:
-        """What is asked for, in words: each limb that is not sure, and which joints it may be."""
+        """What the user must name: each limb that is not sure, and which joints it may be."""
         return tuple(self._question(chain) for chain in unsure(self.layout))
 
     def _question(self, chain: Chain) -> str:
