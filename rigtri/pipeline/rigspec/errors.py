@@ -59,7 +59,7 @@ class SpecError(UsageError):
 
 
 def _each_once(faults: Sequence[Fault]) -> Iterator[Fault]:
-    """Each fault once: what several words of a step's braces have in common is reported for the step alone."""
+    """Each fault once: what several words of braces have in common is reported for the step."""
     alike: dict[tuple[Place, str, str], list[str]] = {}
     for fault in faults:
         step = fault.where.rpartition(", ")[0] or fault.where
