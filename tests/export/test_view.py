@@ -431,5 +431,5 @@ def test_the_script_of_the_page_is_what_its_sources_make(tmp_path: Path) -> None
     made = [node, str(script), "--modules", modules, "--out", str(tmp_path)]
     subprocess.run(made, check=True, capture_output=True, timeout=120)
     for name in ("page.js", "page.draco.js", "page.js.LICENSES.txt"):
-        committed = (ROOT / "rigtri" / "viewer" / name).read_bytes()
+        committed = (ROOT / "rigtri" / "export" / "viewer" / name).read_bytes()
         assert (tmp_path / name).read_bytes() == committed, f"{name}: run node viewer/build.mjs"

@@ -20,7 +20,7 @@ from second_opinions import khronos_errors, usd_errors, validator
 import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, RigtriError, UsageError
 from rigtri.evaluation.constraint_application import apply_constraints
-from rigtri.evaluation.constraint_solver import pole_position, rotate_of, to_parts
+from rigtri.evaluation.constraint_solver import constraint_pole, rotate_of, to_parts
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.constraint_transform import lost_rules
@@ -362,7 +362,7 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
         rule = constraint_of(out, ConstraintRecord.from_dict(note))
         # In the plane of the bend, as far from the line of root and end as the driver.
-        assert_allclose(pole_position(rule, out.world[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12)
+        assert_allclose(constraint_pole(rule, out.world[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12)
 
 
 def test_circles_are_refused_and_named(samples: Path) -> None:

@@ -213,7 +213,7 @@ def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (AddControlsOptions(), "which joints"),
+        (AddControlsOptions(), "name the joints"),
         (AddControlsOptions(whole_character=True, name="{bone}"), "tokens"),
         (AddControlsOptions(whole_character=True, shape={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
     ],

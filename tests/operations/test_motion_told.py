@@ -248,8 +248,8 @@ def test_a_file_without_clips_says_so(tmp_path: Path) -> None:
 
 def test_help_says_what_else_the_tolerance_bounds() -> None:
     words = " ".join(cli("bake", "--help").output.split())
-    assert "how far keys that are left out may be off" in words
-    assert "keys that are left out" not in cli("orient-joints", "--help").output
+    assert "the largest error of removed keys" in words
+    assert "removed keys" not in cli("orient-joints", "--help").output
 
 
 @pytest.mark.parametrize("name", NAMES)
