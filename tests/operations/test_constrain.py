@@ -362,7 +362,8 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
         assert (note["child"], note["chain"]) == ("b", ["a", "b", "c"])
         rule = constraint_of(out, ConstraintRecord.from_dict(note))
         # In the plane of the bend, as far from the line of root and end as the driver.
-        assert_allclose(constraint_pole(rule, out.world[np.newaxis, list(rule.drivers)]), [wanted], atol=1e-12)
+        pole = constraint_pole(rule, out.world[np.newaxis, list(rule.drivers)])
+        assert_allclose(pole, [wanted], atol=1e-12)
 
 
 def test_circles_are_refused_and_named(samples: Path) -> None:
