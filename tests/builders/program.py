@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +11,9 @@ from typing import Any
 
 import click
 from click.testing import CliRunner
+
+# Before 8.2 click keeps standard error apart only where it is told to, and has no output of both.
+OLD_CLICK = "mix_stderr" in inspect.signature(CliRunner).parameters
 
 
 @dataclass(frozen=True)
@@ -47,10 +51,10 @@ def cli(
     ``code`` is the exit code that it has to end with.
     Exceptions that are no error of rigtri are raised.
     """
-    result = CliRunner(env=env).invoke(
-        program(), [str(word) for word in words], input=stdin, prog_name="rigtri"
-    )
+    runner: Any = CliRunner(env=env, mix_stderr=False) if OLD_CLICK else CliRunner(env=env)
+    result = runner.invoke(program(), [str(word) for word in words], input=stdin, prog_name="rigtri")
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
-    assert code is None or result.exit_code == code, result.output
-    return Ran(result.exit_code, result.stdout, result.stderr, result.output, result.stdout_bytes)
+    output = result.stdout + result.stderr if OLD_CLICK else result.output
+    assert code is None or result.exit_code == code, output
+    return Ran(result.exit_code, result.stdout, result.stderr, output, result.stdout_bytes)
