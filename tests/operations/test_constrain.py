@@ -473,7 +473,7 @@ def test_constraints_change_nothing_and_come_only_once(path: Path, tmp_path: Pat
         try:
             return constrain(rig, options=chosen[0], report=report)
         except GeometryError:  # something there has no size
-            chosen[0] = replace(chosen[0], kind="point")
+            chosen[0] = replace(chosen[0], type="point")
             return constrain(rig, options=chosen[0], report=report)
 
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
@@ -591,7 +591,7 @@ def test_three_vrm_evaluates_constraints_on_real_avatars_in_random_poses_as_we_d
     name: str, seed: int, assets: Path, tmp_path: Path
 ) -> None:
     posed, out = tmp_path / "posed.vrm", tmp_path / "out.vrm"
-    led = {driver for rule in REAL for driver, _ in rule.drivers} | {"upper_arm.R", "chest"}
+    led = {driver for rule in REAL for driver, _ in rule.driver} | {"upper_arm.R", "chest"}
     posed.write_bytes(in_poses(assets / "vrm" / name, sorted(led), np.random.default_rng(seed)))
     document = read(posed)
     rig = told(looking(document.rig, "head", "hand.R"), *REAL)
