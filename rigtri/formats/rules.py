@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Literal, NamedTuple
 
 Severity = Literal["error", "warning", "info"]
@@ -30,3 +31,11 @@ class Violation(NamedTuple):
     rule: str
     text: str
     item: int = 0
+
+
+def read_rules(family: str) -> tuple[Rule, ...]:
+    """The rules in the catalogue of a family of formats: gltf or vrm."""
+    import tomllib  # a file that can be read needs no catalogue
+
+    text = files(f"rigtri.formats.{family}").joinpath("catalogue.toml").read_text("utf-8")
+    return tuple(Rule(name, **rule) for name, rule in tomllib.loads(text).items())

@@ -14,18 +14,19 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.node_reader import Tree, title
-from rigtri.formats.gltf.rules.animations import (
+from rigtri.formats.gltf.rules import (
+    NON_UNIT,
+    WIDTH,
     count_violation,
     interpolation_violation,
     node_violation,
+    refuse,
     sampler_violation,
     time_violations,
     time_width_violation,
     twice_violation,
     value_width_violation,
 )
-from rigtri.formats.gltf.rules.nodes import NON_UNIT, WIDTH
-from rigtri.formats.gltf.rules.refuse import refuse
 from rigtri.formats.json_values import Value
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats

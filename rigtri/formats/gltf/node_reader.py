@@ -10,16 +10,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rigtri.formats.gltf.rules.nodes import (
+from rigtri.formats.gltf.rules import (
     MATRIX_AND_TRS,
     MATRIX_LAST_ROW,
     NON_UNIT,
     ROTATION_ZERO,
     matrix_violations,
+    refuse,
     rotation_violations,
     transform_violation,
 )
-from rigtri.formats.gltf.rules.refuse import refuse
 from rigtri.formats.json_values import LARGEST, Value
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, decompose, skew

@@ -12,14 +12,14 @@ import numpy as np
 
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.node_reader import Tree, title
-from rigtri.formats.gltf.rules.refuse import refuse
-from rigtri.formats.gltf.rules.skins import (
+from rigtri.formats.gltf.rules import (
     BIND_SINGULAR,
     BIND_TYPE,
     OF_ONE_JOINT,
     bind_violations,
     joint_violations,
     joints_outside,
+    refuse,
 )
 from rigtri.formats.json_values import Value
 from rigtri.maths.arrays import Booleans

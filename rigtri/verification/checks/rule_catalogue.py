@@ -1,7 +1,7 @@
 """All rules by their ids: what `rigtri check --list` and docs/checks.md show.
 
-The text of a rule of glTF that readers hold too is in `rigtri.formats.gltf.rules`; the code that
-looks for it is in `checks/gltf`, in the module of what it reads.
+Those of glTF and VRM are in `catalogue.toml` of the format. What looks for them is in `checks`, in the
+module of what it reads, or, where readers hold a rule too, in `rigtri.formats.gltf.rules`.
 """
 
 from __future__ import annotations
@@ -11,9 +11,7 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from rigtri.errors import UsageError
-from rigtri.formats.gltf.rules import animation_catalogue, structure_catalogue
-from rigtri.verification.checks.findings import Rule
-from rigtri.verification.checks.gltf import rules_vrm
+from rigtri.formats.rules import Rule, read_rules
 from rigtri.verification.checks.usd import rules, rules_binding, usdz
 
 UNREADABLE = "file.unreadable"
@@ -29,9 +27,8 @@ RULES: Mapping[str, Rule] = {
     rule.id: rule
     for rule in (
         *_FILE,
-        *structure_catalogue.RULES,
-        *animation_catalogue.RULES,
-        *rules_vrm.RULES,
+        *read_rules("gltf"),
+        *read_rules("vrm"),
         *rules.RULES,
         *rules_binding.RULES,
         *usdz.RULES,

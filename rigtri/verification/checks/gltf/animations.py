@@ -12,7 +12,9 @@ import numpy as np
 
 from rigtri.formats.gltf.accessors import FLOAT, FULL
 from rigtri.formats.gltf.animation_reader import pointer_of, target_of
-from rigtri.formats.gltf.rules.animations import (
+from rigtri.formats.gltf.rules import (
+    NON_UNIT,
+    WIDTH,
     count_violation,
     interpolation_violation,
     node_violation,
@@ -23,7 +25,6 @@ from rigtri.formats.gltf.rules.animations import (
     value_width_violation,
     values_needed,
 )
-from rigtri.formats.gltf.rules.nodes import NON_UNIT, WIDTH
 from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.formats.gltf.animation_reader import target_of
-from rigtri.formats.gltf.rules.nodes import WIDTH, matrix_violations, rotation_violations, transform_violation
+from rigtri.formats.gltf.rules import WIDTH, matrix_violations, rotation_violations, transform_violation
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigtri.formats.gltf.rules.skins import OF_ONE_JOINT, bind_violations, joint_violations, joints_outside
+from rigtri.formats.gltf.rules import OF_ONE_JOINT, bind_violations, joint_violations, joints_outside
 from rigtri.verification.checks.findings import listed
 from rigtri.verification.checks.gltf.tolerant_reader import View
 
