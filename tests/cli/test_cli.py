@@ -31,7 +31,7 @@ def test_help_is_there_for_every_command() -> None:
         assert "Example" in run(command, "--help").output
 
 
-def test_orient_joints_says_what_it_did_and_where_it_is(samples: Path, tmp_path: Path) -> None:
+def test_orient_joints_reports_what_it_did_and_where_it_is(samples: Path, tmp_path: Path) -> None:
     result = run("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
     assert result.stdout == ""
     assert "22 joints re-oriented" in result.stderr
@@ -72,7 +72,7 @@ def test_a_dry_run_needs_no_name_for_what_it_does_not_write(
     assert (without.exit_code, "-o" in without.stderr) == (2, True)
 
 
-def test_notes_in_written_files_keep_to_their_schema(samples: Path, tmp_path: Path) -> None:
+def test_metadata_in_written_files_keeps_to_its_schema(samples: Path, tmp_path: Path) -> None:
     schema, found = validator("node"), 0
     for number, options in enumerate((["--limbs", "auto"], ["--limb", "thigh_L", "shin_L", "foot_L"])):
         for name in ("biped.glb", "biped.usda"):
@@ -159,7 +159,7 @@ WRONG_SUFFIX = [
 
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize(("source", "target", "fits"), WRONG_SUFFIX)
-def test_an_output_of_another_format_is_told_before_anything_is_read(
+def test_an_output_of_another_format_is_reported_before_anything_is_read(
     command: str,
     source: str,
     target: str,
@@ -196,7 +196,7 @@ def test_a_misspelt_joint_gets_a_suggestion(samples: Path, tmp_path: Path) -> No
     assert "'forearm_L'" in result.stderr
 
 
-def test_verify_passes_what_looks_the_same_and_says_the_number(samples: Path, tmp_path: Path) -> None:
+def test_verify_passes_what_looks_the_same_and_reports_the_number(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     run("orient-joints", samples / "biped.glb", "-o", out, "-q")
     assert run("verify", samples / "biped.glb", out).stdout.startswith("deviation")
@@ -243,7 +243,7 @@ def test_inspect_prints_what_a_reviewer_has_read(name: str, samples: Path, golde
     golden.check(f"inspect_{name}.txt", run("inspect", samples / name).stdout)
 
 
-def test_inspect_colours_arrows_where_asked_to_and_says_the_same_words(
+def test_inspect_colours_arrows_on_request_and_gives_the_same_words(
     samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = samples / "biped.glb"
@@ -441,7 +441,9 @@ def test_the_kinds_of_errors_are_those_of_the_schema() -> None:
     assert kind_name(CrashError) == "file"
 
 
-def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(samples: Path, tmp_path: Path) -> None:
+def test_an_error_names_its_kind_and_a_result_with_details_stands_alone(
+    samples: Path, tmp_path: Path
+) -> None:
     source, other = samples / "biped.glb", tmp_path / "out.glb"
     command = ["orient-joints", source, "-o", other, "--json"]
     result = cli(*command, "--joints", "nobody")
@@ -456,7 +458,7 @@ def test_an_error_names_its_kind_and_a_result_that_tells_stands_alone(samples: P
     assert json.loads(result.stdout)["error"]["kind"] == "usage"
 
 
-def test_a_root_that_shows_something_itself_is_not_told_to_give_a_root(tmp_path: Path) -> None:
+def test_a_root_that_shows_something_itself_is_not_advised_to_give_a_root(tmp_path: Path) -> None:
     builder = small()
     builder.gltf["nodes"][-1]["name"] = "body"
     source = builder.glb(tmp_path / "in.glb")

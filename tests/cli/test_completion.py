@@ -13,7 +13,7 @@ from program import cli
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_the_lines_for_a_shell_ask_rigtri(shell: str) -> None:
+def test_the_lines_for_a_shell_call_rigtri(shell: str) -> None:
     told = cli("completion", shell, code=0)
     assert f"_RIGTRI_COMPLETE={shell}_complete" in told.stdout
 

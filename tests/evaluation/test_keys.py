@@ -27,7 +27,7 @@ def widest(turns: Floats) -> float:
 
 @pytest.mark.parametrize("degrees", [40.0, 79.0, 81.0, 90.0, 170.0, 360.0, 1000.0])
 @pytest.mark.parametrize("count", [13, 100, 1001])
-def test_turns_between_keys_are_narrower_than_a_quarter_turn(degrees: float, count: int) -> None:
+def test_rotations_between_keys_are_narrower_than_a_quarter_turn(degrees: float, count: int) -> None:
     assert np.radians(90.0) > WIDEST_TURN
     times, turns = np.linspace(0.0, 3.0, count), turning(degrees, count)
     keys = reduce_keys(times, turns, 1e-6)
@@ -48,7 +48,7 @@ def test_keys_that_are_wide_apart_in_the_source_all_stay(count: int) -> None:
 
 
 @pytest.mark.parametrize("count", [10, 19, 37, 500])
-def test_thinned_turns_are_not_thinned_again(count: int) -> None:
+def test_reduced_rotations_are_not_reduced_again(count: int) -> None:
     """Also where keys are exactly as far apart as may be, but for rounding."""
     times = np.linspace(0.0, 2.0, count)
     turns = turning(720.0, count).astype(np.float32).astype(np.float64)
@@ -56,7 +56,7 @@ def test_thinned_turns_are_not_thinned_again(count: int) -> None:
     np.testing.assert_array_equal(reduce_keys(times[keys], turns[keys], 1e-6), np.arange(len(keys)))
 
 
-def test_controls_of_a_spinning_character_turn_less_than_a_quarter_between_keys() -> None:
+def test_controls_of_a_spinning_character_rotate_less_than_a_quarter_between_keys() -> None:
     rig = rigged()
     hips = rig.find("hips")
     times = np.linspace(0.0, 2.0, 33)
@@ -72,7 +72,7 @@ def test_controls_of_a_spinning_character_turn_less_than_a_quarter_between_keys(
 
 @pytest.mark.parametrize("bound", [0.0, 1e-6, 1e-3, 0.3, 1.0, 3.0])
 @pytest.mark.parametrize("wild", [1e-6, 1e-3, 0.1, 1.0])
-def test_chords_tell_the_same_keys_as_angles_do(wild: float, bound: float) -> None:
+def test_distances_choose_the_same_keys_as_angles_do(wild: float, bound: float) -> None:
     random = np.random.default_rng(3)
     for _ in range(20):
         times = np.cumsum(random.uniform(0.01, 1.0, 40))

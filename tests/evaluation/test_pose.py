@@ -76,7 +76,7 @@ def test_step_waits_for_the_next_key() -> None:
     assert_allclose(sampling.sample(track, [0.0, 2.999, 3.0, 4.0])[:, 0], [1, 1, 3, 3])
 
 
-def test_rotations_turn_along_the_shorter_arc() -> None:
+def test_rotations_interpolate_along_the_shorter_arc() -> None:
     track = one_track("rotation", "LINEAR", [IDENTITY, -QUARTER])
     (halfway,) = sampling.sample(track, 2.0)
     expected = from_axis_angle([0, 0, 1], np.pi / 4)
@@ -155,7 +155,7 @@ def test_dual_quaternions_keep_the_distance_that_linear_blending_loses() -> None
     assert_allclose(point, [1 + np.sqrt(0.5), np.sqrt(0.5), 0], atol=1e-12)
 
 
-def test_dual_quaternions_carry_scale_and_mirroring() -> None:
+def test_dual_quaternions_include_scale_and_mirroring() -> None:
     rig = replace(random_rig(0), clips=())
     body = replace(character().drawn[0], node=0, joints=np.full((40, 1), 2), weights=np.ones((40, 1)))
     world = rig.world[np.newaxis]
@@ -229,7 +229,7 @@ def test_points_take_nothing_from_joints_without_weight_and_the_sum_of_the_other
         assert np.allclose(moved[:, v], wanted, rtol=0, atol=1e-14)
 
 
-def test_what_joints_move_is_told_joint_by_joint() -> None:
+def test_what_joints_move_is_reported_joint_by_joint() -> None:
     joints = np.array([[2, 0], [70_000, 2], [0, 0], [1, -1]])
     weights = np.array([[0.5, 0.5], [1.0, 0.0], [np.nan, 0.25], [0.0, -0.5]])
     for usual in (False, True):

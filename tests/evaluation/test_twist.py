@@ -54,7 +54,7 @@ def angles(rig: Rig, time: float) -> list[float]:
 
 
 @given(quaternions, directions)
-def test_swing_after_twist_is_the_turn(q: Floats, axis: Floats) -> None:
+def test_swing_after_twist_is_the_rotation(q: Floats, axis: Floats) -> None:
     axis = normalise(axis)
     swing, twist = swing_twist(q, axis)
     assert_allclose(rotation_angle(multiply(conjugate(q), multiply(swing, twist))), 0.0, atol=1e-7)
@@ -70,13 +70,13 @@ def test_a_swing_by_half_a_turn_has_no_twist() -> None:
     assert_allclose(twist_angle(multiply(from_axis_angle(Y, np.pi), from_axis_angle(X, 0.5)), X), 0.0)
 
 
-def test_a_turn_and_its_negative_have_one_twist() -> None:
+def test_a_rotation_and_its_negative_have_one_twist() -> None:
     q = from_axis_angle(X, np.radians([30, -30, 179, -179]))
     assert_allclose(np.degrees(twist_angle(q, X)), [30, -30, 179, -179])
     assert_allclose(np.degrees(twist_angle(-q, X)), [30, -30, 179, -179])
 
 
-def test_n_twist_joints_carry_their_share_of_the_twist_and_none_of_the_swing() -> None:
+def test_n_twist_joints_take_their_share_of_the_twist_and_none_of_the_swing() -> None:
     turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
     rig = add_twist(turning(ARM, "c", IDENTITY, turn), options=LOWER)
     assert_allclose(angles(rig, 1.0), [20, 40, 60], atol=1e-6)
@@ -109,7 +109,7 @@ def test_twist_joints_stand_along_the_bone_in_its_joints_axes() -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_notes_alone_say_what_the_keys_hold(seed: int) -> None:
+def test_metadata_alone_lists_what_the_keys_hold(seed: int) -> None:
     rig = random_rig(seed, joints=8)
     bones = [(k, int(p)) for k, p in enumerate(rig.parents) if p >= 0 and not rig.has_matrix[[k, p]].any()]
     child, joint = bones[seed % len(bones)]
@@ -132,7 +132,7 @@ def _turns(local: Floats) -> Floats:
     return from_axes(nearest_rotation(local))
 
 
-def test_a_mirrored_joint_turns_its_twist_joints_the_other_way() -> None:
+def test_a_mirrored_joint_rotates_its_twist_joints_the_other_way() -> None:
     mirrored = replace(ARM, scale=ARM.scale * [[-1], [1], [1], [1]])
     turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))
     rig = add_twist(turning(mirrored, "a", IDENTITY, turn), options=UPPER)
@@ -155,7 +155,7 @@ def test_between_keys_a_twist_joint_is_off_by_less_than_the_bound() -> None:
         assert 3 < len(track.times) < 200
 
 
-def test_a_clip_whose_times_are_shared_gets_no_more_and_says_how_far_off_it_is() -> None:
+def test_a_clip_whose_times_are_shared_gets_no_more_and_reports_how_far_off_it_is() -> None:
     rig = turning(ARM, "c", IDENTITY, multiply(from_axis_angle([0, 1, 1], 2.0), from_axis_angle(X, 1.5)))
     rig = replace(rig, clips=(replace(rig.clips[0], fixed_times=True),))
     report = Report()
@@ -172,14 +172,14 @@ def test_steps_stay_steps() -> None:
     assert_allclose(angles(rig, 1.0), np.degrees([0.25, 0.5, 0.75]), atol=1e-6)
 
 
-def test_a_twist_that_jumps_is_told() -> None:
+def test_a_twist_that_jumps_is_reported() -> None:
     turns = [from_axis_angle(X, np.radians(angle)) for angle in (170, 190)]
     report = Report()
     add_twist(turning(ARM, "c", *turns), options=LOWER, report=report)
     assert {notice.code for notice in report.warnings} == {"twist-jumps"}
 
 
-def test_a_clip_that_turns_no_driver_gets_no_keys() -> None:
+def test_a_clip_that_rotates_no_driver_gets_no_keys() -> None:
     rig = turning(ARM, "d", IDENTITY, from_axis_angle(X, 1.0))
     assert len(add_twist(rig, options=LOWER).clips[0].tracks) == 1
     rig = turning(ARM, "c", IDENTITY, from_axis_angle(X, 1.0))
@@ -230,7 +230,7 @@ def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
         (AddTwistOptions(joint=("c",), to=("b",)), "below"),
     ],
 )
-def test_what_fits_no_twist_is_told(options: AddTwistOptions, words: str) -> None:
+def test_what_fits_no_twist_is_reported(options: AddTwistOptions, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         add_twist(ARM, options=options)
 

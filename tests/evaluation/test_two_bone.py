@@ -48,7 +48,7 @@ def test_a_right_angle_by_hand():
     np.testing.assert_allclose(end[0], [np.sqrt(2.0), 0, 0], atol=1e-12)
 
 
-def test_a_target_out_of_reach_is_pointed_at_and_told():
+def test_a_target_out_of_reach_is_pointed_at_and_reported():
     found, _, end = solved([3.0, 0, 0], [0, 1, 0])
     np.testing.assert_allclose(end[0], [2.0, 0, 0], atol=1e-12)
     assert found.short[0] == pytest.approx(1.0)
@@ -87,7 +87,7 @@ def test_a_straight_soft_limb_has_a_target_that_is_not_far_off():
 
 
 @pytest.mark.parametrize("target", [[0, 0, 0], [1e-12, 0, 0]])
-def test_a_target_at_the_root_folds_the_limb_and_says_so(target):
+def test_a_target_at_the_root_folds_the_limb_and_reports_it(target):
     found, middle, end = solved(target, [0, 1, 0], lengths=(1.0, 0.6))
     assert found.lost[0]
     assert np.isfinite([*middle[0], *end[0]]).all()

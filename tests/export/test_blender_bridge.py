@@ -321,7 +321,7 @@ def told_by_switch(rigged: Path, scale: float, target: Path) -> Path:
 
 @pytest.mark.parametrize("command", ["bake", "take-clips"])
 @pytest.mark.parametrize(("scale", "holds"), [(1.5, True), (1.0, False), (0.5, False)])
-def test_a_switch_below_an_ik_end_tells_of_ik_without_keys(
+def test_a_switch_below_an_ik_end_reports_ik_without_keys(
     scale: float, holds: bool, command: str, rigged: dict[str, Path], tmp_path: Path
 ) -> None:
     rig = read(rigged["biped.glb"]).rig

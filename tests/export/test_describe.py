@@ -62,7 +62,7 @@ def test_describing_twice_gives_the_same_words() -> None:
     assert describe(character().rig) == describe(character().rig)
 
 
-def test_a_joint_tells_axis_child_length_and_bend() -> None:
+def test_a_joint_lists_axis_child_length_and_bend() -> None:
     assert line(arm(), "a").split() == ["a", "#0", *WORLD, "+y", "→", "b", "36.9°", "length", "5"]
     assert line(arm(), "b").split() == [
         ".",
@@ -102,7 +102,7 @@ def test_a_narrow_terminal_has_fewer_columns_and_every_joint() -> None:
     assert describe(rig, width=1000) == describe(rig)
 
 
-def test_the_legend_is_told_once_and_lines_above_the_tree_fit() -> None:
+def test_the_legend_is_reported_once_and_lines_above_the_tree_fit() -> None:
     rig = character().rig
     assert describe(rig).count("as seen from the front") == 1
     heading, tree, *_ = describe(rig, width=40).split("\n\n")
@@ -127,7 +127,7 @@ def test_names_are_one_line_each_and_no_row_is_wide_for_one_of_them() -> None:
     assert max(map(len, text.splitlines())) < 250
 
 
-def test_axes_off_the_world_are_told_in_numbers() -> None:
+def test_axes_off_the_world_are_reported_in_numbers() -> None:
     rotation = np.tile([0.0, 0, 0, 1], (3, 1))
     rotation[0] = from_axis_angle([0, 0, 1], np.radians(30))
     assert "x:(0.866 0.5 0) y:(-0.5 0.866 0) z:+z" in line(replace(arm(), rotation=rotation), "a")
@@ -163,7 +163,7 @@ def scaled(rig: Rig, scale: list[float]) -> Rig:
         ),
     ],
 )
-def test_what_is_unusual_is_said(change: Callable[[Rig], Rig], word: str) -> None:
+def test_what_is_unusual_is_reported(change: Callable[[Rig], Rig], word: str) -> None:
     assert line(change(arm()), "a").endswith(word)
 
 
@@ -171,7 +171,7 @@ def test_rounding_of_storage_is_not_unusual() -> None:
     assert line(scaled(arm(), [0.9999999, 1, 1]), "a") == line(arm(), "a")
 
 
-def test_straight_and_folded_limbs_are_told_apart() -> None:
+def test_straight_and_folded_limbs_are_distinguished() -> None:
     assert line(chain((0, 0, 0), (1, 0, 0), (2, 0.001, 0)), "b").endswith("bend 0.1°  straight")
     assert line(chain((0, 0, 0), (1, 0, 0), (0.5, 0, 0)), "b").endswith("bend 180.0°  folded")
 
@@ -192,7 +192,7 @@ def test_an_empty_rig_has_a_heading_only() -> None:
     assert as_json(empty)["nodes"] == []
 
 
-def test_notes_and_warnings_come_last() -> None:
+def test_notices_and_warnings_come_last() -> None:
     rig = arm().with_nodes(["b_pole"], [-1], np.array([[1, 12.4142, 0]]), np.array([[0.0, 0, 0, 1]]))
     note = {"v": 1, "type": "poleVector", "chain": ["a", "b", "c"], "reach": 0.5}
     report = Report()
@@ -202,7 +202,7 @@ def test_notes_and_warnings_come_last() -> None:
     assert text.endswith("\n\nwarnings\n  straight: a - b - c is straight")
 
 
-def test_what_is_not_a_number_is_said_and_is_null_for_machines() -> None:
+def test_what_is_not_a_number_is_reported_and_is_null_for_machines() -> None:
     translation = arm().translation.copy()
     translation[1] = np.nan
     rig = replace(arm(), translation=translation)
@@ -222,7 +222,7 @@ def test_machines_get_the_same() -> None:
     ]
 
 
-def test_clips_tell_tracks_keys_and_range() -> None:
+def test_clips_list_tracks_keys_and_range() -> None:
     assert "  walk  6 tracks  20 keys  0 to 2  CUBICSPLINE LINEAR STEP" in describe(character().rig)
     assert as_json(character().rig)["clips"][0]["range"] == [0.0, 2.0]
 

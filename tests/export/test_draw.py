@@ -80,7 +80,7 @@ def test_every_joint_is_one_dot_where_it_stands_with_the_arrows_of_its_axes(seed
             assert np.allclose(normalise(axis.points[1] - at), normalise(rig.world[node, k, :3]))
 
 
-def test_arrows_are_as_long_as_asked_for_in_bones() -> None:
+def test_arrows_are_as_long_as_requested_in_bones() -> None:
     rig = chain((0, 0, 0), (3, 4, 0), (6, 8, 0), (10, 5, 0))
     (x,) = [m for m in of_kind(seen(rig, DrawOptions(arrows=0.1)), "x") if m.node == "a"]
     assert np.allclose(x.points, [[0, 0, 0], [0.5, 0, 0]])
@@ -110,7 +110,7 @@ def test_a_limb_is_its_triangle_with_projection_right_angle_and_pole_vector() ->
     assert float(np.dot(one, two)) == pytest.approx(0.0)
 
 
-def test_a_straight_limb_has_its_chord_alone() -> None:
+def test_a_straight_limb_has_its_root_to_end_line_alone() -> None:
     rig = named(chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), "upper_arm_L", "forearm_L", "hand_L")
     assert not of_kind(seen(rig), "upright", "square", "foot", "pole")
     assert len(of_kind(seen(rig), "chord")) == 1
@@ -149,7 +149,7 @@ def test_a_selection_is_drawn_alone_and_larger() -> None:
         draw(rig, options=DrawOptions(selection=Selection(joints=("nobody",))))
 
 
-def test_marks_are_json_that_says_the_same() -> None:
+def test_marks_are_json_with_the_same_content() -> None:
     found = as_json(seen(named(arm(), "upper_arm_L", "forearm_L", "hand_L")))
     dots = [entry for entry in found if entry["kind"] == "joint"]
     assert [entry["points"] for entry in dots] == [[[0, 0, 0]], [[3, 4, 0]], [[7, 1, 0]]]
@@ -188,7 +188,7 @@ def test_meshes_that_cannot_be_read_leave_the_skeleton() -> None:
     assert "joint 99" in report.warnings[0].text
 
 
-def test_a_file_without_joints_draws_its_nodes_and_says_so() -> None:
+def test_a_file_without_joints_draws_its_nodes_and_reports_it() -> None:
     report = Report()
     svg = draw(replace(arm(), skins=()), title="props.glb", report=report)
     assert {"a", "b", "c"} <= set(texts(svg))
@@ -317,7 +317,7 @@ def test_the_command_writes_what_the_function_gives(run: Any, tmp_path: Path) ->
     assert {"before: arm.usda", "after: arm.gltf"} <= set(texts((tmp_path / "arm.svg").read_text("utf-8")))
 
 
-def test_a_picture_without_the_joints_that_were_left_out_says_so(run: Any) -> None:
+def test_a_picture_without_the_joints_that_were_left_out_reports_it(run: Any) -> None:
     assert "leaves no joint to be drawn" in run(SAMPLES / "biped.glb", "-o", "a.svg", "--exclude", "*").stderr
 
 
@@ -361,7 +361,7 @@ def test_a_picture_never_replaces_what_it_is_of(run: Any, tmp_path: Path) -> Non
     assert "would be overwritten" in run("arm.svg", "-o", "arm.svg", "--overwrite", code=2).stderr
 
 
-def test_png_is_made_by_resvg_and_where_it_is_missing_it_says_how_to_get_it(
+def test_png_is_made_by_resvg_and_where_it_is_missing_it_reports_how_to_get_it(
     run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run(SAMPLES / "arm.gltf", "-o", "arm.png", "--size", "320x200")
@@ -372,7 +372,7 @@ def test_png_is_made_by_resvg_and_where_it_is_missing_it_says_how_to_get_it(
     assert "pip install 'rigtri[png]'" in run(SAMPLES / "arm.gltf", "-o", "b.png", code=2).stderr
 
 
-def test_a_machine_without_fonts_is_told_what_to_install(
+def test_a_machine_without_fonts_gets_advice_what_to_install(
     run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import resvg_py

@@ -92,7 +92,7 @@ def test_points_that_make_no_triangle_are_explained(points: Any, told: str) -> N
         assert value(found, "hinge(A, B, C)") is None
 
 
-def test_numbers_too_large_or_none_are_told_not_shown() -> None:
+def test_numbers_too_large_or_none_are_reported_not_shown() -> None:
     with pytest.raises(GeometryError):
         explain([0, 0, 0], [float("nan"), 0, 0], [1, 0, 0])
     huge = explain([0, 0, 0], [1e300, 0, 0], [0, 1e300, 0])
@@ -101,7 +101,7 @@ def test_numbers_too_large_or_none_are_told_not_shown() -> None:
 
 
 @pytest.mark.parametrize("unit", [1e-200, 1e-100, 1e100, 1e200])
-def test_points_whose_squares_are_no_numbers_are_told_instead_of_measured(unit: float) -> None:
+def test_points_whose_squares_are_no_numbers_are_reported_instead_of_measured(unit: float) -> None:
     found = explain([0, 0, 0], [unit, 0, 0], [0, unit, 0])
     assert "another unit" in found.trouble
     assert value(found, "b - a") == (unit, 0, 0)

@@ -75,7 +75,7 @@ def written(folder: Path, *args: object) -> Page:
     return Page((folder / "page.html").read_text("utf-8"))
 
 
-def test_the_page_carries_the_bytes_of_the_file_and_of_all_that_it_names(
+def test_the_page_contains_the_bytes_of_the_file_and_of_all_that_it_names(
     samples: Path, tmp_path: Path
 ) -> None:
     page = written(tmp_path, samples / "biped.gltf")
@@ -91,7 +91,7 @@ def test_before_and_after_are_both_in_the_page_after_first(samples: Path, tmp_pa
     assert page.text["title"] == "tpose.glb ← biped.glb – rigtri view"
 
 
-def test_limbs_and_pole_vectors_are_told_by_their_nodes(samples: Path, tmp_path: Path) -> None:
+def test_limbs_and_pole_vectors_are_reported_by_their_nodes(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     limb = ("--limb", "upper_arm_L", "forearm_L", "hand_L")
     cli("add-polevector", samples / "biped.glb", "-o", out, *limb, code=0)
@@ -103,7 +103,7 @@ def test_limbs_and_pole_vectors_are_told_by_their_nodes(samples: Path, tmp_path:
     assert sum(one["pole"] >= 0 for one in told["limbs"]) == 1
 
 
-def test_joints_hang_on_joints_and_are_crooked_as_draw_has_them_whatever_stands_between() -> None:
+def test_joints_are_parented_to_joints_and_are_crooked_as_draw_has_them_whatever_stands_between() -> None:
     before = read(SAMPLES / "biped.glb").rig
     after = _controls(before, Report())
     nodes = facts(after)["nodes"]
@@ -211,13 +211,13 @@ def test_the_licence_of_three_is_in_the_page_and_beside_the_script(samples: Path
         (("--pose", "rest"), {"clip": -1, "time": None}),
     ],
 )
-def test_a_page_begins_as_it_is_asked_to(
+def test_a_page_begins_as_requested(
     options: tuple[str, ...], start: dict[str, Any], samples: Path, tmp_path: Path
 ) -> None:
     assert written(tmp_path, samples / "biped.glb", *options).facts["start"] == start
 
 
-def test_a_time_outside_the_clip_is_told_and_the_nearest_pose_shown() -> None:
+def test_a_time_outside_the_clip_is_reported_and_the_nearest_pose_shown() -> None:
     report = Report()
     begin = Begin(pose="wave@-5")
     text, _ = shown_page(
@@ -271,7 +271,7 @@ def test_a_page_never_replaces_what_it_shows(samples: Path, tmp_path: Path) -> N
     assert source.read_bytes() == (samples / "biped.glb").read_bytes()
 
 
-def test_what_was_written_is_told_to_machines(samples: Path, tmp_path: Path) -> None:
+def test_what_was_written_is_in_the_json(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "a.html"
     told = json.loads(view(samples / "arm.gltf", "-o", target, "--json").stdout)
     assert told["page"] == str(target)
@@ -283,7 +283,7 @@ def test_what_was_written_is_told_to_machines(samples: Path, tmp_path: Path) -> 
     }
 
 
-def test_a_page_is_opened_where_that_is_asked_and_a_missing_browser_is_told(
+def test_a_page_is_opened_on_request_and_a_missing_browser_is_reported(
     samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
@@ -304,13 +304,13 @@ def test_streams_work_both_ways(samples: Path) -> None:
     assert page.file("file0") == (samples / "biped.glb").read_bytes()
 
 
-def test_a_file_without_joints_is_shown_and_says_so(samples: Path, tmp_path: Path) -> None:
+def test_a_file_without_joints_is_shown_and_reports_it(samples: Path, tmp_path: Path) -> None:
     result = view(samples / "arm.gltf", "-o", tmp_path / "a.html")
     assert "arm.gltf has no joints; its nodes are shown" in result.stderr
     assert len(Page((tmp_path / "a.html").read_text("utf-8")).facts["models"][0]["nodes"]) > 2
 
 
-def test_names_that_turn_lines_round_or_are_endless_are_cut_and_marked(tmp_path: Path) -> None:
+def test_names_that_reverse_lines_or_are_endless_are_cut_and_marked(tmp_path: Path) -> None:
     b = small()
     b.gltf["nodes"][1]["name"] = "\u202eabc" + "x" * 500
     page = written(tmp_path, b.glb(tmp_path / "\u202eb.glb"))
@@ -320,13 +320,13 @@ def test_names_that_turn_lines_round_or_are_endless_are_cut_and_marked(tmp_path:
     assert "\u202e" not in page.text["title"]
 
 
-def test_a_file_without_nodes_says_so(tmp_path: Path) -> None:
+def test_a_file_without_nodes_reports_it(tmp_path: Path) -> None:
     path = tmp_path / "none.gltf"
     path.write_text('{"asset": {"version": "2.0"}}')
     assert "none.gltf has no joints; nor any node" in view(path, "-o", tmp_path / "a.html").stderr
 
 
-def test_what_is_missing_or_cannot_be_shown_is_told(tmp_path: Path) -> None:
+def test_what_is_missing_or_cannot_be_shown_is_reported(tmp_path: Path) -> None:
     b = evil()
     b.gltf["images"].append({"uri": "../secret.png"})
     b.gltf["images"].append({"uri": "https://example.org/a.png"})
@@ -338,12 +338,12 @@ def test_what_is_missing_or_cannot_be_shown_is_told(tmp_path: Path) -> None:
     assert len(notices) == 3
 
 
-def test_chains_too_deep_for_three_js_are_told(tmp_path: Path) -> None:
+def test_chains_too_deep_for_three_js_are_reported(tmp_path: Path) -> None:
     told = view(small(joints=2100).glb(tmp_path / "in.glb"), "-o", tmp_path / "a.html").stderr
     assert "warning: in.glb: 2100 nodes hang one below the other; the page cannot show more than some" in told
 
 
-def test_textures_that_no_page_can_show_are_told_once_with_the_reason(tmp_path: Path) -> None:
+def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_path: Path) -> None:
     b = small()
     b.gltf["images"] = [
         {"uri": f"{k}.dds"} if k < 5 else {"name": "packed", "uri": "data:image/ktx2;base64,q0tUWA=="}
@@ -367,7 +367,7 @@ def test_textures_that_no_page_can_show_are_told_once_with_the_reason(tmp_path: 
     ]
 
 
-def test_only_pages_with_meshes_in_draco_carry_its_decoder(samples: Path, tmp_path: Path) -> None:
+def test_only_pages_with_meshes_in_draco_contain_its_decoder(samples: Path, tmp_path: Path) -> None:
     b = small()
     b.gltf["extensionsUsed"] = ["KHR_draco_mesh_compression"]
     with_it, without = (
@@ -391,7 +391,7 @@ def test_an_image_outside_the_folder_is_taken_along_where_it_is_allowed(tmp_path
     assert page.file(one["id"]) == b"picture"
 
 
-def test_textures_of_usd_are_taken_along_and_others_are_told(tmp_path: Path) -> None:
+def test_textures_of_usd_are_taken_along_and_others_are_reported(tmp_path: Path) -> None:
     shaders = "".join(
         f'def Shader "S{k}"\n{{\nuniform token info:id = "UsdUVTexture"\nasset inputs:file = @{name}@\n}}\n'
         for k, name in enumerate(["a.png", "b.exr", "gone.png", "../out.png"])
@@ -413,7 +413,7 @@ def test_textures_of_usd_are_taken_along_and_others_are_told(tmp_path: Path) -> 
     assert "'../out.png' lies outside the folder of the file" in result.stderr
 
 
-def test_one_point_with_five_joints_is_enough_to_say_so(tmp_path: Path) -> None:
+def test_one_point_with_five_joints_is_enough_to_report_it(tmp_path: Path) -> None:
     b = small()
     attributes = b.gltf["meshes"][0]["primitives"][0]["attributes"]
     attributes |= {"JOINTS_1": attributes["JOINTS_0"], "WEIGHTS_1": b.accessor([[0.0] * 4] * 3)}

@@ -290,7 +290,7 @@ def test_pipes_and_devices_are_neither_read_nor_replaced(samples: Path, tmp_path
     assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
-def test_a_name_that_is_too_long_is_said(samples: Path, tmp_path: Path) -> None:
+def test_a_name_that_is_too_long_is_reported(samples: Path, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot be written"):
         edit(samples / "biped.glb", tmp_path / f"{'x' * 250}.glb", orient)
     assert contents(tmp_path) == {}
@@ -316,7 +316,7 @@ def tiny(tmp_path: Path) -> Iterator[Path]:
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz", "biped.gltf"])
-def test_a_full_disk_is_said_and_loses_nothing(name: str, samples: Path, tiny: Path) -> None:
+def test_a_full_disk_is_reported_and_loses_nothing(name: str, samples: Path, tiny: Path) -> None:
     target = tiny / f"out{Path(name).suffix}"
     target.write_bytes(b"precious")
     (tiny / "filler").write_bytes(bytes(40_000))
@@ -326,7 +326,7 @@ def test_a_full_disk_is_said_and_loses_nothing(name: str, samples: Path, tiny: P
     assert target.read_bytes() == b"precious"
 
 
-def test_a_disk_that_may_not_be_written_is_said(samples: Path, tiny: Path) -> None:
+def test_a_disk_that_may_not_be_written_is_reported(samples: Path, tiny: Path) -> None:
     target = tiny / "out.glb"
     target.write_bytes(b"precious")
     subprocess.run(["mount", "-o", "remount,ro", str(tiny)], check=True)
@@ -377,7 +377,7 @@ def test_the_new_name_is_forced_to_the_disk_after_the_content(
     assert steps == ["file", "rename", "folder"]
 
 
-def test_a_sync_that_fails_while_the_result_is_looked_at_comes_again_and_is_told(
+def test_a_sync_that_fails_while_the_result_is_looked_at_comes_again_and_is_reported(
     samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sync, asked = os.fsync, []
@@ -525,7 +525,7 @@ CASES = [
 
 @POSIX
 @pytest.mark.parametrize(("name", "machine"), CASES)
-def test_a_full_standard_output_is_said_in_one_line(
+def test_a_full_standard_output_is_reported_in_one_line(
     name: str, machine: bool, samples: Path, full: int, tmp_path: Path
 ) -> None:
     words = [*talking(name, samples, tmp_path / "out.glb"), *(["--json"] if machine else [])]

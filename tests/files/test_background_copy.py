@@ -131,7 +131,7 @@ def test_what_the_kernel_cannot_copy_is_copied_all_the_same(
     assert (tmp_path / "b").read_bytes() == (tmp_path / "a").read_bytes()
 
 
-def test_a_copy_that_is_stopped_says_so(tmp_path: Path) -> None:
+def test_a_copy_that_is_stopped_reports_it(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(bytes(100))
     stop = threading.Event()
     stop.set()

@@ -237,7 +237,7 @@ def bounded() -> Builder:
     return b
 
 
-def test_boxes_block_by_block_tell_the_same_as_all_points(
+def test_boxes_block_by_block_bound_the_same_as_all_points(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source, target = bounded().glb(tmp_path / "a.glb"), tmp_path / "b.glb"
@@ -248,7 +248,7 @@ def test_boxes_block_by_block_tell_the_same_as_all_points(
     assert whole.deviation > 0
 
 
-def test_boxes_that_the_file_states_never_tell_less(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_boxes_that_the_file_states_never_bound_less(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source, target = bounded().glb(tmp_path / "a.glb"), tmp_path / "b.glb"
     turn_all(source, target)
     whole = self_check(read(source), read(target))

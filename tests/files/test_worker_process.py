@@ -47,7 +47,7 @@ def test_a_server_of_processes_that_is_killed_early_is_started_anew(monkeypatch:
 
 
 @SERVED
-def test_where_no_process_can_be_started_that_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_no_process_can_be_started_that_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(_: object) -> None:
         raise EOFError("unexpected EOF")
 
@@ -112,7 +112,7 @@ if __name__ == "__main__":
 
 
 @SERVED
-def test_what_works_on_files_says_nothing_of_interrupts_and_kills(tmp_path: Path) -> None:
+def test_what_works_on_files_reports_nothing_of_interrupts_and_kills(tmp_path: Path) -> None:
     (tmp_path / "interrupting.py").write_text("import os, signal\nos.killpg(0, signal.SIGINT)\n")
     script = tmp_path / "script.py"
     script.write_text(INTERRUPTED)

@@ -73,7 +73,7 @@ def stretched(size: float, *joints: str) -> Limb:
         ["snap", "split"],
     ),
 )
-def test_in_usd_a_joint_of_such_rotations_turns_as_its_parent_and_nothing_moves(
+def test_in_usd_a_joint_of_such_rotations_is_reoriented_as_its_parent_and_nothing_moves(
     joints: tuple[str, ...], size: float, policy: str, tmp_path: Path
 ) -> None:
     source, out = made(tmp_path, stretched(size, *joints), ".usda"), tmp_path / "out.usda"
@@ -93,7 +93,7 @@ def test_in_usd_a_joint_of_such_rotations_turns_as_its_parent_and_nothing_moves(
     assert again.read_bytes() == out.read_bytes()
 
 
-def test_a_turn_against_the_parent_would_be_seen_and_is_not_let_through(tmp_path: Path) -> None:
+def test_a_reorientation_against_the_parent_would_be_seen_and_is_not_let_through(tmp_path: Path) -> None:
     source = made(tmp_path, stretched(0.7071, "elbow"), ".usda")
     turn = np.tile(IDENTITY, (len(read(source).rig), 1))
     turn[read(source).rig.find("elbow")] = from_axis_angle([1, 2, 3], 1.0)
@@ -105,7 +105,7 @@ def test_a_turn_against_the_parent_would_be_seen_and_is_not_let_through(tmp_path
     assert deviation(source, tmp_path / "out.usda") < FLOOR
 
 
-def test_who_allows_more_may_turn_what_moves_no_more_than_that(tmp_path: Path) -> None:
+def test_who_allows_more_may_reorient_what_moves_no_more_than_that(tmp_path: Path) -> None:
     source, out = made(tmp_path, stretched(1.0001, "elbow"), ".usda"), tmp_path / "out.usda"
     assert "follows" in entries(oriented(source, out))["elbow"]
     arguments = ["orient-joints", str(source), "-o", str(out), "--overwrite", "--tolerance", "2e-3"]
@@ -136,7 +136,7 @@ def test_a_mirrored_joint_of_such_rotations_holds_its_parent(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("size", [3.0, 0.7071])
-def test_gltf_means_unit_rotations_whatever_their_length_and_says_what_else_is_shown(
+def test_gltf_means_unit_rotations_whatever_their_length_and_reports_what_else_is_shown(
     size: float, tmp_path: Path
 ) -> None:
     source, out = made(tmp_path, stretched(size, "elbow"), ".glb"), tmp_path / "out.glb"
@@ -285,7 +285,7 @@ def test_what_a_reach_is_at_most_is_found_without_posing_and_is_no_less(seed: in
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_bound_of_reach_is_no_less_where_few_points_tell_the_size_of_what_is_seen(seed: int) -> None:
+def test_a_bound_of_reach_is_no_less_where_few_points_give_the_size_of_what_is_seen(seed: int) -> None:
     """Points whose skin turns them, so that others are outermost; without a skin; and none at all."""
     chance = np.random.default_rng(seed)
     rig = chain((0, 0, 0), (3, 0, 0), (0, 4, 0))

@@ -99,7 +99,7 @@ def test_a_split_moves_nothing_and_a_second_run_changes_no_byte(
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("case", CASES)
-def test_every_joint_of_a_split_aims_as_it_was_told(case: str, suffix: str, tmp_path: Path) -> None:
+def test_every_joint_of_a_split_aims_along_its_axis(case: str, suffix: str, tmp_path: Path) -> None:
     source, out = made(tmp_path, CASES[case], suffix), tmp_path / f"out{suffix}"
     oriented(source, out)
     rig = read(out).rig
@@ -155,7 +155,7 @@ def test_a_joint_with_a_mesh_a_child_and_two_skins_is_split(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-def test_the_report_says_which_scale_at_which_key_was_decided_how(suffix: str, tmp_path: Path) -> None:
+def test_the_report_lists_which_scale_at_which_key_was_decided_how(suffix: str, tmp_path: Path) -> None:
     source, report = made(tmp_path, CASES["animated"], suffix), tmp_path / "report.json"
     arguments = ["orient-joints", str(source), "-o", str(tmp_path / f"out{suffix}"), "--report", str(report)]
     arguments += ["--on-nonuniform-scale", "split", *(["--allow-rename"] if suffix == ".usda" else [])]
@@ -177,7 +177,7 @@ def test_the_policy_error_names_joint_scale_and_time(suffix: str, tmp_path: Path
     assert not (tmp_path / f"out{suffix}").exists()
 
 
-def test_vrm_1_takes_no_split_and_says_why(tmp_path: Path) -> None:
+def test_vrm_1_takes_no_split_and_gives_the_reason(tmp_path: Path) -> None:
     source, target = gltf(tmp_path / "in.vrm", CASES["animated"], vrm=True), tmp_path / "out.vrm"
     with pytest.raises(GeometryError, match=r"'elbow' cannot be split: in VRM 1\.0 every node has"):
         oriented(source, target)

@@ -39,7 +39,7 @@ def test_new_axes_move_no_vertex_in_any_pose(seed: int) -> None:
 
 
 @given(seeds)
-def test_joints_have_the_axes_that_were_asked_for(seed: int) -> None:
+def test_joints_have_the_axes_that_were_requested(seed: int) -> None:
     rig, turn = random_rig(seed), random_turns(seed, 6)
     after = poses(reframe(rig, turn))[:, : len(rig)]
     expected = turned_by(turn, poses(rig))
@@ -73,7 +73,7 @@ def test_there_and_back_is_where_one_was(seed: int) -> None:
 
 
 @given(seeds)
-def test_two_turns_are_their_product(seed: int) -> None:
+def test_two_rotations_are_their_product(seed: int) -> None:
     rig, first, second = random_rig(seed), random_turns(seed, 6), random_turns(seed + 1, 6)
     rig = replace(rig, attachment=np.full(len(rig), -1), scale=np.abs(rig.scale))
     one_by_one = reframe(reframe(rig, first), second)
@@ -83,13 +83,13 @@ def test_two_turns_are_their_product(seed: int) -> None:
 
 
 @given(seeds)
-def test_a_rig_that_nothing_turns_is_the_same_object(seed: int) -> None:
+def test_a_rig_that_nothing_reorients_is_the_same_object(seed: int) -> None:
     rig = random_rig(seed)
     assert reframe(rig, np.tile(IDENTITY, (len(rig), 1))) is rig
 
 
 @given(seeds)
-def test_what_hangs_under_no_turned_joint_keeps_its_bits(seed: int) -> None:
+def test_what_is_below_no_reoriented_joint_keeps_its_bits(seed: int) -> None:
     rig = random_rig(seed)
     turn = np.tile(IDENTITY, (len(rig), 1))
     turn[-1] = random_turns(seed, 2)[1]
@@ -102,7 +102,7 @@ def test_what_hangs_under_no_turned_joint_keeps_its_bits(seed: int) -> None:
         assert after is before or before.node in touched
 
 
-def test_tangents_turn_with_their_keys_and_keep_their_length() -> None:
+def test_tangents_rotate_with_their_keys_and_keep_their_length() -> None:
     rig = chain((0, 0, 0), (1, 0, 0))
     values = np.array([[[0, 0, 0, 5.0], [0, 0, 0, 1.0], [3.0, 0, 0, 0]]] * 2)
     track = Track(0, "rotation", "CUBICSPLINE", np.array([0.0, 1.0]), values)
@@ -128,7 +128,7 @@ def test_a_vector_that_a_format_keeps_in_a_frame_follows() -> None:
     assert_allclose(bound.vector, [0, -1, 0], atol=1e-15)
 
 
-def test_a_payload_gets_a_node_of_its_own_and_its_morphs_follow() -> None:
+def test_an_attachment_gets_a_node_of_its_own_and_its_morphs_follow() -> None:
     rig = replace(chain((0, 0, 0), (1, 0, 0)), attachment=np.array([0, -1]))
     weights = Track(0, "weights", "STEP", np.array([0.0]), np.array([[1.0]]))
     rig = replace(rig, clips=(Clip("clip", (weights,)),))

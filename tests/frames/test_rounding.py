@@ -10,7 +10,7 @@ from rigtri.formats.gltf.float32_rounding import round_tracks
 from rigtri.model.animation import Track
 
 
-def test_turns_half_a_turn_apart_to_the_bit_keep_the_way_round_that_players_see() -> None:
+def test_rotations_half_a_turn_apart_to_the_bit_keep_the_way_round_that_players_see() -> None:
     """Their products sum up to nothing; whether those of the unit turns do so, too, hangs on their length."""
     random = np.random.default_rng(5)
     below = set()

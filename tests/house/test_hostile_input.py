@@ -323,7 +323,7 @@ def test_influences_that_do_not_fit_are_not_printed_by_pxr(
 
 
 @pytest.mark.parametrize("what", ["translation", "scale", "matrix", "inverse_bind"])
-def test_an_edit_may_not_turn_a_number_into_none(what: str, tmp_path: Path) -> None:
+def test_an_edit_may_not_make_a_number_none(what: str, tmp_path: Path) -> None:
     def overflow(rig: Rig, report: Report) -> Rig:
         if what == "inverse_bind":
             (skin,) = rig.skins
@@ -352,7 +352,7 @@ def test_numbers_near_the_end_of_float32_are_not_noisy(tmp_path: Path) -> None:
 # --- packages
 
 
-def test_headers_that_tell_different_sizes_are_refused(tmp_path: Path) -> None:
+def test_headers_that_state_different_sizes_are_refused(tmp_path: Path) -> None:
     """USD reads the one, every unpacker the other: what is checked must be what is used."""
     path = zipped(("a.usda", LAYER.encode()), ("b.txt", b"twelve bytes"), path=tmp_path / "a.usdz")
     content = bytearray(path.read_bytes())
@@ -502,7 +502,7 @@ def counting(count: int) -> int:
     return count
 
 
-def test_what_a_task_tells_is_heard_before_it_goes_on() -> None:
+def test_an_event_of_a_task_arrives_before_the_task_goes_on() -> None:
     heard: list[int] = []
     with WorkerProcess(seconds=60) as child:
         assert child("x", counting, 3, on_event=heard.append) == 3
@@ -511,7 +511,7 @@ def test_what_a_task_tells_is_heard_before_it_goes_on() -> None:
 
 
 @POSIX
-def test_why_a_child_ended_is_told_to_machines_too() -> None:
+def test_why_a_child_ended_is_in_the_json_too() -> None:
     for how, kind in (("crash", "crash"), ("hang", "timeout"), ("eat", "memory")):
         with WorkerProcess(seconds=2 if how == "hang" else 60, memory=1 << 28) as child:
             with pytest.raises(CrashError) as told:
@@ -519,7 +519,7 @@ def test_why_a_child_ended_is_told_to_machines_too() -> None:
             assert told.value.kind == kind
 
 
-def test_a_fault_in_the_task_itself_is_told_with_its_traceback() -> None:
+def test_a_fault_in_the_task_itself_is_reported_with_its_traceback() -> None:
     with WorkerProcess(seconds=60) as child, pytest.raises(RuntimeError, match="TypeError"):
         child("x", twice, None)
 
@@ -551,7 +551,7 @@ def test_a_child_may_have_a_child_of_its_own_which_has_its_limits() -> None:
 
 @POSIX
 @pytest.mark.slow
-def test_a_child_that_hangs_ends_with_the_child_that_started_it(tmp_path: Path) -> None:
+def test_a_child_that_does_not_respond_ends_with_the_child_that_started_it(tmp_path: Path) -> None:
     mark = tmp_path / "number"
     with WorkerProcess(seconds=15) as child, pytest.raises(CrashError, match="took longer"):
         child("outer", outer, "wait", str(mark))
@@ -605,7 +605,7 @@ def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
         overridden_file(_Spoilt(), Path("in.usdc"))
 
 
-def test_a_finding_of_openusd_that_quotes_bytes_is_told_all_the_same() -> None:
+def test_a_finding_of_openusd_that_quotes_bytes_is_reported_all_the_same() -> None:
     from rigtri.verification.checks.usd.usd_validation import _message
 
     assert "no text" in _message(_Spoilt())

@@ -20,7 +20,7 @@ POLE: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": ["shoulder", "elb
 
 
 @pytest.mark.parametrize("name", SCHEMAS)
-def test_every_schema_is_one_and_says_what_it_is_for(name: str) -> None:
+def test_every_schema_is_one_and_states_what_it_is_for(name: str) -> None:
     text = schema(name)
     Draft202012Validator.check_schema(text)
     assert text["title"]
@@ -117,7 +117,7 @@ def test_a_schema_that_is_printed_needs_no_other() -> None:
     assert cli("schema", "node").json == schema("node")
 
 
-def test_the_usd_schema_is_what_the_node_schema_says() -> None:
+def test_the_usd_schema_is_what_the_node_schema_defines() -> None:
     from rigtri.schemas.make import generated
 
     layer, plugin = generated(schema("node"))

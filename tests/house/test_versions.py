@@ -96,7 +96,7 @@ def usda_with(note: dict[str, Any], samples: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("note", LATER, ids=["version", "type"])
 @pytest.mark.parametrize("make", [glb_with, usda_with], ids=["glb", "usda"])
-def test_what_a_later_version_has_stored_is_told_and_stays(
+def test_what_a_later_version_has_stored_is_reported_and_stays(
     make: Callable[[dict[str, Any], Path, Path], Path], note: dict[str, Any], samples: Path, tmp_path: Path
 ) -> None:
     source = make(note, samples, tmp_path)
@@ -106,7 +106,7 @@ def test_what_a_later_version_has_stored_is_told_and_stays(
     assert bare.read_bytes() == source.read_bytes()
 
 
-def test_joint_notes_of_a_later_version_stay_beside_ours(samples: Path, tmp_path: Path) -> None:
+def test_joint_metadata_of_a_later_version_stays_beside_ours(samples: Path, tmp_path: Path) -> None:
     def marked(rig: Rig, report: Report) -> Rig:
         note = {"v": 1, "type": "frame", "up": "world", "invented": True}
         return noted(noted(rig, rig.find("hand_L"), note), rig.find("head"), note)

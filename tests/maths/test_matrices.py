@@ -97,14 +97,14 @@ def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats]
 
 
 @given(frames(), quaternions)
-def test_turns_before_and_after_are_products_with_a_turn_matrix(a: Floats, turn: Floats) -> None:
+def test_rotations_before_and_after_are_products_with_a_rotation_matrix(a: Floats, turn: Floats) -> None:
     c = m.from_frame(to_axes(turn), [0, 0, 0])
     assert_allclose(m.rotate_before(turn, a), c @ a, atol=1e-9)
     assert_allclose(m.rotate_after(a, turn), a @ c, atol=1e-9)
 
 
 @given(directions, quaternions)
-def test_a_matrix_moves_a_point_as_its_row_says(position: Floats, turn: Floats) -> None:
+def test_a_matrix_moves_a_point_as_its_row_states(position: Floats, turn: Floats) -> None:
     matrix = m.compose(position, turn, [1, 1, 1])
     assert_allclose(np.array([0, 0, 0, 1]) @ matrix, [*position, 1])
 

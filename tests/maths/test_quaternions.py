@@ -22,12 +22,12 @@ def same_turn(a: Floats, b: Floats, atol: float = 1e-12) -> None:
 
 
 @given(quaternions, quaternions, vectors)
-def test_a_product_turns_by_the_second_first(a: Floats, b: Floats, v: Floats) -> None:
+def test_a_product_rotates_by_the_second_first(a: Floats, b: Floats, v: Floats) -> None:
     assert_allclose(q.rotate(q.multiply(a, b), v), q.rotate(a, q.rotate(b, v)), atol=1e-9)
 
 
 @given(quaternions)
-def test_a_turn_and_its_conjugate_cancel(a: Floats) -> None:
+def test_a_rotation_and_its_conjugate_cancel(a: Floats) -> None:
     assert_allclose(q.multiply(a, q.conjugate(a)), q.IDENTITY, atol=1e-15)
 
 
@@ -39,14 +39,14 @@ def test_products_are_associative_and_keep_the_norm(a: Floats, b: Floats, c: Flo
 
 
 @given(quaternions)
-def test_axes_become_the_turn_they_came_from(a: Floats) -> None:
+def test_axes_become_the_rotation_they_came_from(a: Floats) -> None:
     back = q.from_axes(q.to_axes(a))
     assert back[3] >= 0
     same_turn(back, a)
 
 
 @given(quaternions)
-def test_the_axes_of_a_turn_are_right_handed_and_orthonormal(a: Floats) -> None:
+def test_the_axes_of_a_rotation_are_right_handed_and_orthonormal(a: Floats) -> None:
     x, y, z = q.to_axes(a)
     assert_allclose(cross(x, y), z, atol=1e-14)
     assert_allclose([length(x), length(y), dot(x, y)], [1, 1, 0], atol=1e-14)
@@ -73,14 +73,16 @@ def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats,
 
 
 @given(directions, st.floats(-3.1, 3.1))
-def test_a_turn_about_an_axis_leaves_the_axis_and_turns_by_its_angle(axis: Floats, angle: float) -> None:
+def test_a_rotation_about_an_axis_leaves_the_axis_and_rotates_by_its_angle(
+    axis: Floats, angle: float
+) -> None:
     turn = q.from_axis_angle(axis, angle)
     assert_allclose(q.rotate(turn, axis), axis, atol=1e-9)
     assert_allclose(q.rotation_angle(turn), abs(angle), atol=1e-14)
 
 
 @given(directions, directions)
-def test_the_turn_between_two_directions_takes_one_to_the_other(a: Floats, b: Floats) -> None:
+def test_the_rotation_between_two_directions_takes_one_to_the_other(a: Floats, b: Floats) -> None:
     assert_allclose(q.rotate(q.between(a, b), normalise(a)), normalise(b), atol=1e-9)
 
 
@@ -99,7 +101,7 @@ def test_slerp_starts_and_ends_where_it_should_and_stays_unit(a: Floats, b: Floa
 
 
 @given(quaternions, quaternions, quaternions, quaternions, shares)
-def test_turned_keys_slerp_to_the_turned_pose(
+def test_reoriented_keys_slerp_to_the_reoriented_pose(
     a: Floats, b: Floats, before: Floats, after: Floats, share: float
 ) -> None:
     """Why no key has to be resampled: slerp(p·a·q, p·b·q) = p·slerp(a, b)·q."""
@@ -136,7 +138,7 @@ def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
     assert_allclose(q.rotate([0, 0, np.sqrt(0.5), np.sqrt(0.5)], [1, 0, 0]), [0, 1, 0], atol=1e-15)
 
 
-def test_the_identity_turns_nothing_to_the_bit() -> None:
+def test_the_identity_rotates_nothing_to_the_bit() -> None:
     v = np.array([0.1, 0.2, 0.3])
     assert_array_equal(q.rotate(q.IDENTITY, v), v)
     assert_array_equal(q.multiply(q.IDENTITY, [0.1, 0.2, 0.3, 0.4]), [0.1, 0.2, 0.3, 0.4])
@@ -148,7 +150,7 @@ def test_half_turns_about_the_axes_survive(axes: Floats) -> None:
     assert_allclose(q.to_axes(q.from_axes(axes)), axes, atol=1e-15)
 
 
-def test_a_zero_quaternion_is_no_turn() -> None:
+def test_a_zero_quaternion_is_no_rotation() -> None:
     assert np.isnan(q.unit([0, 0, 0, 0])).all()
 
 
@@ -157,14 +159,14 @@ def test_three_numbers_are_no_quaternion() -> None:
         q.as_quaternions([1, 2, 3])
 
 
-def test_the_axes_of_a_turn_are_the_turned_axes_to_the_bit() -> None:
+def test_the_axes_of_a_rotation_are_the_rotated_axes_to_the_bit() -> None:
     random = np.random.default_rng(3)
     turns = np.concatenate([random.normal(size=(500, 4)), random.choice([0.0, -0.0, 1.0, -1.0], (200, 4))])
     turned = q.rotate(turns[:, np.newaxis, :], np.eye(3))
     assert q.to_axes(turns).tobytes() == turned.tobytes()
 
 
-def test_the_mean_of_one_turn_is_the_turn() -> None:
+def test_the_mean_of_one_rotation_is_the_rotation() -> None:
     turn = q.unit(np.array([[[0.1, 0.2, 0.3, 0.4]], [[0.4, 0.3, -0.2, -0.1]]]))
     assert_array_equal(q.average(turn, np.array([0.7])), q.unit(turn)[:, 0])
     assert np.isnan(q.average(turn, np.array([0.0]))).all()

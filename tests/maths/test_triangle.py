@@ -58,7 +58,7 @@ def test_a_triangle_that_moves_takes_its_plane_and_pole_along(
 
 
 @given(vectors, vectors, vectors)
-def test_a_positive_turn_about_the_hinge_flexes(a: Floats, b: Floats, c: Floats) -> None:
+def test_a_positive_rotation_about_the_hinge_flexes(a: Floats, b: Floats, c: Floats) -> None:
     assume(clear(a, b, c) and triangle.bend_angle(a, b, c) < 3)
     flexed = b + rotate(from_axis_angle(triangle.hinge(a, b, c), 0.01), c - b)
     before, after = triangle.bend_angle(a, b, c), triangle.bend_angle(a, b, flexed)
@@ -66,7 +66,9 @@ def test_a_positive_turn_about_the_hinge_flexes(a: Floats, b: Floats, c: Floats)
 
 
 @given(vectors, vectors, vectors)
-def test_both_methods_point_from_the_chord_to_the_bend_in_its_plane(a: Floats, b: Floats, c: Floats) -> None:
+def test_both_methods_point_from_the_root_to_end_line_to_the_bend_in_its_plane(
+    a: Floats, b: Floats, c: Floats
+) -> None:
     assume(clear(a, b, c))
     normal = triangle.hinge(a, b, c)
     across = triangle.bend_direction(a, b, c)
@@ -190,7 +192,7 @@ def test_the_angle_of_the_triangle_is_the_angle_of_its_sides() -> None:
     assert_allclose(triangle.bend_angle(SHOULDER, ELBOW, WRIST), angle(ELBOW - SHOULDER, WRIST - ELBOW))
 
 
-def test_one_limb_is_told_to_the_bit_as_many_triangles() -> None:
+def test_one_limb_is_computed_to_the_bit_as_many_triangles() -> None:
     chance = np.random.default_rng(6)
     points = chance.normal(size=(40, 3, 3))
     points[0, 2], points[1, 1], points[2] = points[0, 0], points[1, 0], points[2, 0]  # coincide

@@ -108,7 +108,7 @@ def test_the_cross_product_of_the_appendix() -> None:
     assert_allclose(normalised, [-0.6237396, -0.4678770, -0.6238621], rtol=0, atol=1e-7)
 
 
-def test_the_dot_product_tells_same_perpendicular_and_opposite() -> None:
+def test_the_dot_product_separates_same_perpendicular_and_opposite() -> None:
     """GDC 2018, slide "The Dot Product": 1, 0 and -1."""
     x = [1, 0, 0]
     assert [float(v.dot(x, other)) for other in ([1, 0, 0], [0, 1, 0], [-1, 0, 0])] == [1, 0, -1]

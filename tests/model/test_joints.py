@@ -249,7 +249,7 @@ def test_a_pole_joint_stands_where_the_locator_would(samples: Path) -> None:
     assert joint.is_joint[joint.find("shin_R_pole")]
 
 
-def test_a_joint_needs_something_to_hang_on() -> None:
+def test_a_joint_needs_a_parent() -> None:
     arm = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
     limb = given(arm, "a", "b", "c")
     with pytest.raises(UsageError, match="nothing stands above 'a'"):
@@ -271,7 +271,7 @@ def test_xforms_that_stand_in_for_joints_get_prims_below_them(tmp_path: Path) ->
     assert after.path(after.find("new2")).endswith("/new1/new2")
 
 
-def test_new_joints_turn_and_split_like_all_others(tmp_path: Path) -> None:
+def test_new_joints_are_reoriented_and_split_like_all_others(tmp_path: Path) -> None:
     """In one run: a joint is added below one that is split."""
     source, out = usd(tmp_path / "in.usda", Limb(keys={"elbow": STRETCH})), tmp_path / "out.usda"
 

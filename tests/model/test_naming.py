@@ -22,7 +22,7 @@ from rigtri.model.joint_names import side, twin, without_prefix
         ("left_to_right", ""),
     ],
 )
-def test_a_name_tells_its_side(name: str, expected: str) -> None:
+def test_a_name_gives_its_side(name: str, expected: str) -> None:
     assert side(name) == expected
 
 
@@ -39,6 +39,6 @@ def test_a_name_without_a_side_is_its_own_twin() -> None:
     assert twin("Lefty") == "Lefty"
 
 
-def test_words_that_all_names_begin_with_say_nothing() -> None:
+def test_words_that_all_names_begin_with_are_ignored() -> None:
     assert without_prefix(["Fight_Hips", "Fight_LeftUpLeg"]) == ["Hips", "LeftUpLeg"]
     assert without_prefix(["arm", "armature"]) == ["arm", "armature"]

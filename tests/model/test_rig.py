@@ -89,7 +89,7 @@ def test_an_exact_name_wins_over_a_pattern() -> None:
         rig.match("leg*")
 
 
-def test_titles_say_enough_to_find_the_node() -> None:
+def test_titles_suffice_to_find_the_node() -> None:
     rig = hero()
     assert [rig.title(node) for node in (1, 2, 4)] == ["arm (#1)", "elbow", "#4"]
     assert rig.path(4) == "/root/#4"

@@ -140,7 +140,7 @@ def test_a_scale_of_zero_of_a_control_is_that_of_its_joint(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("size", [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0]])
 @pytest.mark.parametrize("below", [False, True])
-def test_a_scale_of_zero_of_the_root_control_leaves_the_turn_of_its_joint(
+def test_a_scale_of_zero_of_the_root_control_leaves_the_rotation_of_its_joint(
     name: str, size: list[float], below: bool
 ) -> None:
     rig = rigged(name)
@@ -174,7 +174,7 @@ def test_a_scale_of_zero_of_the_root_control_in_a_clip_of_one_key_bakes_to_numbe
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_bake_says_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: str, tmp_path: Path) -> None:
+def test_bake_reports_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: str, tmp_path: Path) -> None:
     asks, out = (tmp_path / f"{k}{Path(name).suffix}" for k in range(2))
 
     def asking(rig: Rig, report: Report) -> Rig:
@@ -203,7 +203,7 @@ def test_a_soft_limb_whose_target_matching_has_placed_is_no_trouble(soft: float)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_scale_of_zero_of_an_ik_end_leaves_its_turn(name: str) -> None:
+def test_a_scale_of_zero_of_an_ik_end_leaves_its_rotation(name: str) -> None:
     rig, end, _, root, hand = limb(name)
     keys = [
         (end, "translation", place(rig, end, root + 0.6 * (hand - root))),
@@ -358,7 +358,7 @@ def test_an_end_that_fk_below_the_solver_brings_to_its_target_is_no_trouble(name
     ("scale", "told"),
     [([-1.0, 1.0, 1.0], "mirrored"), ([-1.0, -1.0, 1.0], ""), ([-2.0, 1.0, 1.0], "unevenly")],
 )
-def test_a_mirrored_control_is_told_as_such_and_not_as_uneven(scale: list[float], told: str) -> None:
+def test_a_mirrored_control_is_reported_as_such_and_not_as_uneven(scale: list[float], told: str) -> None:
     rig, report = rigged("biped.glb"), Report()
     node = control(rig, "head", "fk")
     posed = pose_of(asked(rig, (node, "scale", scale)), PoseOptions("new@0.5"), report)  # type: ignore[arg-type]

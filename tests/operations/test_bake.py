@@ -83,7 +83,7 @@ def test_baking_again_changes_nothing() -> None:
             assert one.values is two.values or np.array_equal(one.values, two.values)
 
 
-def test_a_control_that_was_turned_at_rest_turns_its_joint_once_however_often_it_is_baked() -> None:
+def test_a_control_that_was_rotated_at_rest_rotates_its_joint_once_however_often_it_is_baked() -> None:
     rig = replace(rigged(), clips=())
     head = control(rig, "head", "fk")
     rotation = rig.rotation.copy()
@@ -151,7 +151,7 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
-def test_a_control_that_was_moved_at_rest_is_told_of(suffix: str, tmp_path: Path) -> None:
+def test_a_control_that_was_moved_at_rest_is_reported(suffix: str, tmp_path: Path) -> None:
     whole, turned, out, again = (tmp_path / f"{k}{suffix}" for k in ("whole", "turned", "out", "again"))
     rigged_file(f"biped{suffix}", whole)
 
@@ -242,7 +242,7 @@ def test_thinned_keys_keep_what_was_linear_few() -> None:
         (BakeOptions(to="bones"), UsageError),  # type: ignore[arg-type]
     ],
 )
-def test_options_that_cannot_be_are_told(options: BakeOptions, error: type[Exception]) -> None:
+def test_options_that_cannot_be_are_reported(options: BakeOptions, error: type[Exception]) -> None:
     with pytest.raises(error):
         bake(rigged(), options=options)
 
@@ -297,7 +297,7 @@ def test_real_motion_comes_home(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
-def test_a_joint_that_only_the_root_control_carries_keeps_its_motion(name: str) -> None:
+def test_a_joint_that_only_the_root_control_moves_keeps_its_motion(name: str) -> None:
     only_limbs = AddControlsOptions(limbs="auto", root_control=True)
     rig, report = stored(add_controls(read(SAMPLES / name).rig, options=only_limbs)), Report()
     up = bake(rig, options=BakeOptions(to="controls"), report=report)
@@ -321,7 +321,7 @@ def growing(rig: Rig) -> Rig:
     return replace(rig, clips=(replace(walk, tracks=(*walk.tracks, track)),))
 
 
-def test_what_the_controls_do_not_give_back_is_a_warning_that_says_where_when_and_how_far() -> None:
+def test_what_the_controls_do_not_give_back_is_a_warning_that_reports_where_when_and_how_far() -> None:
     rig = growing(without_fk(rigged()))
     report = Report()
     up = bake(rig, options=BakeOptions(to="controls", between=1e-5), report=report)

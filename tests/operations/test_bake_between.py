@@ -74,7 +74,7 @@ def test_a_larger_tolerance_takes_fewer_samples() -> None:
     assert counts[0] < counts[1] < counts[2]
 
 
-def test_samples_that_were_asked_for_are_the_only_ones() -> None:
+def test_samples_that_were_requested_are_the_only_ones() -> None:
     report = Report()
     baked = bake(reaching("biped.glb"), options=BakeOptions(fps=10.0), report=report)
     (entry,) = report.added
@@ -94,7 +94,7 @@ def test_what_moves_on_lines_gets_no_more_samples() -> None:
     assert [(e["frames"], e["between_samples"]) for e in report.added] == [(2, 0.0)]
 
 
-def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_highest_rate_bounds_the_samples_and_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(curve_refinement, "MOST_A_SECOND", 8.0)
     report = Report()
     bake(reaching("biped.glb"), options=BakeOptions(between=5e-6), report=report)
@@ -106,7 +106,7 @@ def test_a_highest_rate_bounds_the_samples_and_is_told(monkeypatch: pytest.Monke
     assert "A --between above that accepts it, and --soft" in text
 
 
-def test_a_spline_between_keys_of_opposite_sign_swings_round_as_its_file_says_and_is_told() -> None:
+def test_a_spline_between_keys_of_opposite_sign_swings_round_as_its_file_states_and_is_reported() -> None:
     """glTF's splines are of components: from q to −q they pass near nothing, and every player swings."""
     rig = rigged()
     head = rig.find("head")

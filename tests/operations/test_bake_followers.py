@@ -156,7 +156,7 @@ def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path
     assert_allclose(world[:, rig.find("pin")], before @ world[:, button], atol=5e-5)
 
 
-def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_told(tmp_path: Path) -> None:
+def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_reported(tmp_path: Path) -> None:
     source, joint, mesh = source_of("glb", tmp_path)
     rig = turned(built(read(source).rig, joint, mesh, Report()), joint)
     rivet = rig.find("button", "node")

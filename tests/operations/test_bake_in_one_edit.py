@@ -47,7 +47,7 @@ def built(rig: Rig, report: Report) -> Rig:
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
-def test_what_was_added_and_baked_in_one_edit_is_what_was_meant(name: str, tmp_path: Path) -> None:
+def test_what_was_added_and_baked_in_one_edit_is_what_was_intended(name: str, tmp_path: Path) -> None:
     source, target = SAMPLES / name, tmp_path / name
     outcome = edit(source, target, built)
     assert outcome.verification is not None
@@ -63,7 +63,7 @@ def test_what_was_added_and_baked_in_one_edit_is_what_was_meant(name: str, tmp_p
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
-def test_a_result_that_is_not_what_was_meant_is_refused(name: str, tmp_path: Path) -> None:
+def test_a_result_that_is_not_what_was_intended_is_refused(name: str, tmp_path: Path) -> None:
     def wrong(rig: Rig, report: Report) -> Rig:
         done = built(rig, report)
 

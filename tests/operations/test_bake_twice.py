@@ -140,7 +140,7 @@ def rounded_above(rig: Rig, seed: int) -> Rig:
 
 
 @pytest.mark.parametrize("seed", [1, 4])
-def test_rounding_above_a_limb_turns_no_choice_of_keys(seed: int) -> None:
+def test_rounding_above_a_limb_changes_no_choice_of_keys(seed: int) -> None:
     coarse = BakeOptions(stretch=True, tolerance=1e-3)
     once = with_shared_times(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
     ready = rounded_above(once, seed)

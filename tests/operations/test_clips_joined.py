@@ -66,7 +66,7 @@ def test_what_was_merged_is_the_one_clip_of_its_times() -> None:
     assert known(rig_with(playing("Animation")), Animation="Animation")[0] == {"Animation": JOINTS}
 
 
-def test_parts_that_fit_no_clip_but_each_other_are_one_and_the_user_may_say_which() -> None:
+def test_parts_that_fit_no_clip_but_each_other_are_one_and_the_user_may_choose_which() -> None:
     edited = split(rig_with(playing(seconds=10.0)), "walk", "{}".format)
     first = edited.clips[0].name
     found, notices = known(edited)
@@ -126,7 +126,7 @@ def test_a_clip_that_was_made_anew_stays_where_it_is() -> None:
     assert joined(edited, RIG) is edited
 
 
-def test_keys_between_frames_that_an_exporter_lost_are_told_by_what_joints_miss() -> None:
+def test_keys_between_frames_that_an_exporter_lost_are_reported_by_what_joints_miss() -> None:
     """A chest that nods by 0.2 rad within a frame: the chord of that, for the farthest that it carries."""
     rig = rigged()
     head, chest = control(rig, "head", "fk"), control(rig, "chest", "fk")
@@ -197,7 +197,7 @@ def test_every_command_refuses_it(words: list[str], up: Path, tmp_path: Path) ->
     assert (done.exit_code, "'#9'" in done.output) == (4, True), done.output
 
 
-def test_as_without_a_rig_says_what_is_missing(up: Path, tmp_path: Path) -> None:
+def test_as_without_a_rig_reports_what_is_missing(up: Path, tmp_path: Path) -> None:
     done = cli("bake", up, "-o", tmp_path / "o.glb", "--as", "walk=run", code=2)
     assert "--rig" in done.output
 

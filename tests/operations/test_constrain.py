@@ -132,7 +132,7 @@ def test_a_kept_offset_leaves_its_child_where_it_was(
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_one_parent_driver_carries_its_child_as_if_it_hung_below(seed: int) -> None:
+def test_one_parent_driver_moves_its_child_as_if_it_were_below(seed: int) -> None:
     rig = random_pose(seed, even=True)
     out = moved(constrain(rig, options=options("parent", "driver")), seed + 9, "driver", "above")
     before, after = rig.world, out.world
@@ -146,7 +146,7 @@ def test_parent_without_offset_takes_its_drivers_place() -> None:
     assert_allclose(solved(out)[4], rig.world[1], atol=1e-12)
 
 
-def test_a_point_follows_the_place_alone_and_orient_the_turn_alone() -> None:
+def test_a_point_follows_the_position_alone_and_orient_the_rotation_alone() -> None:
     """By hand: the driver goes from (1, 0, 0) to (1, 2, 0), turned 90° about z; the child is at (3, 0, 0)."""
     rig = rig_of(["driver", "child"], [-1, -1], np.array([[1.0, 0, 0], [3, 0, 0]]))
     turn = from_axis_angle([0, 0, 1], np.pi / 2)
@@ -253,7 +253,7 @@ def test_weights_interpolate(share: float) -> None:
     assert_allclose(to_axes(to_parts(out).rotation), to_axes(turn), atol=1e-12)
 
 
-def test_the_mean_of_turns_cancels_the_weighted_turns_to_all() -> None:
+def test_the_mean_of_rotations_cancels_the_weighted_rotations_to_all() -> None:
     random = np.random.default_rng(2)
     turns = unit(np.array([0, 0, 0, 1]) + 0.3 * random.uniform(-1, 1, (50, 5, 4)))
     weights, order = random.uniform(0, 1, 5), [3, 1, 4, 0, 2]
@@ -294,7 +294,7 @@ def test_a_driver_whose_scale_is_zero_in_some_frame_does_not_count_there() -> No
     assert np.abs(found[0, 4] - found[1, 4]).max() > 1e-3
 
 
-def test_shear_of_a_stretched_driver_is_left_out_and_told() -> None:
+def test_shear_of_a_stretched_driver_is_left_out_and_reported() -> None:
     report = Report()
     rig = random_pose(4)
     out = moved(constrain(rig, options=options("parent", "driver"), report=report), 5, "driver")
@@ -319,7 +319,7 @@ def test_an_aim_points_at_the_middle_of_its_drivers(scale: tuple[float, float, f
         assert_allclose(seen / np.linalg.norm(seen), way / np.linalg.norm(way), atol=1e-12)
 
 
-def test_up_leans_to_what_was_asked() -> None:
+def test_up_leans_to_what_was_requested() -> None:
     rig = random_pose(8, even=True)
     place = rig.world
     wanted: dict[str, tuple[dict[str, Any], Floats]] = {
@@ -683,7 +683,7 @@ def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) 
         ),
     ],
 )
-def test_what_vrm_cannot_say_stays_in_extras_and_is_told(
+def test_what_vrm_cannot_store_stays_in_extras_and_is_reported(
     given: ConstrainOptions, why: str, samples: Path
 ) -> None:
     report = Report()
@@ -693,7 +693,7 @@ def test_what_vrm_cannot_say_stays_in_extras_and_is_told(
     assert why in notice.text
 
 
-def test_the_extension_comes_and_goes_with_its_note(samples: Path, tmp_path: Path) -> None:
+def test_the_extension_comes_and_goes_with_its_metadata(samples: Path, tmp_path: Path) -> None:
     source, with_vrm, again, without = (samples / "biped.glb", *(tmp_path / f"{k}.glb" for k in "abc"))
 
     def step(vrm: bool) -> Any:
@@ -777,7 +777,7 @@ def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
-def test_the_command_writes_what_it_says(suffix: str, samples: Path, tmp_path: Path) -> None:
+def test_the_command_writes_what_it_reports(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments = ["constrain", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}", "--type", "orient"]
     arguments += ["--child", "hand_L", "--driver", "head=2", "--driver", "hand_R", "--skip", "rx", "--json"]
     result = cli(*arguments, code=0)
@@ -828,7 +828,7 @@ def test_usd_has_no_vrm_constraints(samples: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("variant", VARIANTS, ids=str)
-def test_rules_mean_the_same_in_turned_frames(variant: dict[str, Any]) -> None:
+def test_rules_mean_the_same_in_reoriented_frames(variant: dict[str, Any]) -> None:
     """All frames turn; the drivers and the parent then move. Rules that cannot be told are named."""
     rig = random_pose(3, even=True)
     random = np.random.default_rng(1)
@@ -875,7 +875,7 @@ GOLDEN: list[ConstrainOptions] = [
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
-def test_notes_are_what_they_were(
+def test_metadata_is_what_it_was(
     name: str, samples: Path, tmp_path: Path, pytestconfig: pytest.Config
 ) -> None:
     """To the last bit. Where they change on purpose: pytest --update-golden, and say so in the changelog."""
@@ -908,7 +908,7 @@ def test_notes_are_what_they_were(
     ],
     ids=str,
 )
-def test_a_note_that_is_no_whole_rule_moves_nothing(wrong: dict[str, Any]) -> None:
+def test_metadata_that_is_no_complete_constraint_moves_nothing(wrong: dict[str, Any]) -> None:
     """As another program may have left it."""
     rig = constrain(random_pose(1), options=options("orient", "driver", "other"))
     node = len(rig) - 1

@@ -192,7 +192,7 @@ def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> N
     assert not again.pending.shapes
 
 
-def test_offsets_follow_joints_that_were_turned_since(samples: Path) -> None:
+def test_offsets_follow_joints_that_were_reoriented_since(samples: Path) -> None:
     rig = add_controls(FINGER, options=AddControlsOptions(joints=("*",)))
     turned = replace(rig, rotation=rig.rotation.copy())
     turned.rotation[1] = from_axis_angle([0, 0, 1], 0.5)
@@ -218,7 +218,7 @@ def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
         (AddControlsOptions(whole_character=True, shape={"fk": "banana"}), "banana"),  # type: ignore[dict-item]
     ],
 )
-def test_what_fits_no_control_is_told(options: AddControlsOptions, words: str) -> None:
+def test_what_fits_no_control_is_reported(options: AddControlsOptions, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         add_controls(FINGER, options=options)
 
@@ -236,7 +236,7 @@ def test_the_command_reports_every_control(suffix: str, samples: Path, tmp_path:
     assert len(document["limbs"]) == 4
 
 
-def test_controls_made_before_those_above_them_stay_where_they_are_and_say_so(
+def test_controls_made_before_those_above_them_stay_where_they_are_and_report_it(
     samples: Path, tmp_path: Path
 ) -> None:
     def hand(rig: Rig, report: Report) -> Rig:
@@ -275,7 +275,7 @@ def lines(rig: Rig, joint: str) -> Any:
 
 
 @pytest.mark.parametrize("suffix", ["glb", "usda", "usdz"])
-def test_what_is_asked_for_later_is_drawn_anew_where_nobody_has_edited(
+def test_what_is_requested_later_is_drawn_anew_where_nobody_has_edited(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
     one, two, three, four, five = (tmp_path / f"{k}.{suffix}" for k in range(5))
@@ -431,7 +431,7 @@ def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("whole", [False, True])
-def test_limbs_with_ik_have_fk_controls_below_it_though_no_point_hangs_on_them(whole: bool) -> None:
+def test_limbs_with_ik_have_fk_controls_below_it_though_they_deform_no_vertex(whole: bool) -> None:
     rig = read(SAMPLES / "biped.glb").rig
     bare = {rig.find(name) for name in ("shin_L", "foot_L", "toe_L", "toe_L_end")}
     skins = tuple(

@@ -100,7 +100,7 @@ def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: st
 
 
 @pytest.mark.parametrize("name", [slow("biped.glb"), "biped.usda"])
-def test_a_file_that_has_its_notes_takes_those_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
+def test_a_file_that_has_its_metadata_takes_that_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
     rig, up = rigged(tmp_path, name)
     plain, out, itself = (tmp_path / f"{k}-{name}" for k in ("plain", "out", "itself"))
     cli("bake", up, "-o", plain, code=0)
@@ -129,7 +129,7 @@ def add_options() -> Any:
     return AddControlsOptions(whole_character=True)
 
 
-def test_notes_of_the_rig_that_is_named_win_and_that_is_told() -> None:
+def test_metadata_of_the_rig_that_is_named_wins_and_that_is_reported() -> None:
     rig, report = biped(), Report()
     other, node = moved_note(rig)
     assert rigtri.as_described(rig, other, report=report).metadata[node]["soft"] == 0.25
@@ -182,7 +182,7 @@ def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
     assert (still.rotation[control] == turn).all()
 
 
-def test_take_clips_tells_of_channels_that_were_posed_without_keys() -> None:
+def test_take_clips_reports_channels_that_were_posed_without_keys() -> None:
     rig, report = biped(), Report()
     control = rig.find("head_ctl", "node")
     translation = rig.translation.copy()
@@ -197,7 +197,7 @@ def test_take_clips_tells_of_channels_that_were_posed_without_keys() -> None:
     assert "not taken" in notice.text
 
 
-def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() -> None:
+def test_joints_bound_otherwise_are_reported_and_their_controls_keep_their_rest() -> None:
     rig, report = biped(), Report()
     skin = rig.skins[0]
     inverse_bind = skin.inverse_bind.copy()
@@ -214,7 +214,7 @@ def test_joints_bound_otherwise_are_told_and_their_controls_keep_their_rest() ->
     assert (found.translation == translation).all()
 
 
-def test_what_hangs_on_another_node_keeps_its_rest_and_that_is_told() -> None:
+def test_a_child_of_another_node_keeps_its_rest_and_that_is_reported() -> None:
     rig, report = biped(), Report()
     offset = max(n for n, note in rig.metadata.items() if note["type"] == "offset" and note["kind"] == "fk")
     parents, translation = rig.parents.copy(), rig.translation.copy()
@@ -229,7 +229,7 @@ def test_what_hangs_on_another_node_keeps_its_rest_and_that_is_told() -> None:
     assert (found.translation[offset] == translation[offset]).all()
 
 
-def test_joints_that_a_path_means_elsewhere_are_told_with_the_reason() -> None:
+def test_joints_that_a_path_refers_to_elsewhere_are_reported_with_the_reason() -> None:
     rig = biped()
     notes = {
         node: {**note, "joint": rig.path(rig.find(note["joint"]))} if "joint" in note else note
@@ -241,7 +241,7 @@ def test_joints_that_a_path_means_elsewhere_are_told_with_the_reason() -> None:
         as_described(elsewhere, replace(two, metadata=notes))
 
 
-def test_names_that_several_nodes_have_are_told() -> None:
+def test_names_that_several_nodes_have_are_reported() -> None:
     rig = biped()
     own = sorted(rig.metadata)
     names = [rig.names[node] for node in own]
@@ -254,7 +254,7 @@ def test_names_that_several_nodes_have_are_told() -> None:
         as_described(twice, rig)
 
 
-def test_an_op_of_a_control_without_a_default_says_that_it_is_zero_at_rest(tmp_path: Path) -> None:
+def test_an_op_of_a_control_without_a_default_reports_that_it_is_zero_at_rest(tmp_path: Path) -> None:
     _, up = rigged(tmp_path, "biped.usda")
     stage = Usd.Stage.Open(str(up))
     for op in ops(stage):
@@ -270,7 +270,7 @@ def test_an_op_of_a_control_without_a_default_says_that_it_is_zero_at_rest(tmp_p
     assert np.abs(joint_worlds(one) - joint_worlds(other)).max() < 1e-6
 
 
-def test_an_offset_without_a_default_is_told(tmp_path: Path) -> None:
+def test_an_offset_without_a_default_is_reported(tmp_path: Path) -> None:
     _, up = rigged(tmp_path, "biped.usda")
     stage = Usd.Stage.Open(str(up))
     pole = next(prim for prim in stage.TraverseAll() if prim.GetName().endswith("_pole"))

@@ -61,7 +61,7 @@ def test_the_articles_arm_has_the_articles_numbers() -> None:
 
 
 @pytest.mark.parametrize("preset", sorted(set(PRESETS) - {"vrm"}))
-def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
+def test_every_preset_has_the_aim_and_up_that_it_states(preset: str) -> None:
     style = PRESETS[preset]
     out, joints, _ = made(**axes_of(style))
     points, normal = np.array(ARM), np.array([0.0, 0.0, -1.0])
@@ -76,7 +76,7 @@ def test_every_preset_aims_and_goes_up_as_it_says(preset: str) -> None:
         assert np.linalg.det(axes) == pytest.approx(1.0)
 
 
-def test_the_end_aims_where_it_is_told() -> None:
+def test_the_end_aims_along_the_given_axis() -> None:
     out, joints, _ = made(end_aim=(6.0, 0.0, 2.0), up_from="world:+y")
     assert_allclose(out.world[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
     with pytest.raises(GeometryError, match="along the limb's hinge"):
@@ -86,14 +86,14 @@ def test_the_end_aims_where_it_is_told() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 4, 5])
-def test_another_count_than_three_is_told(count: int) -> None:
+def test_another_count_than_three_is_reported(count: int) -> None:
     points = tuple((float(k), float(k * k), 0.0) for k in range(count))
     words = f"here are {count}" if count else "give the positions of the joints"
     with pytest.raises(UsageError, match=words):
         made(points)
 
 
-def test_points_on_a_line_want_to_be_told_the_side() -> None:
+def test_points_on_a_line_need_a_bend_direction() -> None:
     line = ((0.0, 0, 0), (1.0, 0, 0), (2.0, 0, 0))
     with pytest.raises(GeometryError, match=r"lie on a line \(bent 0°\).*--bend"):
         made(line)
@@ -115,7 +115,7 @@ def test_points_on_a_line_want_to_be_told_the_side() -> None:
         ((0, 0, 0), (1, 0, 0), (0, 0, 0)),
     ],
 )
-def test_points_at_one_place_are_told(points: Any) -> None:
+def test_points_at_one_place_are_reported(points: Any) -> None:
     with pytest.raises(GeometryError, match="at one place"):
         made(points)
 
@@ -127,7 +127,7 @@ def test_a_limb_is_the_same_in_any_unit(scale: float) -> None:
         assert_allclose(out.world[joint, :3, :3], made()[0].world[other, :3, :3], atol=1e-6)
 
 
-def test_a_longer_chain_is_laid_into_the_plane_and_says_how_far() -> None:
+def test_a_longer_chain_is_laid_into_the_plane_and_reports_how_far() -> None:
     """The farthest of the inner points, the third, says where the plane is: z = 0."""
     points = ((0.0, 0, 0), (1.0, 1, 0.25), (2.0, 2, 0), (3.0, 1, -0.5), (4.0, 0, 0))
     out, joints, report = made(points, planar=True)
@@ -154,7 +154,7 @@ def test_a_limb_below_a_joint_joins_its_skins_and_otherwise_has_its_own() -> Non
         made(rig=body, parent="b", skin=False)
 
 
-def test_locators_may_stand_anywhere_below_turned_and_scaled_nodes() -> None:
+def test_locators_may_stand_anywhere_below_rotated_and_scaled_nodes() -> None:
     rig = rig_of(["top", "a", "b", "c"], [-1, 0, 0, 0], np.array([[1.0, 2, 3], *ARM]))
     turn = np.tile([0.0, 0, 0, 1], (4, 1))
     turn[0] = from_axis_angle([1, 2, 3], 0.7)
@@ -219,7 +219,7 @@ def test_a_new_file_is_whole_and_a_second_run_has_its_bytes(suffix: str, tmp_pat
         assert not khronos_errors(out)[0]
 
 
-def test_a_new_usd_file_has_the_units_that_are_asked_for(tmp_path: Path) -> None:
+def test_a_new_usd_file_has_the_units_that_are_requested(tmp_path: Path) -> None:
     out = tmp_path / "arm.usda"
     words = ["make-limb", "-o", str(out), "--points", "0,0,1", "1,-.2,1", "2,0,1"]
     cli(*words, "--up-axis", "z", "--meters-per-unit", "1", code=0)
@@ -337,7 +337,7 @@ def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--override"], 2, "there is none"),
     ],
 )
-def test_a_users_mistake_is_told_and_nothing_written(
+def test_a_users_mistake_is_reported_and_nothing_written(
     words: list[str], code: int, told: str, tmp_path: Path
 ) -> None:
     result = cli("make-limb", "-o", tmp_path / "out.usda", *words)
@@ -347,7 +347,7 @@ def test_a_users_mistake_is_told_and_nothing_written(
 
 
 @pytest.mark.parametrize(("name", "plain"), [("1-2", "_1_2"), ("Ärm", "rm"), ("my limb", "my_limb")])
-def test_a_name_that_cannot_be_as_given_is_told(name: str, plain: str, samples: Path) -> None:
+def test_a_name_that_cannot_be_as_given_is_reported(name: str, plain: str, samples: Path) -> None:
     report = Report()
     points = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
     out = make_limb(

@@ -94,7 +94,7 @@ def above(rig: Rig, node: int) -> set[int]:
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_below_is_what_the_parents_say(seed: int) -> None:
+def test_below_follows_from_the_parents(seed: int) -> None:
     rig = random_rig(seed, joints=12)
     for node in range(12):
         assert rig.below(node) == [k for k in range(12) if node in above(rig, k)]
@@ -156,7 +156,7 @@ def test_a_numbered_limb_is_the_first_three_joints_below_each_other() -> None:
         assert [limb.triple for limb in recognise(rig)] == limbs
 
 
-def test_words_that_were_said_are_not_said_again() -> None:
+def test_words_that_were_written_are_not_written_again() -> None:
     report = Report()
     report.warn("a", "one")
     report.warnings.append(Notice("b", "two"))

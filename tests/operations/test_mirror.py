@@ -73,7 +73,7 @@ def test_the_axes_of_twins_are_mirror_images(samples: Path, name: str, mode: Mir
     assert not found.worse(tolerance=1e-5, degrees=1e-4)
 
 
-def test_equal_turns_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: Path) -> None:
+def test_equal_rotations_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: Path) -> None:
     """The law of the mode: the same delta in both joints' frames mirrors every point that they carry."""
     out = mirror(read(samples / "biped.glb").rig)
     joints = [k for k in np.flatnonzero(out.is_joint).tolist() if side_of(out, k) == "left"]
@@ -170,7 +170,7 @@ def test_the_other_way_round_and_in_another_plane() -> None:
     assert_allclose(Across((0.0, 0.0, 1.0), 0.5).points(frame[3, :3]), [1, 2, -2])
 
 
-def test_from_the_right_the_left_is_turned(samples: Path) -> None:
+def test_the_left_is_reoriented_from_the_right(samples: Path) -> None:
     report = Report()
     mirror(read(samples / "biped.glb").rig, options=MirrorOptions(from_side="right"), report=report)
     turned = {entry["joint"] for entry in report.joints if entry["status"] == "turned"}
@@ -210,7 +210,7 @@ def test_check_reports_what_is_not_symmetric(samples: Path, tmp_path: Path) -> N
     assert json.loads(after.stdout)["symmetric"]
 
 
-def test_a_run_says_where_to_write_or_checks(samples: Path, tmp_path: Path) -> None:
+def test_a_run_reports_where_to_write_or_checks(samples: Path, tmp_path: Path) -> None:
     plain = str(samples / "biped.glb")
     cli("mirror", plain, code=2)
     both = ["mirror", plain, "--check", "-o", str(tmp_path / "out.glb")]
@@ -268,7 +268,7 @@ def carried(rig: Rig, away: float) -> Rig:
     return replace(rig, translation=translation, skins=())
 
 
-def test_the_plane_is_found_between_most_pairs_and_told(samples: Path) -> None:
+def test_the_plane_is_found_between_most_pairs_and_reported(samples: Path) -> None:
     rig, report = carried(left_arm(read(samples / "biped.glb").rig), 2.5), Report()
     out = mirror(rig, options=MirrorOptions(what=("polevectors",), root="biped"), report=report)
     here, there = (out.world[out.find(f"forearm_{s}_pole", "node"), 3, :3] for s in "LR")

@@ -131,7 +131,7 @@ def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("mode", MIRRORS)
-def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, samples: Path) -> None:
+def test_the_joints_of_a_limb_are_mirrored_as_the_mode_requires(mode: Mirror, samples: Path) -> None:
     out = mirror(left(read(samples / "biped.glb").rig), options=MirrorOptions(mode=mode))
     world = out.world
     for part in (1, 2, 3):
@@ -143,7 +143,7 @@ def test_the_joints_of_a_limb_are_mirrored_as_the_mode_says(mode: Mirror, sample
     assert ("aim" in said(out, "wing_1_R")) == (mode != "orientation")
 
 
-def test_equal_turns_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(built: Rig) -> None:
+def test_equal_rotations_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(built: Rig) -> None:
     posed = turned(built, wing_1=about(1, 2, -1), wing_2=about(-2, 1, 0.5)).world
     points = np.array([[0.1, 0.02, 0.03, 1.0], [0.0, -0.2, 0.1, 1.0]])
     for part in (1, 2, 3):
@@ -155,7 +155,7 @@ def test_equal_turns_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(bu
         assert_allclose(here[:, :3] * REFLECT, there[:, :3], atol=1e-6)
 
 
-def test_twist_joints_lie_mirrored_and_carry_the_same_share(built: Rig) -> None:
+def test_twist_joints_lie_mirrored_and_take_the_same_share(built: Rig) -> None:
     for number in (1, 2):
         here, there = (said(built, f"forearm_{side}_twist_{number}") for side in "LR")
         assert there["weight"] == here["weight"] == pytest.approx(number / 3)
@@ -278,7 +278,7 @@ def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: R
     ("what", "kind"),
     [("limbs", "limb"), ("twists", "twist"), ("constraints", "constraint"), ("rivets", "rivet")],
 )
-def test_only_what_is_asked_for_is_mirrored(what: Any, kind: str, samples: Path) -> None:
+def test_only_what_is_requested_is_mirrored(what: Any, kind: str, samples: Path) -> None:
     report = Report()
     mirror(left(read(samples / "biped.glb").rig), options=MirrorOptions(what=(what,)), report=report)
     assert {entry["type"] for entry in report.added} == {kind}
@@ -295,7 +295,7 @@ def test_what_has_no_place_on_the_other_side_is_named(samples: Path) -> None:
     assert any("pose reader 'bent_L'" in text for text in told)
 
 
-def test_check_names_what_only_one_side_has_and_its_json_is_as_the_schema_says(
+def test_check_names_what_only_one_side_has_and_its_json_is_as_the_schema_requires(
     samples: Path, tmp_path: Path
 ) -> None:
     one, two = tmp_path / "one.glb", tmp_path / "two.glb"

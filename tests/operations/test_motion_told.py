@@ -59,7 +59,7 @@ def baked(source: Path, target: Path) -> Outcome:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_bake_tells_how_far_it_moves_joints_where_and_when(name: str, tmp_path: Path) -> None:
+def test_bake_reports_how_far_it_moves_joints_where_and_when(name: str, tmp_path: Path) -> None:
     source = whole(name, tmp_path)
     told = baked(source, tmp_path / name).verification
     assert told is not None
@@ -80,7 +80,7 @@ def test_bake_tells_how_far_it_moves_joints_where_and_when(name: str, tmp_path: 
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_moves_nothing_says_so(name: str, tmp_path: Path) -> None:
+def test_what_moves_nothing_reports_it(name: str, tmp_path: Path) -> None:
     source = whole(name, tmp_path, move=False)
     at = f"{read(source).rig.clips[0].name}@0.5"
     options = SnapOptions("ik", (at,), (("upper_arm_L", "forearm_L", "hand_L"),))
@@ -92,7 +92,7 @@ def test_what_moves_nothing_says_so(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_take_clips_tells_how_far_what_it_took_moves(name: str, tmp_path: Path) -> None:
+def test_take_clips_reports_how_far_what_it_took_moves(name: str, tmp_path: Path) -> None:
     edited = tmp_path / f"edited.{name}"
     baked(whole(name, tmp_path), edited)
     home = edit(
@@ -135,7 +135,7 @@ def bare(path: Path) -> Path:
     return path
 
 
-def test_turns_of_nodes_without_a_mesh_are_told(tmp_path: Path) -> None:
+def test_rotations_of_nodes_without_a_mesh_are_reported(tmp_path: Path) -> None:
     """Nothing moves from its place: the axes turn by 90°, seen a twentieth of the size (5) away."""
     source, rigged, out = bare(tmp_path / "in.gltf"), tmp_path / "rigged.gltf", tmp_path / "out.gltf"
     orient = ConstrainOptions(type="orient", child="follows", driver=(("leads", 1.0),))
@@ -180,7 +180,7 @@ def test_between_its_keys_too_motion_is_measured(tmp_path: Path) -> None:
     assert told.motion.deviation * told.diagonal >= far * (1 - 1e-6)
 
 
-def test_a_pose_tells_how_far_the_rest_moves(tmp_path: Path) -> None:
+def test_a_pose_reports_how_far_the_rest_moves(tmp_path: Path) -> None:
     told = edit(
         SAMPLES / "biped.glb",
         tmp_path / "a.glb",
@@ -205,7 +205,7 @@ def test_the_report_of_a_command_has_the_motion(tmp_path: Path) -> None:
     assert "motion differs" not in cli(*bare).output
 
 
-def test_more_keys_than_there_were_are_told(tmp_path: Path) -> None:
+def test_more_keys_than_there_were_are_reported(tmp_path: Path) -> None:
     """The joints of the sample's walk have few keys; with IK at work they bend between them."""
     up, edited, out = (tmp_path / f"{name}.glb" for name in ("up", "edited", "out"))
     words = ["bake", str(whole("biped.glb", tmp_path, move=False)), "-o", str(up), "--to", "controls"]
@@ -233,7 +233,7 @@ def test_more_keys_than_there_were_are_told(tmp_path: Path) -> None:
     assert f"the same properties had {before} keys before" in done.output
 
 
-def test_a_file_without_clips_says_so(tmp_path: Path) -> None:
+def test_a_file_without_clips_reports_it(tmp_path: Path) -> None:
     source, bare, out = whole("biped.glb", tmp_path, move=False), tmp_path / "bare.glb", tmp_path / "out.glb"
 
     def still(rig: Rig, report: Report) -> Rig:
@@ -246,7 +246,7 @@ def test_a_file_without_clips_says_so(tmp_path: Path) -> None:
     assert "the file has no clips; nothing was baked" in done.output
 
 
-def test_help_says_what_else_the_tolerance_bounds() -> None:
+def test_help_reports_what_else_the_tolerance_bounds() -> None:
     words = " ".join(cli("bake", "--help").output.split())
     assert "the largest error of removed keys" in words
     assert "removed keys" not in cli("orient-joints", "--help").output
@@ -270,7 +270,7 @@ def test_a_key_before_0_is_refused_in_gltf(name: str, tmp_path: Path) -> None:
     assert not out.exists()
 
 
-def test_other_morph_weights_are_told_apart(tmp_path: Path) -> None:
+def test_other_morph_weights_are_distinguished(tmp_path: Path) -> None:
     """The target ``bulge`` moves all points by one unit along z, and half of it is on top now."""
     source = arm().glb(tmp_path / "arm.glb")
 
@@ -295,7 +295,7 @@ def test_other_morph_weights_are_told_apart(tmp_path: Path) -> None:
     assert "other morph weights move vertices by up to" in told.summary()
 
 
-def test_a_build_tells_the_motion_of_its_steps(tmp_path: Path) -> None:
+def test_a_build_reports_the_motion_of_its_steps(tmp_path: Path) -> None:
     spec = tmp_path / "rig.yaml"
     # What turns joints rounds more than what moves them.
     text = "steps:\n- {do: pose, at: walk@0.3}\n- {do: orient-joints, preset: unreal-editor}\n"
@@ -306,7 +306,7 @@ def test_a_build_tells_the_motion_of_its_steps(tmp_path: Path) -> None:
     assert "everything that was in the file is unchanged" not in done.output
 
 
-def test_controls_are_not_what_moves_where_an_exporter_has_dropped_the_notes(tmp_path: Path) -> None:
+def test_controls_are_not_what_moves_where_an_exporter_has_dropped_the_metadata(tmp_path: Path) -> None:
     """They rest where the current frame shows them, and their lines with them; IN's joints rest alike."""
     source, plain = whole("biped.gltf", tmp_path, move=False), tmp_path / "plain.gltf"
     document = json.loads(source.read_bytes())

@@ -107,7 +107,7 @@ def test_a_preset_gives_the_axes_it_is_named_for(name: str) -> None:
         assert_allclose(found, HAND_CHECKED[name], atol=1e-12)
 
 
-def test_the_table_of_presets_says_what_they_give() -> None:
+def test_the_table_of_presets_states_what_they_give() -> None:
     table = (ROOT / "docs" / "presets.md").read_text("utf-8")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines() if "| `" in line]
     named = {name.strip("` "): row for row in rows for name in row[0].split(",")}
@@ -144,7 +144,7 @@ def test_axes_come_from_the_joints_own_space_under_a_stretched_ancestor() -> Non
     assert_allclose(position, rig.world[:, 3, :3], atol=1e-12)
 
 
-def test_unnamed_the_root_stays_and_says_why() -> None:
+def test_unnamed_the_root_stays_and_gives_the_reason() -> None:
     report = Report()
     orient_joints(arm(), report=report)
     assert [entry["status"] for entry in report.joints] == ["kept", "turned", "turned", "turned"]
@@ -304,7 +304,7 @@ def test_a_side_that_is_straight_mirrors_the_other() -> None:
         ("keep", (0, 1, 0)),
     ],
 )
-def test_up_comes_from_where_the_user_says(source: str, expected: Any) -> None:
+def test_up_comes_from_where_the_user_chooses(source: str, expected: Any) -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 0, 5))
     out = oriented(rig, aim="x", up="y", up_from=source, joints=("a",))
     wanted = normalise(np.asarray(expected, dtype=float) * [0, 1, 1])
@@ -323,7 +323,7 @@ def test_up_may_follow_the_parent_or_the_child() -> None:
     assert_allclose(axes(from_child, "b")[1], axes(rig, "d")[1], atol=1e-12)
 
 
-def test_an_up_along_the_bone_goes_down_the_ladder_and_says_so() -> None:
+def test_an_up_along_the_bone_goes_down_the_ladder_and_reports_it() -> None:
     report = Report()
     oriented(arm(), report, aim="x", up="y", up_from="vector:2,0,-0.5")
     assert report.joints[0]["step"] == 2
@@ -336,14 +336,14 @@ def test_chains_may_have_styles_of_their_own() -> None:
     assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)
 
 
-def test_snap_turns_to_the_nearest_cardinal_axes_only() -> None:
+def test_snap_orients_to_the_nearest_cardinal_axes_only() -> None:
     rig = arm()
     out = oriented(rig, snap=True, aim="y", up="x")
     turned = axes(out, "a") @ axes(rig, "a").T
     assert_allclose(np.abs(turned).max(axis=1), 1, atol=1e-12)
 
 
-def test_an_offset_turns_about_the_new_axes() -> None:
+def test_an_offset_rotates_about_the_new_axes() -> None:
     plain, offset = oriented(arm()), oriented(arm(), offset=(90.0, 0.0, 0.0))
     before, after = axes(plain, "a"), axes(offset, "a")
     assert_allclose(after, [before[0], before[2], -before[1]], atol=1e-12)
@@ -539,12 +539,12 @@ def test_every_source_of_up_is_stable(style: AxisStyle) -> None:
     assert oriented(once, **axes_of(style)) is once
 
 
-def test_an_offset_is_stable_where_nothing_tells_the_up_direction() -> None:
+def test_an_offset_is_stable_where_nothing_gives_the_up_direction() -> None:
     once = oriented(straight(), offset=(10.0, 20.0, 30.0))
     assert oriented(once, offset=(10.0, 20.0, 30.0)) is once
 
 
-def test_a_joint_of_scale_zero_cannot_turn() -> None:
+def test_a_joint_of_scale_zero_cannot_be_reoriented() -> None:
     rig = arm()
     rig.scale[3] = 0.0
     with pytest.raises(GeometryError, match="'d' has scale 0"):
@@ -552,7 +552,7 @@ def test_a_joint_of_scale_zero_cannot_turn() -> None:
     oriented(rig, pose="nodes", end="keep")
 
 
-def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
+def test_a_named_joint_that_may_not_be_reoriented_is_an_error() -> None:
     rig = replace(arm(), rules=FormatRules(fixed={1: "an extension holds it"}))
     with pytest.raises(GeometryError, match="an extension holds it"):
         oriented(rig, joints=("b",))
@@ -562,7 +562,7 @@ def test_a_named_joint_that_may_not_turn_is_an_error() -> None:
 
 
 @pytest.mark.parametrize("source", ["plane", "child", "keep", "parent"])
-def test_snapped_joints_are_stable_whatever_tells_their_up(source: str) -> None:
+def test_snapped_joints_are_stable_whatever_gives_their_up_direction(source: str) -> None:
     rig, style = arm(), AxisStyle("x", "y", source)
     rig.rotation[:] = [from_axis_angle([1, 2, 3], k + 0.3) for k in range(4)]
     rig.scale[1:3] = [[1.0, 1.3, 1.3], [0.9, 1.0, 1.4]]

@@ -50,7 +50,7 @@ def test_the_article_stands_five_units_from_the_shoulder() -> None:
     assert_allclose(out.world[out.find("b_pole"), :3, :3], shoulder, atol=1e-12)
 
 
-def test_the_ratio_method_divides_the_chord_as_the_bones_divide_the_limb() -> None:
+def test_the_ratio_method_divides_the_root_to_end_line_as_the_bones_divide_the_limb() -> None:
     rig = chain((0, 0, 0), (3, 4, 0), (6, 4, 0))
     a, b, c = np.array([[0, 0, 0], [3, 4, 0], [6, 4, 0]], dtype=float)
     foot = a + (c - a) * (5 / 8)
@@ -68,7 +68,7 @@ def test_the_ratio_method_divides_the_chord_as_the_bones_divide_the_limb() -> No
         ({"from_": "root"}, [0, 5, 0]),
     ],
 )
-def test_the_pole_stands_where_the_options_say(options: dict[str, Any], wanted: list[float]) -> None:
+def test_the_pole_stands_where_the_options_place_it(options: dict[str, Any], wanted: list[float]) -> None:
     assert_allclose(position(placed(arm(), **options)), wanted)
 
 
@@ -98,7 +98,7 @@ def test_a_locator_under_a_scaled_skeleton_stands_in_world_units() -> None:
     assert_allclose(position(placed(rig)), [300, 900, 0])
 
 
-def test_a_longer_chain_bends_at_the_joint_farthest_from_its_chord() -> None:
+def test_a_longer_chain_bends_at_the_joint_farthest_from_its_root_to_end_line() -> None:
     rig = chain((0, 0, 0), (1, 1, 0), (2, 3, 0), (3, 1, 0), (4, 0, 0))
     report = Report()
     out = placed(rig, report, limb=(), chain=(("a", "e"),))
@@ -112,7 +112,7 @@ def straight() -> Rig:
     return chain((0, 0, 0), (1, 0, 0), (2, 0, 0))
 
 
-def test_a_straight_limb_of_which_nothing_tells_is_an_error_that_says_what_to_give() -> None:
+def test_a_straight_limb_without_a_bend_direction_is_an_error_that_names_the_option() -> None:
     with pytest.raises(GeometryError, match="--bend 'b=0,0,1'"):
         placed(straight())
 
@@ -129,7 +129,7 @@ def test_a_direction_along_the_limb_is_refused() -> None:
         placed(straight(), bend={"b": (1.0, 0.0, 0.0)})
 
 
-def test_clips_tell_the_side_of_a_straight_limb() -> None:
+def test_clips_give_the_side_of_a_straight_limb() -> None:
     bends = np.stack([from_axis_angle([0, 0, 1], angle) for angle in (0.0, -0.5, -1.0)])
     clip = Clip("bend", (Track(1, "rotation", "LINEAR", np.arange(3.0), bends),))
     report = Report()
@@ -138,7 +138,7 @@ def test_clips_tell_the_side_of_a_straight_limb() -> None:
     assert report.limbs[0]["source"] == "clips"
 
 
-def test_the_other_side_tells_the_side_of_a_straight_limb() -> None:
+def test_the_other_side_gives_the_side_of_a_straight_limb() -> None:
     points = np.array(
         [[0, 0, 0], [1, 0, 0], [0.2, -1, 0.3], [-0.2, -1, -0.3], [-1, 0, 0], [0, -1, 0], [0, -1, 0]]
     )
@@ -176,7 +176,7 @@ def test_clips_in_which_the_pole_flips_are_listed() -> None:
     assert {event["what"] for event in report.limbs[0]["clips"][0]["at"]} >= {"flipped"}
 
 
-def test_the_foot_of_a_flat_rig_need_not_hang_below_the_shin() -> None:
+def test_the_foot_of_a_flat_rig_need_not_be_parented_below_the_shin() -> None:
     points = np.array([[0, 0, 0], [0, 3, 0], [0, -1.5, 0.5], [0, 0, 0]], dtype=float)
     rig = rig_of(["root", "thigh", "shin", "foot"], [-1, 0, 1, 0], points)
     rig = replace(rig, skins=(Skin("s", np.arange(4), inverse(rig.world)),))
@@ -193,7 +193,7 @@ def test_names_of_locators_are_plain_and_free() -> None:
     assert named.names[-1] == "hand_L"
 
 
-def test_what_is_asked_wrongly_is_said() -> None:
+def test_wrong_arguments_are_reported() -> None:
     with pytest.raises(UsageError, match="--limb"):
         placed(arm(), limb=())
     with pytest.raises(GeometryError, match="no arms or legs were recognised"):

@@ -179,7 +179,7 @@ def test_a_morph_follows_the_pose_and_the_other_keeps_its_keys(kind: str, tmp_pa
 
 
 @pytest.mark.parametrize("kind", ["glb", "usda"])
-def test_the_same_reader_evaluated_from_its_note_says_the_same(kind: str, tmp_path: Path) -> None:
+def test_the_same_reader_evaluated_from_its_metadata_gives_the_same(kind: str, tmp_path: Path) -> None:
     source = source_of(kind, tmp_path)
     driven(source, tmp_path / f"out.{kind}", for_kind(kind))
     rig = read(tmp_path / f"out.{kind}").rig
@@ -204,7 +204,7 @@ def test_verify_by_itself_sees_what_was_driven(kind: str, tmp_path: Path) -> Non
     cli("verify", source, target, code=6)
 
 
-def test_the_self_check_is_told_of_driven_targets_alone(tmp_path: Path) -> None:
+def test_the_self_check_excludes_driven_targets_alone(tmp_path: Path) -> None:
     source, target = arm().glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     driven(source, target)
     before, after = read(source), read(target)
@@ -338,7 +338,7 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_what_reads_no_pose_is_told(
+def test_what_reads_no_pose_is_reported(
     changes: dict[str, Any], error: type[Exception], words: str, tmp_path: Path
 ) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
@@ -346,7 +346,7 @@ def test_what_reads_no_pose_is_told(
         add_posereader(rig, options=replace(BULGE, **changes))
 
 
-def test_a_file_without_morphs_is_told_what_there_is(tmp_path: Path, samples: Path) -> None:
+def test_a_file_without_morphs_is_an_error_that_lists_what_there_is(tmp_path: Path, samples: Path) -> None:
     rig = read(samples / "biped.glb").rig
     name = rig.names[rig.meshes[0].node]
     joint = rig.names[int(rig.skins[0].joints[3])]
@@ -355,7 +355,7 @@ def test_a_file_without_morphs_is_told_what_there_is(tmp_path: Path, samples: Pa
         add_posereader(rig, options=options)
 
 
-def test_without_clips_nothing_is_driven_and_that_is_said(tmp_path: Path) -> None:
+def test_without_clips_nothing_is_driven_and_that_is_reported(tmp_path: Path) -> None:
     source, target = arm(clips=False).glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     outcome = driven(source, target)
     assert [notice.code for notice in outcome.report.warnings] == ["reader-without-clips"]
@@ -391,7 +391,7 @@ def test_options_of_another_kind_of_reader_are_refused(tmp_path: Path) -> None:
     assert "--outer is for --reader cone" in result.stderr
 
 
-def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> None:
+def test_a_pose_outside_its_clip_is_that_at_the_end_and_reported(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     readers = []
     for time, told in (("1", 0), ("500", 1)):
@@ -410,7 +410,9 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_told(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("kind", ["dot", "rbf"])
-def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str, samples: Path) -> None:
+def test_a_reader_gives_the_same_for_a_pose_after_its_joints_were_reoriented(
+    kind: str, samples: Path
+) -> None:
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)), Goal(name="b", pose="walk@0.5"))
     mode = {"mode": "both"} if kind == "rbf" else {}
     options = AddPosereaderOptions(driver="forearm_R", target_=goals, reader=kind, name="e", **mode)  # type: ignore[arg-type]
@@ -427,7 +429,7 @@ def test_a_reader_says_the_same_of_a_pose_after_its_joints_were_turned(kind: str
     assert np.ptp(found[0]) > 0.01
 
 
-def test_a_morph_target_that_another_reader_drives_is_told(tmp_path: Path) -> None:
+def test_a_morph_target_that_another_reader_drives_is_reported(tmp_path: Path) -> None:
     report = Report()
     rig = read(arm().glb(tmp_path / "arm.glb")).rig
     mesh, morph = next((m, m.morph_names[0] if m.morph_names else "0") for m in rig.meshes if len(m.morphs))

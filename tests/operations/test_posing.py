@@ -75,7 +75,7 @@ def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> Non
     assert len(shown.stdout.splitlines()) == 1 + len(found["joints"])
 
 
-def test_what_is_no_pose_is_told() -> None:
+def test_what_is_no_pose_is_reported() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     with pytest.raises(UsageError, match="CLIP@TIME"):
         pose_of(rig, PoseOptions("walk"))
@@ -129,7 +129,7 @@ def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path
         assert np.abs(was - is_now).max() < 1e-6 * size(rig)
 
 
-def test_a_moment_outside_of_the_clip_is_told_and_holds_the_nearest_pose() -> None:
+def test_a_time_outside_of_the_clip_is_reported_and_holds_the_nearest_pose() -> None:
     shown = cli("pose", SAMPLES / "biped.glb", "--at", "walk@99", "--json")
     last = read(SAMPLES / "biped.glb").rig.clip("walk").tracks[0].times[-1]
     assert shown.exit_code == 0
@@ -170,7 +170,7 @@ def test_the_last_at_splits_and_a_wrong_name_is_met_with_the_nearest() -> None:
         table(renamed, PoseOptions("w@lk@0.25"))
 
 
-def test_morph_weights_are_told_in_the_pose() -> None:
+def test_morph_weights_are_reported_in_the_pose() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     weights = Track(
         rig.find("hips"), "weights", "LINEAR", np.array([0.0, 1.0]), np.array([[0.0, 1.0], [1.0, 0.5]])

@@ -129,7 +129,7 @@ def test_a_rivet_follows_skinning_and_morphs_by_hand(tmp_path: Path) -> None:
     assert_allclose(world, [[0, 3, 0], [-2, 1, 0.5]], atol=1e-6)
 
 
-def test_few_points_are_carried_as_all_points_are_deformed(tmp_path: Path) -> None:
+def test_selected_vertices_are_skinned_as_all_vertices_are(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     (timeline,), mesh = timelines(rig), rig.meshes[0]
     times = np.linspace(-0.1, 1.1, 23)
@@ -240,7 +240,7 @@ def test_faces_are_cut_into_triangles(
         (AddRivetOptions(mesh="Skin", vertex=(0, 1), name=("a", "a")), UsageError, "name of its own"),
     ],
 )
-def test_what_holds_no_rivet_is_told(
+def test_what_holds_no_rivet_is_reported(
     options: AddRivetOptions, error: type[Exception], words: str, tmp_path: Path
 ) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig

@@ -198,7 +198,7 @@ def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
         np.testing.assert_array_equal(sampling.sample(now, [time]), sampling.sample(was, [time]))
 
 
-def test_an_ik_end_that_follows_a_constraint_is_told() -> None:
+def test_an_ik_end_that_follows_a_constraint_is_reported() -> None:
     rig = posed_by_ik()
     hand = rig.title(control(rig, "hand_L", "ik"))
     rig = constrain(rig, options=ConstrainOptions(type="parent", child=hand, driver=(("head", 1.0),)))
@@ -217,7 +217,7 @@ def test_at_rest_channels_are_set_at_rest() -> None:
 
 
 @pytest.mark.parametrize(("at", "told"), [slow("walk@1", 0), ("walk@99", 1)])
-def test_a_moment_outside_its_clip_is_told_once_as_pose_tells_it(at: str, told: int) -> None:
+def test_a_time_outside_its_clip_is_reported_once_as_by_pose(at: str, told: int) -> None:
     rig = posed_by_ik()
     said, posed = Report(), Report()
     snap(rig, options=SnapOptions("fk", (at,), all_limbs=True), report=said)
@@ -239,7 +239,7 @@ def outside() -> list[Any]:
 
 
 @pytest.mark.parametrize(("maker", "to", "time"), outside())
-def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
+def test_a_time_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
     maker: Callable[[], Rig], to: str, time: float
 ) -> None:
     rig = maker()
@@ -258,7 +258,7 @@ def test_a_moment_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
             np.testing.assert_array_equal(track.values, same.values)
 
 
-def test_what_cannot_be_snapped_is_told() -> None:
+def test_what_cannot_be_snapped_is_reported() -> None:
     rig = rigged()
     with pytest.raises(GeometryError, match="no IK end"):
         snap(rig, options=SnapOptions("ik", ("rest",), (("hips", "spine", "chest"),)))

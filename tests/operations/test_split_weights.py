@@ -237,7 +237,7 @@ def test_the_command_reports_every_twist_joint(suffix: str, samples: Path, tmp_p
         (["--limbs", "auto", "--upper", "--weights", "a,b"], "commas"),
     ],
 )
-def test_options_that_do_not_fit_are_told(
+def test_options_that_do_not_fit_are_reported(
     arguments: list[str], words: str, samples: Path, tmp_path: Path
 ) -> None:
     run = cli("add-twist", samples / "biped.glb", "-o", tmp_path / "o.glb", *arguments, code=2)

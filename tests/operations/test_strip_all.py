@@ -234,7 +234,7 @@ def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_pat
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
-def test_joints_of_ours_that_are_turned_keep_what_says_how_they_were_made(
+def test_joints_of_ours_that_are_reoriented_keep_the_record_of_how_they_were_made(
     name: str, samples: Path, tmp_path: Path
 ) -> None:
     built, turned = tmp_path / name, tmp_path / f"turned_{name}"

@@ -81,7 +81,7 @@ def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -
     assert far(baked, bake(animated, options=BakeOptions())) < 1e-4
 
 
-def test_several_clips_for_a_file_without_any_are_refused_before_anything_is_told(tmp_path: Path) -> None:
+def test_several_clips_for_a_file_without_any_are_refused_before_anything_is_reported(tmp_path: Path) -> None:
     rig, report = rig_of(bare(tmp_path / "bare.usda")), Report()
     with pytest.raises(UsageError, match="A USD file has one clip, EDITED has 'walk', 'wave'"):
         take_clips(rig, from_=rig_of(BIPED), report=report)

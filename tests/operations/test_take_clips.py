@@ -217,7 +217,7 @@ def test_clips_that_were_split_per_object_are_one_again(pattern: str) -> None:
     assert notices(report) == []
 
 
-def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_said_to_be_another() -> None:
+def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_declared_to_be_another() -> None:
     rig = rig_of()
     head = rig.find("head")
     turns = np.stack([rig.rotation[head], multiply(rig.rotation[head], from_axis_angle([1.0, 0, 0], 0.5))])
@@ -238,7 +238,7 @@ def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_said_to_be_an
         take_clips(rig, options=TakeClipsOptions(from_=edited, as_={"armAction": "wave"}))
 
 
-def test_new_clips_are_added_missing_ones_stay_and_only_those_asked_for_are_taken() -> None:
+def test_new_clips_are_added_missing_ones_stay_and_only_those_requested_are_taken() -> None:
     rig = rig_of()
     edited = turned_key(turned_key(rig, "shin_L"), "forearm_R", "wave")
     walk = replace(edited.clip("walk"), name="limp", key=None)
@@ -271,7 +271,7 @@ def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown()
     assert take_clips(ours, from_=edited) is ours
 
 
-def test_a_joint_that_hangs_elsewhere_moves_as_in_the_world() -> None:
+def test_a_joint_that_is_parented_elsewhere_moves_as_in_the_world() -> None:
     rig = turned_key(rig_of(), "chest")
     head, hips = rig.find("head"), rig.find("hips")
     assert rig.parents[head] != hips
@@ -355,7 +355,7 @@ def test_one_name_in_place_of_a_list_is_refused() -> None:
         take_clips(rig_of(), options=TakeClipsOptions(from_=rig_of(), clip="walk"))  # type: ignore[arg-type]
 
 
-def test_no_rig_to_take_from_is_an_error_that_says_what_is_missing() -> None:
+def test_no_rig_to_take_from_is_an_error_that_reports_what_is_missing() -> None:
     with pytest.raises(TypeError, match=r"from_ is to be a Rig.*not NoneType"):
         take_clips(rig_of(), from_=None)  # type: ignore[arg-type]
 
@@ -384,7 +384,7 @@ def test_a_clip_of_no_length_changes_none_that_has_one() -> None:
     assert notices(report) == ["no-length"]
 
 
-def test_nodes_of_one_name_are_told_apart_by_their_paths_or_left_out_by_name() -> None:
+def test_nodes_of_one_name_are_distinguished_by_their_paths_or_left_out_by_name() -> None:
     rig = rig_of()
     names = list(rig.names)
     names[rig.find("shin_L")] = "hand_L"
@@ -524,7 +524,7 @@ def test_nodes_without_names_are_known_by_their_place_where_both_files_are_built
     assert apart(replace(home, names=rig.names), edited, "walk") < CLOSE
 
 
-def test_nodes_without_names_are_refused_where_a_place_does_not_tell() -> None:
+def test_nodes_without_names_are_refused_where_a_path_does_not_identify_them() -> None:
     rig = rig_of()
     ours = replace(rig, names=("",) * len(rig))
     nameless = replace(in_metal(rig), names=("",) * (len(rig) + 1))
@@ -604,7 +604,9 @@ def with_raw(rig: Rig, raw: bool = True) -> Rig:
 
 
 @pytest.mark.parametrize(("raw", "same"), [(True, True), (False, False)])
-def test_angles_of_usd_prims_tell_turns_badly_where_two_axes_nearly_meet(raw: bool, same: bool) -> None:
+def test_angles_of_usd_prims_describe_rotations_badly_where_two_axes_nearly_meet(
+    raw: bool, same: bool
+) -> None:
     rig = rig_of().with_nodes(["locator"], [0], np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
     told, noisy = beside(1e-4)
     times = np.array([0.0, 1.0])
@@ -637,7 +639,7 @@ def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() 
     assert take_clips(ours, from_=with_raw(told(grown + 0.005, 9))) is not ours
 
 
-def test_a_turn_is_an_edit_where_what_hangs_on_it_moves_by_more_than_can_be_lost() -> None:
+def test_a_rotation_is_an_edit_where_its_children_move_by_more_than_can_be_lost() -> None:
     rig = rig_of()
     for angle, same in ((2e-6, True), (2e-4, False)):
         assert (take_clips(rig, from_=turned_key(rig, "thigh_L", angle=angle)) is rig) == same

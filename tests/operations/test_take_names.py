@@ -84,7 +84,7 @@ def test_no_name_means_exactly_one_clip() -> None:
         taken(playing(walk=(LONG, 0.1)), playing(x=(LONG, 0.7)), x="")
 
 
-def test_a_name_that_rig_has_not_is_told_as_new_with_what_may_be_meant() -> None:
+def test_a_name_that_rig_has_not_is_reported_as_new_with_suggestions() -> None:
     rig = playing(walk=(LONG, 0.1), run=(LONG, 0.2))
     far, notices = taken(rig, playing(walk=(LONG, 0.7)), walk="walkk")
     assert far == {"walk": 0.1, "run": 0.2, "walkk": 0.7}
@@ -92,7 +92,7 @@ def test_a_name_that_rig_has_not_is_told_as_new_with_what_may_be_meant() -> None
     assert "Did you mean 'walk'?" in notices["new-clip"]
 
 
-def test_a_clip_that_was_said_to_be_new_is_no_warning() -> None:
+def test_a_clip_that_was_declared_new_is_no_warning() -> None:
     far, notices = taken(playing(walk=(LONG, 0.1)), playing(walk=(LONG, 0.1), run=(LONG, 0.7)), run="run")
     assert far == {"walk": 0.1, "run": 0.7}
     assert not notices

@@ -52,7 +52,7 @@ def walks(rig: Rig, start: float, end: float) -> float:
 
 
 @pytest.mark.parametrize(("name", "late"), [("biped.glb", 5.0), ("biped.usda", 1001.0)])
-def test_unchanged_tracks_tell_where_a_longer_clip_that_starts_elsewhere_lies(name: str, late: float) -> None:
+def test_unchanged_tracks_show_where_a_longer_clip_that_starts_elsewhere_lies(name: str, late: float) -> None:
     plain = rig_of(SAMPLES / name)
     last = float(max(b for _, b in ends(plain)))
     rig = retimed(plain, lambda times: times + late)
@@ -119,7 +119,7 @@ def test_of_a_shorter_clip_the_keys_inside_stay_bit_for_bit_and_all_tracks_end_w
     assert walks(take_clips(rig, from_=fewer), 0.0, 0.55) == 0.55
 
 
-def test_a_few_tracks_that_fit_nowhere_are_an_error_that_says_both_ranges() -> None:
+def test_a_few_tracks_that_fit_nowhere_are_an_error_that_reports_both_ranges() -> None:
     rig = rig_of()
     node = rig.find("shin_L")
 

@@ -70,7 +70,7 @@ def off_notes(rig: Rig) -> float:
 
 
 @pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
-def test_twist_joints_change_nothing_follow_their_notes_and_come_only_once(
+def test_twist_joints_change_nothing_follow_their_metadata_and_come_only_once(
     path: Path, tmp_path: Path
 ) -> None:
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"

@@ -83,7 +83,7 @@ def test_the_spec_of_the_biped_is_as_it_was(tmp_path: Path, golden: object) -> N
     golden.check("auto_biped.glb.yaml", (tmp_path / "out.rig.yaml").read_text("utf-8"))  # type: ignore[attr-defined]
 
 
-def test_a_spec_that_is_there_is_replaced_only_when_asked_for(tmp_path: Path) -> None:
+def test_a_spec_that_is_there_is_replaced_only_on_request(tmp_path: Path) -> None:
     source, out, spec = SAMPLES / "flat_ik.glb", tmp_path / "out.glb", tmp_path / "mine.yaml"
     spec.write_text("mine")
     result = run("auto", source, "-o", out, "--spec-out", spec, code=2)
@@ -112,7 +112,7 @@ def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> No
 
 
 @pytest.mark.usefixtures("unsure")
-def test_a_limb_that_is_not_sure_is_asked_for_and_its_place_in_the_spec_is_open(tmp_path: Path) -> None:
+def test_a_limb_that_is_not_sure_is_left_open_in_the_spec_with_a_question(tmp_path: Path) -> None:
     source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
     result = run("auto", source, "-o", out, code=5)
     assert "the right arm is not sure (0.60): perhaps 'upper_arm_R', 'forearm_R', 'hand_R'" in result.stderr
@@ -160,7 +160,7 @@ def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
-def test_the_report_tells_what_was_recognised_and_done(tmp_path: Path) -> None:
+def test_the_report_lists_what_was_recognised_and_done(tmp_path: Path) -> None:
     result = run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--json")
     report = json.loads(result.stdout)
     validator("report").validate(report)
@@ -191,7 +191,7 @@ def test_real_characters_get_controls_for_all_four_limbs(assets: Path, tmp_path:
     assert [built.count(kind) for kind in ("control ik", "poleVector")] == [4, 4]
 
 
-def test_a_step_that_fails_is_told_with_its_place_in_the_spec_that_is_left(tmp_path: Path) -> None:
+def test_a_step_that_fails_is_reported_with_its_place_in_the_spec_that_is_left(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     result = run("auto", SAMPLES / "biped.glb", "-o", out, "--strict", code=5)
     spec = out.with_suffix(".rig.yaml")

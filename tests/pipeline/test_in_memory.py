@@ -89,7 +89,7 @@ def test_an_object_that_was_made_and_never_loaded(tmp_path: Path) -> None:
     assert verify(SAMPLES / "biped.gltf", saved(turned, tmp_path)).passes()
 
 
-def test_what_is_wrong_with_an_object_is_told_as_of_a_file(tmp_path: Path) -> None:
+def test_what_is_wrong_with_an_object_is_reported_as_of_a_file(tmp_path: Path) -> None:
     broken = held(SAMPLES / "biped.glb")
     broken.nodes[0].children = [99]
     with pytest.raises(FileError, match=r"biped\.glb: nodes\[0\].*99"):

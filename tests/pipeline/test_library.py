@@ -154,7 +154,7 @@ def test_what_is_made_of_a_file_is_the_text_that_the_command_writes(
     assert getattr(rigtri, function)(source, **keywords) == target.read_text("utf-8")
 
 
-def test_what_a_page_or_a_script_lacks_is_told_in_its_report(tmp_path: Path) -> None:
+def test_what_a_page_or_a_script_lacks_is_reported_in_its_report(tmp_path: Path) -> None:
     report = Report()
     rigtri.view(SAMPLES / "arm.gltf", report=report)
     assert [notice.code for notice in report.warnings][-1] == "no-joints"
@@ -191,7 +191,7 @@ def test_operations_one_after_the_other_are_one_edit(tmp_path: Path) -> None:
     assert report.added == outcome.report.added
 
 
-def test_what_operations_tell_comes_with_what_is_written(tmp_path: Path) -> None:
+def test_what_operations_report_comes_with_what_is_written(tmp_path: Path) -> None:
     own = Report()
     first = rigtri.read(BIPED)
     rig = rigtri.orient_joints(first, report=own)
@@ -259,7 +259,7 @@ def test_what_is_left_of_a_rig_goes_on(name: str, tmp_path: Path) -> None:
     assert not (tmp_path / f"more-{name}").exists()
 
 
-def test_joints_are_not_turned_where_a_skeleton_of_usd_is_made_shorter(tmp_path: Path) -> None:
+def test_joints_are_not_reoriented_where_a_skeleton_of_usd_is_made_shorter(tmp_path: Path) -> None:
     rigtri.write(rigtri.add_twist(rigtri.read(SAMPLES / "biped.usda"), limbs="auto"), tmp_path / "in.usda")
     rig = rigtri.orient_joints(rigtri.read(tmp_path / "in.usda"))
     with pytest.raises(UsageError, match="others of it were changed in the same edit"):
@@ -319,7 +319,7 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("orient_joints", {"like": "other.glb"}, UsageError, "give a rig"),
     ],
 )
-def test_what_cannot_be_is_told_by_its_keyword(
+def test_what_cannot_be_is_reported_by_its_keyword(
     operation: str, keywords: dict[str, Any], kind: type[Exception], words: str
 ) -> None:
     with pytest.raises(kind) as error:
@@ -345,7 +345,7 @@ def test_writing_is_refused_as_by_the_commands(tmp_path: Path) -> None:
     assert (tmp_path / "there.glb").read_bytes() == b"mine"
 
 
-def test_public_names_are_what_they_say() -> None:
+def test_public_names_are_what_they_claim() -> None:
     """A module of the same name would hide a function once anyone has imported it."""
     for name in rigtri.__all__:
         assert getattr(rigtri, name) is not None
@@ -426,7 +426,7 @@ def test_it_runs_in_blenders_python(tmp_path: Path) -> None:
     assert out.read_bytes() == (tmp_path / "here.glb").read_bytes()
 
 
-def test_without_openusd_all_else_works_and_usd_says_what_to_install(tmp_path: Path) -> None:
+def test_without_openusd_all_else_works_and_usd_reports_what_to_install(tmp_path: Path) -> None:
     code = """
 import sys
 class Missing:
@@ -450,7 +450,7 @@ for function in (read, check):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_what_is_no_rig_is_told_so() -> None:
+def test_what_is_no_rig_is_reported() -> None:
     with pytest.raises(TypeError, match=r"orient_joints: give a rig, as rigtri\.read does, not NoneType"):
         rigtri.orient_joints(None)  # type: ignore[arg-type]
 

@@ -93,7 +93,7 @@ def test_a_dry_run_measures_and_writes_nothing(samples: Path, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_existing_file_is_replaced_only_when_asked(samples: Path, tmp_path: Path) -> None:
+def test_an_existing_file_is_replaced_only_on_request(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
     target.write_bytes(b"precious")
     with pytest.raises(UsageError, match="--overwrite"):
@@ -160,13 +160,13 @@ def test_a_failure_while_writing_leaves_the_old_file(
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_that_cannot_be_written_is_said(samples: Path, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_reported(samples: Path, tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
     with pytest.raises(FileError, match="cannot be written"):
         edit(samples / "biped.glb", tmp_path / "out.glb", orient)
 
 
-def test_what_is_no_file_is_said(samples: Path, tmp_path: Path) -> None:
+def test_what_is_no_file_is_reported(samples: Path, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="no file"):
         edit(tmp_path / "absent.glb", tmp_path / "out.glb", orient)
     with pytest.raises(FileError, match="folder"):
@@ -282,7 +282,7 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
         gc.enable()
 
 
-def test_what_is_about_to_appear_is_told_before_it_does(samples: Path, tmp_path: Path) -> None:
+def test_a_file_about_to_appear_is_announced_before_it_does(samples: Path, tmp_path: Path) -> None:
     source, target = samples / "biped.gltf", tmp_path / "out.gltf"
     told: list[tuple[Outcome, StagedOutput]] = []
 
@@ -299,7 +299,7 @@ def test_what_is_about_to_appear_is_told_before_it_does(samples: Path, tmp_path:
     assert {path.name for path in written.beside} == {p.name for p in tmp_path.iterdir()} - {"out.gltf"}
 
 
-def test_who_is_told_can_still_prevent_it(samples: Path, tmp_path: Path) -> None:
+def test_who_is_notified_can_still_prevent_it(samples: Path, tmp_path: Path) -> None:
     def ready(*_: object) -> None:
         raise FileError("no room in the books")
 
@@ -308,7 +308,7 @@ def test_who_is_told_can_still_prevent_it(samples: Path, tmp_path: Path) -> None
     assert list(tmp_path.iterdir()) == []
 
 
-def test_nobody_is_told_of_what_is_only_tried(samples: Path, tmp_path: Path) -> None:
+def test_nothing_is_reported_of_what_is_only_tried(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.glb", tmp_path / "out.glb", lambda rig, _: rig, dry_run=True, ready=pytest.fail)
 
 

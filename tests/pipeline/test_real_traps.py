@@ -225,7 +225,7 @@ def test_half_turns_between_keys_keep_their_way_round(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("size", [1.0002, 0.707])
-def test_rotations_that_are_not_unit_keep_their_length_and_are_told(size: float, tmp_path: Path) -> None:
+def test_rotations_that_are_not_unit_keep_their_length_and_are_reported(size: float, tmp_path: Path) -> None:
     leg = Leg()
     leg.gltf["nodes"][1]["rotation"] = [0, 0, 0, 1]
     leg.track(2, "rotation", [0, 1], np.array([[0.6, 0, 0, 0.8], [0, 0.6, 0, 0.8]]) * size)
@@ -291,7 +291,7 @@ def test_a_child_far_off_without_weight_is_no_continuation(tmp_path: Path) -> No
     assert np.degrees(angle(foot, [0.3, 0.1, 0])) > 30
 
 
-def test_several_roots_and_an_animated_root_are_turned_only_when_named(tmp_path: Path) -> None:
+def test_several_roots_and_an_animated_root_are_reoriented_only_when_named(tmp_path: Path) -> None:
     leg = Leg()
     other = leg.node(name="second root", translation=[1, 0, 0])
     leg.gltf["scenes"][0]["nodes"].append(other)
@@ -308,7 +308,7 @@ def test_several_roots_and_an_animated_root_are_turned_only_when_named(tmp_path:
 # 8. Flat IK rigs: the foot hangs under the root.
 
 
-def test_a_shin_whose_foot_hangs_under_the_root_aims_at_the_foot(tmp_path: Path) -> None:
+def test_a_shin_whose_foot_is_parented_to_the_root_aims_at_the_foot(tmp_path: Path) -> None:
     leg = Leg()
     nodes = leg.gltf["nodes"]
     nodes[2].pop("children")
@@ -327,7 +327,7 @@ def test_a_shin_whose_foot_hangs_under_the_root_aims_at_the_foot(tmp_path: Path)
 # 9. Things on joints: rigid meshes, cameras, lights, on the joint itself, animated children.
 
 
-def test_whatever_hangs_on_joints_stays_where_it_is(tmp_path: Path) -> None:
+def test_whatever_is_parented_to_joints_stays_where_it_is(tmp_path: Path) -> None:
     leg = Leg()
     points = leg.accessor([[0, 0, 0], [0.1, 0, 0], [0, 0.2, 0]], min=[0, 0, 0], max=[0.1, 0.2, 0])
     leg.gltf["meshes"].append({"primitives": [{"mode": 0, "attributes": {"POSITION": points}}]})
@@ -387,7 +387,7 @@ def test_joints_without_names_are_called_by_their_index(tmp_path: Path) -> None:
 # 11. Matrix nodes, nodes between joints, transforms of skinned meshes that must be ignored.
 
 
-def test_matrix_joints_and_nodes_between_joints_turn_as_well(tmp_path: Path) -> None:
+def test_matrix_joints_and_nodes_between_joints_are_reoriented_as_well(tmp_path: Path) -> None:
     leg = Leg()
     nodes = leg.gltf["nodes"]
     nodes[1].pop("translation")
@@ -427,7 +427,7 @@ def test_a_straight_leg_learns_its_hinge_from_its_clips(tmp_path: Path) -> None:
     assert np.isfinite(after.rotation).all()
 
 
-def test_a_straight_leg_that_nothing_tells_of_is_told(tmp_path: Path) -> None:
+def test_a_straight_leg_without_a_bend_direction_is_reported(tmp_path: Path) -> None:
     leg = straight(Leg())
     for node, name in zip(leg.gltf["nodes"], "abcd", strict=False):
         node["name"] = name
@@ -449,7 +449,7 @@ def test_a_file_that_was_invalid_gets_no_new_errors(suffix: str, tmp_path: Path)
     assert not after - before
 
 
-def test_an_error_that_nobody_asked_about_stays_in_the_file(tmp_path: Path) -> None:
+def test_an_error_that_nobody_requested_stays_in_the_file(tmp_path: Path) -> None:
     leg = Leg()
     leg.gltf["samplers"] = [{"wrapS": 12345}]
     leg.gltf["materials"] = [{"alphaMode": "NEVER"}]

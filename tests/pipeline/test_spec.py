@@ -166,7 +166,7 @@ def asks(name: str, option: str, rig: Rig) -> bool:
 
 # What means a node in some cases only (an axis, a place, a rule of branches) is asked by the step itself.
 @pytest.mark.parametrize("name", OPERATIONS)
-def test_a_step_looks_for_all_nodes_that_its_command_says_it_names(name: str) -> None:
+def test_a_step_looks_for_all_nodes_that_its_command_names(name: str) -> None:
     rig = read(SAMPLES / "biped.glb").rig
     options = {max(p.opts, key=len).removeprefix("--"): p for p in own(name)}
     said = {option for option, p in options.items() if NODES.fullmatch(str(p.metavar))} - OF_OTHERS
@@ -219,7 +219,7 @@ def test_a_second_build_changes_no_byte(tmp_path: Path) -> None:
     assert (tmp_path / "twice.glb").read_bytes() == (tmp_path / "once.glb").read_bytes()
 
 
-def test_yaml_and_json_say_the_same(tmp_path: Path) -> None:
+def test_yaml_and_json_mean_the_same(tmp_path: Path) -> None:
     yaml = load(write(tmp_path, "steps:\n- {do: add-controls, chain: [a, no], size: 2}\n"))
     told = {"steps": [{"do": "add-controls", "chain": [["a", "no"]], "size": 2.0}]}
     found = load(write(tmp_path, json.dumps(told, indent="\t"), "rig.json"))
@@ -246,7 +246,7 @@ steps:
 """
 
 
-def test_all_faults_are_told_at_once_with_their_places(tmp_path: Path) -> None:
+def test_all_faults_are_reported_at_once_with_their_places(tmp_path: Path) -> None:
     with pytest.raises(SpecError) as caught:
         load(write(tmp_path, FAULTY))
     told = {(fault.place.line, fault.place.column): fault.text for fault in caught.value.faults}
@@ -268,7 +268,7 @@ def test_all_faults_are_told_at_once_with_their_places(tmp_path: Path) -> None:
     assert "(it is 99)" in told[9, 12]
 
 
-def test_options_that_contradict_each_other_are_told_with_their_step(tmp_path: Path) -> None:
+def test_options_that_contradict_each_other_are_reported_with_their_step(tmp_path: Path) -> None:
     text = "steps:\n- do: snap\n  to: ik\n  at: rest\n- do: add-twist\n  joint: a\n"
     with pytest.raises(SpecError) as caught:
         load(write(tmp_path, text))
@@ -278,7 +278,7 @@ def test_options_that_contradict_each_other_are_told_with_their_step(tmp_path: P
     ]
 
 
-def test_all_joints_that_a_character_has_not_are_told_at_once(tmp_path: Path) -> None:
+def test_all_joints_that_a_character_has_not_are_reported_at_once(tmp_path: Path) -> None:
     text = "steps:\n- do: add-twist\n  limb: [uper_arm_L, forearm_L, hand_L]\n"
     text += "- do: constrain\n  type: orient\n  child: heda\n  driver: chest\n"
     spec = load(write(tmp_path, text))
@@ -297,7 +297,7 @@ def test_an_optional_step_is_left_out_where_its_joints_are_not(tmp_path: Path) -
     assert (tmp_path / "out.glb").read_bytes() != (SAMPLES / "biped.glb").read_bytes()
 
 
-def test_what_a_spec_extends_holds_until_it_says_otherwise(tmp_path: Path) -> None:
+def test_what_a_spec_extends_holds_until_it_overrides_it(tmp_path: Path) -> None:
     studio = "variables: {size: 1, who: hero}\ntolerance: 1e-6\ndefaults:\n"
     studio += "  add-controls: {size: '${size}', stretch: true}\n"
     studio += "steps:\n- do: orient-joints\n"
@@ -408,7 +408,7 @@ def test_a_file_that_the_source_refers_to_is_not_written_over(tmp_path: Path) ->
     assert not (tmp_path / "out.gltf").exists()
 
 
-def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path) -> None:
+def test_explain_writes_nothing_and_reports_what_each_step_would_do(tmp_path: Path) -> None:
     spec, source = write(tmp_path, WHOLE), SAMPLES / "biped.glb"
     before = sorted(tmp_path.iterdir())
     result = cli("build", source, "--spec", spec, "--explain", code=0)
@@ -418,7 +418,7 @@ def test_explain_writes_nothing_and_says_what_each_step_would_do(tmp_path: Path)
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_explain_writes_the_report_that_it_is_asked_for(tmp_path: Path) -> None:
+def test_explain_writes_the_report_on_request(tmp_path: Path) -> None:
     spec, report = write(tmp_path, WHOLE), tmp_path / "report.json"
     line = ["build", "--spec", str(spec), "--explain", "--report", str(report)]
     result = cli(*line)
@@ -430,7 +430,7 @@ def test_explain_writes_the_report_that_it_is_asked_for(tmp_path: Path) -> None:
     assert (result.exit_code, "only with --overwrite" in result.stderr) == (2, True)
 
 
-def test_explain_tells_machines_what_would_be_done_and_where_it_stands(tmp_path: Path) -> None:
+def test_explain_has_in_its_json_what_would_be_done_and_where_it_stands(tmp_path: Path) -> None:
     spec = write(tmp_path, WHOLE)
     line = ["build", "--spec", str(spec), "--explain", "--json"]
     alone = cli(*line).json
@@ -460,14 +460,14 @@ def test_explain_refuses_an_output_as_the_build_would(tmp_path: Path) -> None:
     assert out.read_bytes() == b"mine"
 
 
-def test_explain_tells_limbs_apart(tmp_path: Path) -> None:
+def test_explain_distinguishes_limbs(tmp_path: Path) -> None:
     limbs = "[[upper_arm_L, forearm_L, hand_L], [thigh_L, shin_L, foot_L]]"
     spec = write(tmp_path, f"steps:\n- {{do: add-twist, limb: {limbs}}}\n")
     result = cli("build", "--spec", spec, "--explain")
     assert "limb upper_arm_L forearm_L hand_L, thigh_L shin_L foot_L" in result.stdout
 
 
-def test_steps_of_braces_are_told_with_their_words(tmp_path: Path) -> None:
+def test_steps_of_braces_are_reported_with_their_words(tmp_path: Path) -> None:
     text = (
         "steps:\n- {do: orient-joints}\n"
         '- {do: add-twist, limb: ["thigh_{L,R}", "shin_{L,R}", "foot_{L,R}"]}\n'
@@ -496,7 +496,7 @@ def test_steps_of_braces_are_told_with_their_words(tmp_path: Path) -> None:
     assert "2. add-twist (L): limb thigh_L shin_L foot_L" in explained
 
 
-def test_the_report_of_a_build_tells_its_steps(tmp_path: Path) -> None:
+def test_the_report_of_a_build_lists_its_steps(tmp_path: Path) -> None:
     line = [
         "build",
         SAMPLES / "biped.glb",
@@ -525,14 +525,14 @@ def schema() -> Any:
     return json.loads(result.stdout)
 
 
-def test_the_schema_is_what_the_models_say() -> None:
+def test_the_schema_is_what_the_models_define() -> None:
     from rigtri.schemas.make import spec_schema
 
     assert schema() == spec_schema()
     jsonschema.Draft202012Validator.check_schema(schema())
 
 
-def test_every_option_of_the_schema_is_told_in_words() -> None:
+def test_every_option_of_the_schema_is_described_in_words() -> None:
     about = schema()["$defs"]
     steps = [model for model in about.values() if "do" in model["properties"]]
     assert len(steps) == len(OPERATIONS)
@@ -542,12 +542,12 @@ def test_every_option_of_the_schema_is_told_in_words() -> None:
 
 
 @pytest.mark.parametrize("text", [WHOLE, "steps:\n- do: add-twist\n  limbs: auto\n  count: ${n}\n"])
-def test_the_schema_takes_what_a_spec_may_say(text: str) -> None:
+def test_the_schema_takes_what_a_spec_may_contain(text: str) -> None:
     jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
 
 
 @pytest.mark.parametrize("line", ["preset: maja", "aim: q", "exclud: x", "joints: 3", "do: orient"])
-def test_the_schema_refuses_what_a_spec_may_not_say(line: str) -> None:
+def test_the_schema_refuses_what_a_spec_may_not_contain(line: str) -> None:
     told = {"do": "orient-joints", **YAML(typ="safe", pure=True).load(line)}
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({"steps": [told]}, schema())
@@ -586,7 +586,7 @@ def test_a_starter_is_yaml_for_names_that_end_lines_or_cannot_be_seen() -> None:
     assert {"arm\u2028L", "fore\x85arm", "\ufeffhead\U000e0001"} <= set(named)
 
 
-def test_a_starter_says_which_limbs_it_passes_over() -> None:
+def test_a_starter_reports_which_limbs_it_passes_over() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     half = read(SAMPLES / "mirrored_pair.glb").rig
     assert "# Not recognised, so not here: left leg, right leg. Name" in starter(half, "half.glb")
@@ -604,7 +604,7 @@ def test_a_starter_calls_a_joint_by_what_means_it_alone() -> None:
     assert len({rig.find(name) for name in named}) == len(named)
 
 
-def test_a_starter_lists_each_joint_right_below_the_one_that_it_hangs_on() -> None:
+def test_a_starter_lists_each_joint_right_below_its_parent() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     text = starter(rig, "biped.glb")
     above: list[str] = []
@@ -656,7 +656,7 @@ def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None
     assert told == [f"{source}: a mesh cannot be read"]
 
 
-def test_a_build_tells_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
+def test_a_build_reports_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
     spec = write(tmp_path, "steps:\n- {do: orient-joints, joints: nobody}\n")
     line = ["build", str(SAMPLES / "biped.glb"), "--spec", str(spec), "-o", str(tmp_path / "o.glb"), "--json"]
     told = cli(*line).json["error"]

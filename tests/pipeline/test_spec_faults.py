@@ -75,7 +75,9 @@ def test_faults_of_json_have_their_places(tmp_path: Path) -> None:
         ("[" * 100 + "]" * 100, {(1, 66): "deeper, than a spec can have"}),
     ],
 )
-def test_what_is_no_json_is_told_as_such(text: str, said: dict[tuple[int, int], str], tmp_path: Path) -> None:
+def test_what_is_no_json_is_reported_as_such(
+    text: str, said: dict[tuple[int, int], str], tmp_path: Path
+) -> None:
     found = faults(write(tmp_path, text, "rig.json"))
     assert list(found) == list(said)
     assert all(words in found[place] for place, words in said.items())
@@ -111,7 +113,7 @@ def test_json_is_what_python_takes_for_it(value: Any, cut: int, what: str) -> No
         ("name: a\x07\n", {(1, 8): "a character that cannot be seen (U+0007)"}),
     ],
 )
-def test_what_is_no_yaml_is_told_at_its_place(
+def test_what_is_no_yaml_is_reported_at_its_place(
     text: str, said: dict[tuple[int, int], str], tmp_path: Path
 ) -> None:
     found = faults(write(tmp_path, text))
@@ -122,7 +124,7 @@ def test_what_is_no_yaml_is_told_at_its_place(
 # Places
 
 
-def test_a_mapping_over_several_lines_is_told_at_its_key(tmp_path: Path) -> None:
+def test_a_mapping_over_several_lines_is_reported_at_its_key(tmp_path: Path) -> None:
     text = "steps:\n- do: constrain\n  type: parent\n  child: hips\n  driver: {\n    chest: 1,\n    hed: 1}\n"
     assert list(faults(write(tmp_path, text), SAMPLES / "biped.glb")) == [(7, 10)]
 
@@ -157,7 +159,7 @@ def test_an_unknown_variable_hides_nothing_else(tmp_path: Path) -> None:
     ]
 
 
-def test_all_names_that_a_step_has_wrong_are_told(tmp_path: Path) -> None:
+def test_all_names_that_a_step_has_wrong_are_reported(tmp_path: Path) -> None:
     text = "steps:\n- do: add-twist\n  limb: [[uper_arm_L, forearm_L, hnd_L], [thigh_L, shn_L, foot_L]]\n"
     text += "- do: orient-joints\n  joints:\n  - hips\n  - '#999'\n  - 'fooo*'\n  exclude: [hed, 'hand_?']\n"
     text += "- do: constrain\n  type: parent\n  child: hd\n  driver: {chst: 1, hips: 0.5}\n"
@@ -205,7 +207,7 @@ def test_a_fault_of_the_spec_has_one_exit_code_whatever_else_is_wrong(lost: str,
         assert (caught.value.exit_code, len(caught.value.found)) == (2, 1 + bool(more))
 
 
-def test_a_name_that_is_none_is_told_by_its_kind(tmp_path: Path) -> None:
+def test_a_name_that_is_none_is_reported_by_its_kind(tmp_path: Path) -> None:
     """A pattern matches, an index lies in a range; neither is a matter of spelling."""
     text = "steps:\n- do: orient-joints\n  joints: ['q*', '#99', hed]\n- {do: add-twist, auto: true}\n"
     found = [
@@ -219,7 +221,7 @@ def test_a_name_that_is_none_is_told_by_its_kind(tmp_path: Path) -> None:
     ]
 
 
-def test_an_error_stands_at_the_name_and_not_at_what_may_be_meant(tmp_path: Path) -> None:
+def test_an_error_stands_at_the_name_and_not_at_suggestions(tmp_path: Path) -> None:
     text = "steps:\n- {do: constrain, type: parent, child: chest, driver: chst}\n"
     assert list(faults(write(tmp_path, text))) == [(2, 55)]
 
@@ -241,7 +243,7 @@ def test_a_base_that_is_lost_hides_nothing_and_makes_nothing_up(base: str, tmp_p
     assert "'hed'" in list(found.values())[-1]
 
 
-def test_what_is_of_another_kind_altogether_is_told_in_words_of_specs(tmp_path: Path) -> None:
+def test_what_is_of_another_kind_altogether_is_described_in_words_of_specs(tmp_path: Path) -> None:
     text = "steps:\n- {do: [a]}\n- null\n- {do: add-twist, joint: {a: 1}}\n"
     text += "- {do: orient-joints, offset: [1e30, 0, 0]}\n- {do: strip, splits: 1}\nroot: [1]\n"
     found = list(faults(write(tmp_path, text)).values())
@@ -259,7 +261,7 @@ def test_a_variable_that_is_none_is_one_fault(tmp_path: Path) -> None:
     assert "give a text, a number, true or false" in found[1, 13]
 
 
-def test_yaml_that_holds_itself_is_told_so(tmp_path: Path) -> None:
+def test_yaml_that_holds_itself_is_reported(tmp_path: Path) -> None:
     assert "an alias refers to a value" in faults(write(tmp_path, "steps: &a\n- *a\n"))[1, 8]
 
 
@@ -295,7 +297,7 @@ def test_defaults_that_mean_nothing_are_refused(line: str, extended: bool, tmp_p
         jsonschema.validate(YAML(typ="safe", pure=True).load(head), schema())
 
 
-def test_what_defaults_need_not_say_they_may_leave_out(tmp_path: Path) -> None:
+def test_what_defaults_need_not_list_they_may_leave_out(tmp_path: Path) -> None:
     text = "defaults:\n  constrain: {space: local, optional: true}\nsteps: [{do: orient-joints}]\n"
     load(write(tmp_path, text))
     jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
@@ -371,13 +373,13 @@ def test_the_schema_takes_what_a_build_takes(text: str, fits: bool, tmp_path: Pa
     assert jsonschema.Draft202012Validator(schema()).is_valid(plain) is fits
 
 
-def test_a_value_that_a_variable_gives_is_told_with_the_variable(tmp_path: Path) -> None:
+def test_a_value_that_a_variable_gives_is_reported_with_the_variable(tmp_path: Path) -> None:
     text = "variables: {size: 1}\nsteps:\n- {do: add-controls, size: '${size}'}\n"
     with pytest.raises(SpecError, match=r"it is \"abc\", by the variable 'size'"):
         load(write(tmp_path, text), variables={"size": "abc"})
 
 
-def test_what_words_of_braces_have_in_common_is_told_once(tmp_path: Path) -> None:
+def test_what_words_of_braces_have_in_common_is_reported_once(tmp_path: Path) -> None:
     text = "steps:\n- {do: orient-joints, joints: [forarm_L, 'hend_{L,R}']}\n"
     with pytest.raises(SpecError) as caught:
         build(SAMPLES / "biped.glb", tmp_path / "out.glb", write(tmp_path, text))
@@ -386,7 +388,7 @@ def test_what_words_of_braces_have_in_common_is_told_once(tmp_path: Path) -> Non
     ]  # fmt: skip
 
 
-def test_a_pattern_where_one_joint_is_meant_is_told_as_such(tmp_path: Path) -> None:
+def test_a_pattern_where_one_joint_is_required_is_reported_as_such(tmp_path: Path) -> None:
     text = "steps:\n- {do: add-polevector, limb: ['upper*_L', forearm_L, hand_L]}\n"
     (said,) = faults(write(tmp_path, text), SAMPLES / "biped.glb").values()
     assert "'upper*_L'. One is meant here, so patterns are not taken." in said
@@ -432,7 +434,7 @@ def test_a_spec_without_bounds_is_refused_soon(text: str, said: str, tmp_path: P
     assert time.perf_counter() - began < 10
 
 
-def test_a_file_that_is_not_there_is_told_at_its_word_beside_all_else(tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_is_reported_at_its_word_beside_all_else(tmp_path: Path) -> None:
     text = """\
 steps:
   - do: orient-joints
@@ -467,7 +469,7 @@ def test_a_strict_build_leaves_no_step_out(first: bool, tmp_path: Path) -> None:
     assert not (tmp_path / "out.glb").exists()
 
 
-def test_what_a_spec_says_instead_hides_no_fault_of_its_base(tmp_path: Path) -> None:
+def test_what_a_spec_overrides_hides_no_fault_of_its_base(tmp_path: Path) -> None:
     write(
         tmp_path,
         "version: 2\ntolerance: -1\nstrict: ${s}\nvariables: {s: true}\nsteps: [{do: orient-joints}]",
@@ -493,12 +495,12 @@ def test_names_that_no_variable_can_have_are_one_fault_each(tmp_path: Path) -> N
     assert all("is not a valid variable name: " in said for said in found.values())
 
 
-def test_a_variable_that_names_another_one_is_told_where_it_is_used(tmp_path: Path) -> None:
+def test_a_variable_that_names_another_one_is_reported_where_it_is_used(tmp_path: Path) -> None:
     text = 'variables: {a: "${b}", b: maya}\nsteps: [{do: orient-joints, preset: "${a}"}]\n'
     (said,) = faults(write(tmp_path, text)).values()
     assert "the variable 'a' names another one, ${b}, which is not filled in; give 'a' its value" in said
 
 
-def test_an_option_that_is_like_none_is_told_with_those_that_there_are(tmp_path: Path) -> None:
+def test_an_option_that_is_like_none_is_reported_with_those_that_there_are(tmp_path: Path) -> None:
     (said,) = faults(write(tmp_path, "steps: [{do: strip, zzz: 1}]")).values()
     assert "there is no option 'zzz'. There are optional, do, splits." in said

@@ -116,7 +116,7 @@ def test_what_is_wrong_with_in_or_out_is_no_fault_of_the_spec(text: str, tmp_pat
         assert "rig.yaml" not in result.stderr
 
 
-def test_a_text_larger_than_it_can_be_meant_is_refused(tmp_path: Path) -> None:
+def test_a_text_larger_than_any_real_one_is_refused(tmp_path: Path) -> None:
     path = write(tmp_path, "12345")
     assert text_of(path, most=5) == "12345"
     with pytest.raises(FileError, match="more than 4 bytes"):

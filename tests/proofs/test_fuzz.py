@@ -66,7 +66,7 @@ def test_a_sound_file_explains_no_refusal() -> None:
     ("what", "values"),
     [("translation", [0.0, 3e7, 0.0]), ("scale", [1e-12, 1.0, 1.0]), ("scale", [1, 1, 1.000015])],
 )
-def test_numbers_that_float32_cannot_tell_apart_explain_one(
+def test_numbers_that_float32_cannot_distinguish_explain_one(
     what: str, values: list[float], tmp_path: Path
 ) -> None:
     biped = gltf.load(SAMPLES / "biped.glb")
@@ -98,7 +98,7 @@ def test_only_shows_a_case_that_is_no_finding(
     assert shown["command"]
 
 
-def test_a_run_with_too_few_outputs_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_with_too_few_outputs_reports_it(capsys: pytest.CaptureFixture[str]) -> None:
     tally = program.Tally()
     tally.add(cases.Found(0, "refused with 3", "rigtri: no"), "gltf")
     assert program.verdict(tally, 7) == 1

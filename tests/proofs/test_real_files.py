@@ -94,7 +94,7 @@ def test_a_second_run_changes_no_byte(path: Path, preset: str, tmp_path: Path) -
     assert twice.read_bytes() == once.read_bytes()
 
 
-def test_every_turned_joint_aims_at_its_child_within_a_ten_thousandth_degree(path: Path) -> None:
+def test_every_reoriented_joint_aims_at_its_child_within_a_ten_thousandth_degree(path: Path) -> None:
     rig, report = opened(path), Report()
     out = orient_joints(rig, report=report)
     tree = skeleton(out)

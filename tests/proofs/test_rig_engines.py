@@ -200,7 +200,7 @@ def test_blender_has_a_bone_more_for_each_joint_that_is_added(
             assert_allclose(has[rig.names[node]], place, rtol=0, atol=CLOSE * size_of(rig))
 
 
-def test_blender_reads_every_note_of_gltf_as_custom_properties(samples: Path, tmp_path: Path) -> None:
+def test_blender_reads_all_metadata_of_gltf_as_custom_properties(samples: Path, tmp_path: Path) -> None:
     out, rig = built(samples / "biped.glb", everything, tmp_path)
     (scene,) = blender_scene(out, folder=tmp_path)
     stored = {thing["name"]: thing["stored"] for thing in scene["things"]}
@@ -213,7 +213,7 @@ def test_blender_reads_every_note_of_gltf_as_custom_properties(samples: Path, tm
     assert stored == written
 
 
-def test_blender_s_usd_import_keeps_the_words_of_notes(samples: Path, tmp_path: Path) -> None:
+def test_blender_s_usd_import_keeps_the_words_of_metadata(samples: Path, tmp_path: Path) -> None:
     out, rig = built(samples / "biped.usdz", everything, tmp_path)
     (scene,) = blender_scene(out, folder=tmp_path)
     stored = by_note(scene["things"], "stored")
@@ -265,7 +265,7 @@ def test_three_js_draws_every_control_at_its_joint(path: Path, tmp_path: Path) -
         assert_allclose(lines["color"], shape.color, atol=1e-6)
 
 
-def test_three_js_reads_every_note_of_loose_nodes(samples: Path, tmp_path: Path) -> None:
+def test_three_js_reads_all_metadata_of_loose_nodes(samples: Path, tmp_path: Path) -> None:
     out, _ = built(samples / "biped.glb", everything, tmp_path)
     (scene,) = three_rig(out, folder=tmp_path)
     written = read(out).rig

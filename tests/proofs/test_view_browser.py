@@ -74,7 +74,7 @@ def healthy(told: dict[str, Any]) -> bool:
     return told["state"]["state"] == "ready" and told["state"]["errors"] == "0" and not told["wrong"]
 
 
-def test_the_samples_move_as_rigtri_says_and_keys_do_what_they_say(
+def test_the_samples_move_as_rigtri_computes_and_keys_do_what_they_mean(
     page: Any, samples: Path, tmp_path: Path
 ) -> None:
     turned = oriented(samples / "biped.glb", tmp_path / "out.glb")
@@ -177,7 +177,9 @@ def test_names_are_shown_as_they_are_and_nothing_in_them_runs(page: Any, tmp_pat
     assert asks_nobody(told)
 
 
-def test_a_phone_in_the_dark_that_wants_rest_gets_it(page: Any, samples: Path, tmp_path: Path) -> None:
+def test_a_phone_in_the_dark_that_prefers_reduced_motion_gets_it(
+    page: Any, samples: Path, tmp_path: Path
+) -> None:
     options = {
         "viewport": {"width": 320, "height": 568},
         "hasTouch": True,
@@ -315,7 +317,7 @@ def test_blend_shapes_of_usd_move_with_their_animation(page: Any, tmp_path: Path
         assert off(posed, moved(path, "rest")) > 0.1
 
 
-def test_an_image_that_no_browser_reads_is_counted_and_told(page: Any, tmp_path: Path) -> None:
+def test_an_image_that_no_browser_reads_is_counted_and_reported(page: Any, tmp_path: Path) -> None:
     b = evil()
     b.gltf["images"] = [{"uri": "a.png"}]
     (tmp_path / "a.png").write_bytes(b"no picture")
@@ -332,7 +334,7 @@ def test_an_image_that_no_browser_reads_is_counted_and_told(page: Any, tmp_path:
     assert "cannot read an image that is in the file" in inside["results"][0]
 
 
-def test_an_svg_is_told_once_and_is_no_error(page: Any, tmp_path: Path) -> None:
+def test_an_svg_is_reported_once_and_is_no_error(page: Any, tmp_path: Path) -> None:
     svg = b"<svg xmlns='http://www.w3.org/2000/svg' width='1' height='1'/>"
     (tmp_path / "a.svg").write_bytes(svg)
     inside = {"uri": f"data:image/svg+xml;base64,{b64encode(svg).decode()}"}
@@ -354,7 +356,7 @@ REAL = {
 }
 
 
-def test_real_files_stand_and_move_as_rigtri_says(page: Any, tmp_path: Path) -> None:
+def test_real_files_stand_and_move_as_rigtri_computes(page: Any, tmp_path: Path) -> None:
     if not ASSETS.is_dir():
         pytest.skip(NO_ASSETS)
     steps = [{"evaluate": "rigtri.worlds()"}, *SEEN]

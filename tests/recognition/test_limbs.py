@@ -31,7 +31,7 @@ def test_mixamo_names_make_an_arm_although_the_clavicle_is_called_shoulder() -> 
     assert triples(rig) == [[f"mixamorig:{name}" for name in names[2:]]]
 
 
-def test_the_foot_of_a_flat_rig_hangs_elsewhere_and_still_ends_the_leg() -> None:
+def test_the_foot_of_a_flat_rig_is_parented_elsewhere_and_still_ends_the_leg() -> None:
     rig = named(["root", "UpperLeg.L", "LowerLeg.L", "Foot.L"], [-1, 0, 1, 0])
     assert triples(rig) == [["UpperLeg.L", "LowerLeg.L", "Foot.L"]]
 

@@ -84,7 +84,7 @@ def test_arms_and_legs_are_found(which: str, named: bool) -> None:
 
 
 @pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
-def test_where_a_body_stands_and_how_it_is_turned_changes_nothing(named: bool) -> None:
+def test_where_a_body_stands_and_how_it_is_rotated_changes_nothing(named: bool) -> None:
     rig = rig_with(MAN, named=named)
     turned = compose(np.array([3.0, 1, 2]), from_axis_angle(np.array([0.6, 0, 0.8]), 1.1), np.full(3, 40.0))
     root = multiply(rig.local[:1], turned)
@@ -108,7 +108,7 @@ def test_spine_neck_and_head_stand_between_and_beyond_the_limbs() -> None:
     assert bones["hips"] == "hips"
 
 
-def test_a_twist_joint_within_a_limb_is_said_to_be_one() -> None:
+def test_a_twist_joint_within_a_limb_is_reported_as_one() -> None:
     (character,) = recognise(rig_with(TWISTED, named=False)).characters
     roles = {TWISTED[part.joint][0]: part.role for part in character.parts}
     assert [roles[name] for name in ("a.L", "b.R", "c.L", "forearm.L")] == [
@@ -119,7 +119,7 @@ def test_a_twist_joint_within_a_limb_is_said_to_be_one() -> None:
     ]
 
 
-def test_fingers_are_told_by_their_place_from_the_thumb_on() -> None:
+def test_fingers_are_recognised_by_their_position_from_the_thumb_on() -> None:
     joints = [*MAN, *FINGERS]
     (character,) = recognise(rig_with(joints, named=False)).characters
     fingers = {
@@ -135,7 +135,7 @@ def test_fingers_are_told_by_their_place_from_the_thumb_on() -> None:
     assert joints[character.bones["leftThumbDistal"]][0] == "t3.L"
 
 
-def test_what_is_no_bone_of_the_body_is_told_by_name_and_by_place() -> None:
+def test_what_is_no_bone_of_the_body_is_reported_by_name_and_by_place() -> None:
     more: list[Joint] = [
         ("root", "", (0, 0, 0)),
         *((name, above or "root", place) for name, above, place in MAN),
@@ -177,7 +177,7 @@ def test_controls_beside_bones_called_def_are_no_body() -> None:
     ]
 
 
-def test_a_foot_that_hangs_at_the_root_ends_its_leg_if_it_moves_points() -> None:
+def test_a_foot_parented_to_the_root_ends_its_leg_if_it_moves_points() -> None:
     joints: list[Joint] = [("root", "", (0, 0, 0))]
     loose = {"foot.L": "root", "foot.R": "root"}
     joints += [(name, loose.get(name, above or "root"), place) for name, above, place in MAN]
@@ -205,7 +205,7 @@ def test_a_horse_has_four_legs_and_a_tail() -> None:
 
 @pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
 @pytest.mark.parametrize("thing", THINGS)
-def test_what_is_no_character_has_no_limb_and_is_said_to_be_none(thing: str, named: bool) -> None:
+def test_what_is_no_character_has_no_limb_and_is_reported_as_none(thing: str, named: bool) -> None:
     layout = recognise(rig_with(THINGS[thing], named=named))
     assert bends(THINGS[thing], layout) == {}
     assert not layout.characters
@@ -241,7 +241,7 @@ def two_bodies(skins: int) -> Rig:
 
 
 @pytest.mark.parametrize("skins", [1, 2])
-def test_two_characters_of_a_file_are_told_apart(skins: int) -> None:
+def test_two_characters_of_a_file_are_distinguished(skins: int) -> None:
     rig = two_bodies(skins)
     layout = recognise(rig)
     assert len(layout.characters) == 2
@@ -279,7 +279,7 @@ def test_names_of_one_side_are_enough() -> None:
     assert len(found) == 4
 
 
-def test_what_names_call_left_stays_left_and_the_contradiction_is_said() -> None:
+def test_what_names_call_left_stays_left_and_the_contradiction_is_reported() -> None:
     joints = [(name, above, (-x, y, z)) for name, above, (x, y, z) in MAN]
     layout = recognise(rig_with(joints))
     assert bends(joints, layout) == FOUR
@@ -379,13 +379,13 @@ def test_the_names_of_a_scheme_are_read_as_it_means_them(scheme: str) -> None:
     assert any(scheme in words for chain in layout.chains for words in chain.evidence)
 
 
-def test_every_scheme_is_asked_and_those_of_nobody_last() -> None:
+def test_every_scheme_is_tried_and_those_of_nobody_last() -> None:
     titles = [scheme.title for scheme in schemes()]
     assert len(titles) == len(set(titles)) >= 16
     assert titles[-2:] == ["common words for bones", "common words for joints"]
 
 
-def test_a_scheme_of_ones_own_is_asked_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheme_of_ones_own_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "studio.toml"
     path.write_text(
         'title = "Studio"\n[sides]\nUpperArm = "alpha"\nLowerArm = "beta"\nHand = "gamma"\n', "utf-8"
@@ -434,7 +434,7 @@ def test_what_is_no_scheme_is_refused(text: str, words: str, tmp_path: Path) -> 
         own_scheme(path)
 
 
-def test_all_schemes_that_are_none_are_told_at_once(tmp_path: Path) -> None:
+def test_all_schemes_that_are_none_are_reported_at_once(tmp_path: Path) -> None:
     words: list[str] = []
     for name, text in (("a", "title = 1"), ("b", "marks = 2"), ("c", "\ufefftitle = 'Fine'")):
         path = tmp_path / f"{name}.toml"
@@ -451,7 +451,7 @@ def test_rigtris_own_schemes_have_no_faults() -> None:
     assert [own_scheme(path).title for path in sorted(folder.glob("*.toml"))]
 
 
-def test_a_folder_of_schemes_that_is_not_there_is_told(
+def test_a_folder_of_schemes_that_is_not_there_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path / "gone"))
@@ -474,7 +474,7 @@ def test_a_rig_is_looked_at_once_and_what_is_known_goes_with_it() -> None:
     assert gone() is None
 
 
-def test_the_command_tells_chains_roles_and_words() -> None:
+def test_the_command_reports_chains_roles_and_words() -> None:
     told = cli("recognise", SAMPLES / "biped.glb").output
     assert "biped, 0.99 sure" in told
     assert "faces +z, up +y, left +x" in told
@@ -485,12 +485,12 @@ def test_the_command_tells_chains_roles_and_words() -> None:
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "hand.glb", "flat_ik.glb", "biped.usda"])
-def test_json_is_as_its_schema_says(name: str) -> None:
+def test_json_is_as_its_schema_requires(name: str) -> None:
     run = cli("recognise", SAMPLES / name, "--json", code=0)
     validator("recognise").validate(json.loads(run.stdout))
 
 
-def test_a_scheme_that_cannot_be_read_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_scheme_that_cannot_be_read_is_reported_in_one_line(tmp_path: Path) -> None:
     run = cli("recognise", SAMPLES / "biped.glb", "--scheme", tmp_path / "no.toml", code=3)
     assert "is no naming scheme" in run.output
 

@@ -59,7 +59,7 @@ def test_limbs_of_bodies_that_nobody_has_looked_at_are_right(tmp_path: Path) -> 
     check(varied_bodies(tmp_path, 25), named=0.95, unnamed=0.85)
 
 
-def test_limbs_asked_for_alone_are_those_of_the_whole_layout(tmp_path: Path) -> None:
+def test_limbs_requested_alone_are_those_of_the_whole_layout(tmp_path: Path) -> None:
     for one in (*files_here(), *made(tmp_path)):
         for rig in (one.rig, nameless(one.rig)):
             chains = [chain for chain in recognise(rig).chains if chain.kind in ("arm", "leg")]
@@ -108,14 +108,14 @@ def test_a_limb_is_right_only_with_its_kind_side_and_three_joints(
     assert share(limbs(found))[1]["right"] == (4 if outcome == "right" else 3)
 
 
-def test_without_names_nothing_is_left_that_says_them() -> None:
+def test_without_names_nothing_is_left_that_contains_them() -> None:
     rig = nameless(read(SAMPLES / "biped.glb"))
     said = {*rig.names, *rig.humanoid, *(skin.name for skin in rig.skins)}
     assert said == {""}
     assert not any(letter.isalpha() for label in rig.labels for letter in label)
 
 
-def test_names_that_say_nothing_are_as_good_as_none() -> None:
+def test_meaningless_names_are_as_good_as_none() -> None:
     rig = read(SAMPLES / "biped.glb")
     found = [recognise(nameless(rig, name)).characters[0].chains for name in ("", "node_", "Bone.")]
     assert [[(c.kind, c.side, c.bend) for c in chains] for chains in found[1:]] == [

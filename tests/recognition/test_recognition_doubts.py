@@ -49,7 +49,7 @@ def test_two_names_that_are_swapped_make_no_limb_sure_that_is_wrong(one: str, ot
     assert wrong(MAN, renamed(MAN, {one: other, other: one})) == []
 
 
-def test_hands_that_hang_at_feet_are_not_sure_and_a_remark_says_why() -> None:
+def test_hands_parented_to_feet_are_not_sure_and_a_remark_gives_the_reason() -> None:
     hands = [(name, f"shin{name[4:]}", place) for name, _, place in MAN if name.startswith("hand")]
     layout = recognise(rig_with([*(one for one in MAN if not one[0].startswith("hand")), *hands]))
     arms = [chain for chain in layout.chains if chain.kind == "arm"]
@@ -113,7 +113,7 @@ def test_joints_of_a_wing_deform_and_are_no_twist_joints_of_it() -> None:
     assert {roles[name] for name, _, _ in wings} == {"deform"}
 
 
-def test_further_limbs_that_are_not_sure_are_told_and_not_asked_for() -> None:
+def test_further_limbs_that_are_not_sure_are_reported_without_a_question() -> None:
     more = line("x.L y.L z.L", "hips", (0.13, 0.95, 0), (0.13, 0.5, 0.01), (0.13, 0.1, -0.02))
     joints = [*MAN, *both(more)]
     layout = recognise(rig_with(joints))
@@ -145,7 +145,7 @@ def test_an_arm_with_named_fingers_is_one_although_nothing_else_of_a_body_is_the
     assert [chain.name for chain in layout.chains if chain.is_sure and chain.bend] == ["arm"]
 
 
-def test_joints_without_names_are_not_told_to_share_one() -> None:
+def test_joints_without_names_are_not_reported_to_share_one() -> None:
     rig = rig_with(MAN)
     report = Report()
     add_polevector(
@@ -155,7 +155,7 @@ def test_joints_without_names_are_not_told_to_share_one() -> None:
     assert [notice.text for notice in report.warnings if notice.code == "limb-left-out"] == []
 
 
-def test_of_very_many_joints_without_names_it_is_said_that_their_shape_is_not_read() -> None:
+def test_of_very_many_joints_without_names_a_remark_reports_that_their_shape_is_not_read() -> None:
     hair = [
         joint
         for k in range(1001)

@@ -59,7 +59,7 @@ def test_three_quarter_sees_the_front_the_left_side_and_the_top() -> None:
 
 
 @pytest.mark.parametrize("asked", ["sideways", "1,2", "1,2,3,4", "0,0,0", "nan,0,1", ""])
-def test_what_is_no_view_is_told_with_those_that_are(asked: str) -> None:
+def test_what_is_no_view_is_reported_with_those_that_are(asked: str) -> None:
     with pytest.raises(UsageError, match="view"):
         view_of(gltf(), asked)
 

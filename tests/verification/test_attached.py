@@ -69,7 +69,7 @@ FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_a_change_of_what_an_avatar_says_is_seen(name: str, tmp_path: Path) -> None:
+def test_a_change_of_what_an_avatar_states_is_seen(name: str, tmp_path: Path) -> None:
     fault, words = FAULTS[name]
     builder = avatars.avatar(1)
     before = read(builder.glb(tmp_path / "before.vrm"))
@@ -85,7 +85,7 @@ def test_a_change_of_what_an_avatar_says_is_seen(name: str, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_new_axes_change_numbers_and_nothing_that_an_avatar_says(seed: int, tmp_path: Path) -> None:
+def test_new_axes_change_numbers_and_nothing_that_an_avatar_states(seed: int, tmp_path: Path) -> None:
     before = read(avatars.avatar(seed).glb(tmp_path / "before.vrm"))
     rig = orient_joints(before.rig)
     before.write(rig, tmp_path / "after.vrm", tmp_path / "after.vrm")
@@ -98,7 +98,7 @@ def test_new_axes_change_numbers_and_nothing_that_an_avatar_says(seed: int, tmp_
     assert verify(before, after).different == ()
 
 
-def test_rotations_that_are_not_unit_move_nothing_that_an_avatar_says(tmp_path: Path) -> None:
+def test_rotations_that_are_not_unit_move_nothing_that_an_avatar_states(tmp_path: Path) -> None:
     builder = avatars.avatar(1)
     for node in builder.gltf["nodes"]:
         if "rotation" in node:
@@ -118,7 +118,7 @@ def test_a_root_that_no_node_has_is_not_found(command: str, samples: Path, tmp_p
 
 
 @pytest.mark.parametrize("command", ["inspect", "verify", "diff"])
-def test_a_root_that_changes_nothing_is_said(command: str, samples: Path) -> None:
+def test_a_root_that_changes_nothing_is_reported(command: str, samples: Path) -> None:
     path = samples / "biped.glb"
     done = cli(command, path, *([] if command == "inspect" else [path]), "--root", "hips", code=0)
     assert "--root changes nothing here" in done.stderr

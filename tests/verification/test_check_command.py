@@ -40,11 +40,11 @@ def files(tmp_path: Path) -> dict[str, Path]:
     return found
 
 
-def test_a_sound_file_ends_with_0_and_says_so(files: dict[str, Path]) -> None:
+def test_a_sound_file_ends_with_0_and_reports_it(files: dict[str, Path]) -> None:
     assert run(files["sound"]).stdout == f"{files['sound']}: nothing wrong\n"
 
 
-def test_exit_codes_say_how_bad_the_worst_file_is(files: dict[str, Path]) -> None:
+def test_exit_codes_report_how_bad_the_worst_file_is(files: dict[str, Path]) -> None:
     run(files["sound"], files["warned"], code=0)
     run(files["sound"], files["warned"], "--strict", code=1)
     run(files["wrong"], files["sound"], code=1)
@@ -125,7 +125,7 @@ def test_what_is_left_out_is_counted(options: list[str], files: dict[str, Path])
     assert found["left_out"] + len(found["findings"]) == every
 
 
-def test_a_remedy_is_said_once(files: dict[str, Path], tmp_path: Path) -> None:
+def test_a_remedy_is_reported_once(files: dict[str, Path], tmp_path: Path) -> None:
     path = tmp_path / "cut.glb"
     path.write_bytes(files["sound"].read_bytes()[:-8])
     words = run(path, code=3).stdout
@@ -139,7 +139,7 @@ def test_the_list_has_every_id_for_people_and_machines() -> None:
     assert [item["id"] for item in json.loads(run("--list", "--json").stdout)] == list(RULES)
 
 
-def test_the_page_of_checks_is_what_the_code_says(pytestconfig: pytest.Config) -> None:
+def test_the_page_of_checks_is_what_the_code_defines(pytestconfig: pytest.Config) -> None:
     """Where it is not: pytest --update-golden."""
     page = ROOT / "docs" / "checks.md"
     text = page.read_text("utf-8")
@@ -210,7 +210,7 @@ def test_nothing_is_wrong_with_what_rigtri_itself_stores(
     assert [item for item in found if item.severity != "info" or ".note." in item.id] == []
 
 
-def test_every_type_of_note_is_judged_as_the_schema_does() -> None:
+def test_every_type_of_metadata_is_judged_as_the_schema_does() -> None:
     """What `check` reads of the schema gives the same verdict as a validator of JSON Schema."""
     judge = validator("node")
     for kind, form in schema("node")["$defs"].items():

@@ -122,13 +122,13 @@ def test_every_check_has_a_file_that_breaks_it() -> None:
 
 
 @pytest.mark.parametrize("make", [clean_gltf, avatar_1, avatar_0, motion])
-def test_there_is_nothing_to_say_of_a_sound_gltf(make: object, tmp_path: Path) -> None:
+def test_there_is_nothing_to_report_of_a_sound_gltf(make: object, tmp_path: Path) -> None:
     assert callable(make)
     findings = check(make().glb(tmp_path / "a.glb"))
     assert findings == []
 
 
-def test_there_is_nothing_to_say_of_a_sound_stage(tmp_path: Path) -> None:
+def test_there_is_nothing_to_report_of_a_sound_stage(tmp_path: Path) -> None:
     assert check(save(tmp_path, clean_usd())) == []
 
 
@@ -139,7 +139,7 @@ def test_samples_have_neither_errors_nor_warnings(path: Path) -> None:
     assert serious(check(path)) == rootless
 
 
-def test_all_mistakes_of_a_file_are_told_and_the_worst_first(tmp_path: Path) -> None:
+def test_all_mistakes_of_a_file_are_reported_and_the_worst_first(tmp_path: Path) -> None:
     b = clean_gltf()
     b.gltf["nodes"][1]["rotation"] = [0, 0, 0, 2]
     b.gltf["skins"][0] |= {"joints": [0, 1, 1, 88], "skeleton": 2}
@@ -177,7 +177,7 @@ def test_a_finding_in_another_layer_names_that_layer(tmp_path: Path) -> None:
     ]
 
 
-def test_openusd_is_asked_when_the_user_wants_it(tmp_path: Path) -> None:
+def test_openusd_checks_on_request(tmp_path: Path) -> None:
     text = clean_usd().replace("def SkelRoot", "def Xform", 1)
     path = save(tmp_path, text)
     own, both = check(path), check(path, external=True)

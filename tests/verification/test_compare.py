@@ -163,7 +163,7 @@ def test_without_meshes_joints_are_measured(compare: Compare) -> None:
 
 
 @BOTH
-def test_a_turned_joint_without_children_and_meshes_is_seen(compare: Compare) -> None:
+def test_a_reoriented_joint_without_children_and_meshes_is_seen(compare: Compare) -> None:
     rig = chain((0, 0, 0), (3, 4, 0))
     rotation = rig.rotation.copy()
     rotation[1] = from_axis_angle([0, 0, 1], 0.01)
@@ -204,7 +204,7 @@ def test_a_mesh_that_names_joints_the_skin_does_not_have_is_left_out(compare: Co
 
 
 @BOTH
-def test_rotations_that_are_not_unit_are_told_apart(compare: Compare) -> None:
+def test_rotations_that_are_not_unit_are_distinguished(compare: Compare) -> None:
     held = character()
     rotation = held.rig.rotation * 1.001
     before = replace(held, rig=replace(held.rig, rotation=rotation))
@@ -227,7 +227,7 @@ def test_rotations_that_lose_their_unit_length_are_a_loss(compare: Compare) -> N
 
 @BOTH
 @pytest.mark.parametrize("again", [False, True], ids=["in memory", "opened again"])
-def test_what_a_turned_node_shows_is_found_at_its_new_node(compare: Compare, again: bool) -> None:
+def test_what_a_reoriented_node_shows_is_found_at_its_new_node(compare: Compare, again: bool) -> None:
     before = character()
     turns = random_turns(1, len(before.rig))
     turns[[SWORD, CAMERA]] = random_turns(2, 5)[1:3]
@@ -263,7 +263,7 @@ def test_nodes_found_by_name_need_no_keys() -> None:
     assert result.lost + result.added + result.changed == ()
 
 
-def test_what_is_new_is_said() -> None:
+def test_what_is_new_is_reported() -> None:
     before = character()
     rig = before.rig.with_nodes(["pole"], [-1], np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]))
     for result in (self_check(before, replace(before, rig=rig)), verify(before, replace(before, rig=rig))):
@@ -271,7 +271,7 @@ def test_what_is_new_is_said() -> None:
         assert result.passes()
 
 
-def test_other_key_times_are_said() -> None:
+def test_other_key_times_are_reported() -> None:
     before = character()
     moved = with_track(before.rig, ARM, "rotation", times=np.array([0.0, 0.6, 1.25, 2.0]))
     result = verify(before, replace(before, rig=moved))
@@ -340,7 +340,7 @@ def test_tangents_do_not_count_as_rotations() -> None:
     assert denormalisation(character().rig) < 1e-12
 
 
-def test_the_result_is_told_in_words_and_as_json() -> None:
+def test_the_result_is_described_in_words_and_as_json() -> None:
     before = character()
     after = replace(before, rig=nudged(before.rig, ARM), drawn=before.drawn[:1])
     result = verify(before, after)
@@ -361,7 +361,7 @@ def test_turning_in_the_world_is_seen_although_no_joint_origin_moves() -> None:
     assert 1e-3 < result.deviation < 2e-3
 
 
-def test_the_summary_tells_what_rotations_that_are_not_unit_show() -> None:
+def test_the_summary_reports_what_rotations_that_are_not_unit_show() -> None:
     held = character()
     assert "as stored" not in self_check(held, opened_again(turned(held))).summary()
     before = replace(held, rig=replace(held.rig, rotation=held.rig.rotation * 1.001))

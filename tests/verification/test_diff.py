@@ -497,7 +497,7 @@ def test_whatever_stands_in_the_json_is_compared_or_refused(seed: int, tmp_path:
             assert not diff(*pair, verify=False).same
 
 
-def test_how_they_look_is_measured_unless_told_otherwise(samples: Path, tmp_path: Path) -> None:
+def test_how_they_look_is_measured_unless_disabled(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "biped.glb"
     edit(samples / "biped.glb", out, lambda rig, report: orient_joints(rig, report=report))
     found = diff(samples / "biped.glb", out)
@@ -527,7 +527,7 @@ def test_the_program_ends_with_0_1_and_2(samples: Path, tmp_path: Path) -> None:
     run(one, one, "--only", "nothing", code=2)
 
 
-def test_long_groups_are_cut_unless_all_is_asked_for(samples: Path, tmp_path: Path) -> None:
+def test_long_groups_are_cut_unless_all_is_requested(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     edit(samples / "biped.glb", out, lambda rig, report: orient_joints(rig, report=report))
     short, full = (run(samples / "biped.glb", out, *flags).stdout for flags in ([], ["--all"]))
@@ -550,7 +550,7 @@ def test_the_program_speaks_json(samples: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 0.5])
-def test_an_integer_beyond_all_floats_is_told(tolerance: float, tmp_path: Path) -> None:
+def test_an_integer_beyond_all_floats_is_reported(tolerance: float, tmp_path: Path) -> None:
     builder = small()
     builder.gltf["extras"] = [1, 2]
     before = builder.glb(tmp_path / "before.glb")
@@ -574,7 +574,7 @@ def test_rows_are_the_same_as_each_alone() -> None:
         assert set(alone) == {True, False}
 
 
-def test_turns_of_many_frames_are_those_of_each_alone() -> None:
+def test_rotations_of_many_frames_are_those_of_each_alone() -> None:
     """A turn by a known angle about a known axis of the frame, half turns among them; NaN is none."""
     random = np.random.default_rng(3)
     before = unit(random.normal(size=(40, 4)))

@@ -115,7 +115,7 @@ GLTF_FAULTS: dict[str, tuple[Callable[[Any], Any], str]] = {
 
 
 @pytest.mark.parametrize("name", GLTF_FAULTS)
-def test_a_fault_that_no_pose_tells_is_seen_in_gltf(name: str, tmp_path: Path) -> None:
+def test_a_fault_that_no_pose_shows_is_seen_in_gltf(name: str, tmp_path: Path) -> None:
     fault, words = GLTF_FAULTS[name]
     before = read(stage_set().glb(tmp_path / "before.glb"))
     broken = stage_set()
@@ -185,7 +185,7 @@ def test_offsets_of_a_morph_without_weight_are_compared(off: float, seen: bool, 
     assert [text.split(", ")[0] for text in result.different] == ["the offsets of morph target 0"] * seen
 
 
-def test_names_of_morph_targets_do_not_show_and_are_told(tmp_path: Path) -> None:
+def test_names_of_morph_targets_do_not_show_and_are_reported(tmp_path: Path) -> None:
     before = read(stage_set().glb(tmp_path / "before.glb"))
     other = stage_set()
     other.gltf["meshes"][0]["extras"]["targetNames"] = ["frown"]
@@ -272,7 +272,7 @@ def stage_text() -> str:
 
 
 @pytest.mark.parametrize("name", USD_FAULTS)
-def test_a_fault_that_no_pose_tells_is_seen_in_usd(name: str, tmp_path: Path) -> None:
+def test_a_fault_that_no_pose_shows_is_seen_in_usd(name: str, tmp_path: Path) -> None:
     old, new, words = USD_FAULTS[name]
     text = stage_text()
     assert text.count(old) >= 1
@@ -293,7 +293,7 @@ def test_what_a_prim_above_hides_is_hidden(tmp_path: Path) -> None:
     assert len([text for text in result.different if text.startswith("visibility")]) == 3
 
 
-def test_another_range_of_time_does_not_show_and_is_told(tmp_path: Path) -> None:
+def test_another_range_of_time_does_not_show_and_is_reported(tmp_path: Path) -> None:
     text = stage_text()
     before = read(usd_files.save(tmp_path, text, "before.usda"))
     longer = text.replace("endTimeCode = 5", "endTimeCode = 9")
@@ -306,7 +306,7 @@ def test_facts_of_two_formats_are_not_compared(samples: Path) -> None:
     assert verify(read(samples / "biped.glb"), read(samples / "biped.usda")).different == ()
 
 
-def test_the_program_ends_with_6_and_says_what_is_different(tmp_path: Path) -> None:
+def test_the_program_ends_with_6_and_reports_what_is_different(tmp_path: Path) -> None:
     stage_set().glb(tmp_path / "before.glb")
     broken = stage_set()
     broken.gltf["scenes"][0]["nodes"].remove(3)
@@ -316,5 +316,5 @@ def test_the_program_ends_with_6_and_says_what_is_different(tmp_path: Path) -> N
     assert "different: scenes of body" in run.stderr
 
 
-def test_what_is_nested_is_told_by_its_path() -> None:
+def test_what_is_nested_is_reported_by_its_path() -> None:
     assert dict(flat({"a": {"b": 1, "name": "x"}}, "camera")) == {"camera a b": 1}

@@ -135,7 +135,7 @@ BAD: dict[str, tuple[Spoil, str]] = {
         (b'\xef\xbb\xbf  {"asset": }', "no valid JSON"),
     ],
 )
-def test_what_is_no_gltf_is_told_by_how_it_begins(content: bytes, words: str, tmp_path: Path) -> None:
+def test_what_is_no_gltf_is_reported_by_how_it_begins(content: bytes, words: str, tmp_path: Path) -> None:
     path = tmp_path / "a.glb"
     path.write_bytes(content)
     with pytest.raises(FileError, match=re.escape(words)):

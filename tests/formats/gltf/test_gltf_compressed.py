@@ -237,7 +237,7 @@ def test_a_broken_stream_of_a_mesh_is_a_notice_and_joints_are_checked_instead(tm
 
 
 @pytest.mark.skipif(not ASSETS.is_dir(), reason=NO_ASSETS)
-def test_what_gltfpack_wrote_is_turned_and_no_better_or_worse_for_the_validator(tmp_path: Path) -> None:
+def test_what_gltfpack_wrote_is_reoriented_and_no_better_or_worse_for_the_validator(tmp_path: Path) -> None:
     source = ASSETS / "gltf" / "gltfpack_cc_kn_godot_enemy.glb"
     document = GltfDocument.read(source)
     assert document.warnings == ()
@@ -363,7 +363,7 @@ def several_skins() -> Builder:
 
 
 @pytest.mark.parametrize("packed", [False, True])
-def test_point_3_joints_shared_by_several_skins_and_a_shared_accessor_is_not_turned_twice(
+def test_point_3_joints_shared_by_several_skins_and_a_shared_accessor_is_not_reoriented_twice(
     packed: bool, tmp_path: Path
 ) -> None:
     path = tmp_path / "a.glb"
@@ -495,7 +495,7 @@ def test_draco_meshes_pass_through_and_their_joints_are_verified(tmp_path: Path)
     assert b"DRACO, or so it says" in (tmp_path / "b.glb").read_bytes()
 
 
-def test_a_picture_says_which_meshes_it_lacks(tmp_path: Path) -> None:
+def test_a_picture_reports_which_meshes_it_lacks(tmp_path: Path) -> None:
     path = with_draco().glb(tmp_path / "draco.glb")
     result = cli("draw", path, "-o", tmp_path / "a.svg", code=0)
     assert "is compressed with KHR_draco_mesh_compression" in result.stderr

@@ -93,7 +93,7 @@ def test_accessors_out_of_bounds_are_named(change: dict[str, Any], words: str, t
         accessors.read(index)
 
 
-def test_the_rig_is_what_the_file_says(tmp_path: Path) -> None:
+def test_the_rig_is_what_the_file_contains(tmp_path: Path) -> None:
     document = opened(character(), tmp_path)
     rig = document.rig
     # Parents first, else in the file's order.

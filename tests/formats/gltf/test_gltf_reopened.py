@@ -24,7 +24,7 @@ def _told(before: GltfDocument, read: object) -> str:
     return str(self_check(before, after).as_json())
 
 
-def test_every_wrong_byte_is_told_as_by_a_reader_that_knows_nothing(tmp_path: Path) -> None:
+def test_every_wrong_byte_is_reported_as_by_a_reader_that_knows_nothing(tmp_path: Path) -> None:
     before = GltfDocument.read(small(5).glb(tmp_path / "hero.glb"))
     random = np.random.default_rng(11)
     turn = lawful(before.rig, unit(random.normal(size=(len(before.rig), 4))))

@@ -73,7 +73,7 @@ def test_a_missing_file_is_named_as_the_file_names_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("options", [ReadOptions(), ReadOptions(relink=True)], ids=["copied", "relinked"])
-def test_a_missing_image_is_told_where_a_file_moves_and_only_there(
+def test_a_missing_image_is_reported_where_a_file_moves_and_only_there(
     options: ReadOptions, tmp_path: Path
 ) -> None:
     source = referring(tmp_path / "in", image="skin%20of.png")
@@ -105,7 +105,7 @@ IMAGES = {
 
 @pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 @pytest.mark.parametrize("image", list(IMAGES))
-def test_check_and_edits_say_the_same_of_an_image_that_cannot_be_had(image: str, tmp_path: Path) -> None:
+def test_check_and_edits_report_the_same_of_an_image_that_cannot_be_had(image: str, tmp_path: Path) -> None:
     source = referring(tmp_path / "in", image=image)
     os.mkfifo(tmp_path / "in" / "pipe.png")
     (tmp_path / "in" / "link.png").symlink_to("pipe.png")

@@ -83,7 +83,7 @@ JSON = st.recursive(
     indent=st.sampled_from([None, 0, 1, 2, "\t"]),
     pick=st.randoms(use_true_random=False),
 )
-def test_any_change_of_any_text_says_what_was_meant(old: Any, more: Any, indent: Any, pick: Any) -> None:
+def test_any_change_of_any_text_states_the_intended_text(old: Any, more: Any, indent: Any, pick: Any) -> None:
     text = json.dumps(old, indent=indent)
     read, ends = parse_placed(text)
     assert all(json.loads(text[start:end]) in read.values() for start, end in ends.items())
@@ -137,7 +137,7 @@ def test_members_that_change_are_found_by_their_keys(
      '{"a" 1}', "[1]", "5", '{,"a":1}', '{"a":NaN}', '{"a":1,"a":2}', '{"a":{"b":1,"b":2}}', '{"a":1;"b":2}'],
 )  # fmt: skip
 @pytest.mark.parametrize("lenient", [False, True])
-def test_places_are_told_of_what_json_allows_alone(text: str, lenient: bool) -> None:
+def test_places_are_reported_only_for_what_json_allows(text: str, lenient: bool) -> None:
     try:
         wanted, failure = parse(text, lenient=lenient), None
     except ValueError as error:

@@ -70,7 +70,7 @@ def test_a_rig_nobody_changed_gives_back_the_same_bytes(path: Path, tmp_path: Pa
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
-def test_random_turns_move_nothing(path: Path, tmp_path: Path) -> None:
+def test_random_reorientations_move_nothing(path: Path, tmp_path: Path) -> None:
     document = GltfDocument.read(path)
     turn = random_turns(document.rig)
     after = GltfDocument.read(written(document, reframe(document.rig, turn), tmp_path / path.name))
@@ -273,7 +273,7 @@ def test_bytes_that_something_else_overlaps_are_not_written_over(tmp_path: Path)
     assert bytes(binary[: len(builder.binary)])[-32:] == bytes(builder.binary)[-32:]
 
 
-def test_new_nodes_and_notes_come_behind_the_last_node(tmp_path: Path) -> None:
+def test_new_nodes_and_metadata_come_behind_the_last_node(tmp_path: Path) -> None:
     document = GltfDocument.read(small().glb(tmp_path / "a.glb"))
     moved = np.array([[0.5, 1.0, 2.0], [0.0, 0.0, 1.0]])
     rig = document.rig.with_nodes(["pole", "child"], [-1, 4], moved, np.tile(IDENTITY, (2, 1)))
@@ -291,7 +291,7 @@ def test_new_nodes_and_notes_come_behind_the_last_node(tmp_path: Path) -> None:
     assert "extras" not in glb_json(tmp_path / "c.glb")["nodes"][1]
 
 
-def test_a_note_beside_extras_that_are_no_object_is_refused(tmp_path: Path) -> None:
+def test_metadata_beside_extras_that_are_no_object_is_refused(tmp_path: Path) -> None:
     document = GltfDocument.read(character().glb(tmp_path / "a.glb"))
     root = document.rig.find("root")
     with pytest.raises(FileError, match="root has extras"):

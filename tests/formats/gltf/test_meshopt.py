@@ -121,7 +121,7 @@ def test_the_octahedral_filter_unfolds_its_axes() -> None:
     assert octahedral(ten_bits.view(np.uint8)).view("<i2").tolist() == [[0, 32767, 0, -3]]
 
 
-def test_the_quaternion_filter_puts_the_largest_component_where_the_last_bits_say() -> None:
+def test_the_quaternion_filter_puts_the_largest_component_where_the_last_bits_decide() -> None:
     for largest in range(4):
         one = 0x7FF & ~3 | largest
         (turn,) = quaternion(np.array([[0, 0, 0, one]], "<i2").view(np.uint8)).view("<i2").tolist()

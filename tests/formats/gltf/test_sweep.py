@@ -121,7 +121,7 @@ def _silent(builder: Builder) -> Builder:
     return builder
 
 
-def test_a_sampler_that_does_not_say_how_it_moves_never_does(tmp_path: Path) -> None:
+def test_a_sampler_that_does_not_state_how_it_moves_never_does(tmp_path: Path) -> None:
     source = _silent(arm()).glb(tmp_path / "in.glb")
     built, bare = run(source, _reader), tmp_path / "bare.glb"
     samplers: list[dict[str, Any]] = glb_json(built)["animations"][0]["samplers"]

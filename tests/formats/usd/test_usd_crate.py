@@ -94,7 +94,7 @@ def test_an_array_longer_than_the_file_is_refused(tmp_path: Path) -> None:
     assert f"claims {2**33} items" in refusal(longer)
 
 
-def test_lz4_repeats_what_it_has_said() -> None:
+def test_lz4_repeats_what_it_has_written() -> None:
     # Two literals, then nine bytes from two bytes back; then one literal.
     assert lz4.unpacked(b"\0" + b"\x25ab\x02\0" + b"\x10c", 12) == b"ab" + b"ababababa" + b"c"
     for bad in (b"", b"\0\x25ab\x03\0", b"\0\x25ab\0\0", b"\0\xf0", b"\0\x20a", b"\x01\xff\0\0\0"):
@@ -118,7 +118,7 @@ def test_any_damage_is_refused_in_words_or_harmless(tmp_path: Path) -> None:
     assert 500 < refused < 2000
 
 
-def test_what_libraries_print_past_python_is_not_heard(capfd: pytest.CaptureFixture[str]) -> None:
+def test_output_that_libraries_print_past_python_is_dropped(capfd: pytest.CaptureFixture[str]) -> None:
     with silent(), silent():
         os.write(2, b"failed call to posix_madvise")
     os.write(2, b"heard")

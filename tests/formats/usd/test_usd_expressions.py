@@ -130,7 +130,7 @@ def test_a_link_into_another_folder_is_read_and_written_beside_the_link(suffix: 
     assert deviation(store / f"hero{suffix}", out) < 1e-6
 
 
-def test_a_link_asks_for_files_beside_it_and_not_beside_its_target(tmp_path: Path) -> None:
+def test_a_link_refers_to_files_beside_it_and_not_beside_its_target(tmp_path: Path) -> None:
     folder = tmp_path / "shot"
     folder.mkdir()
     save(tmp_path, ASSET, "store/part.usda")

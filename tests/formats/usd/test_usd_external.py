@@ -118,7 +118,7 @@ def test_nothing_is_fetched_whatever_is_allowed(allow: bool, asked: str, tmp_pat
     assert f"</Root> of {source} asks for '{asked}'; rigtri fetches nothing" in error
 
 
-def test_a_package_cannot_ask_for_files_beside_it(folders: tuple[Path, Path]) -> None:
+def test_a_package_cannot_refer_to_files_beside_it(folders: tuple[Path, Path]) -> None:
     folder, _ = folders
     depth = "../" * (len(folder.parts) + 3)
     name = depth + str(folders[1]).lstrip("/")
@@ -128,7 +128,7 @@ def test_a_package_cannot_ask_for_files_beside_it(folders: tuple[Path, Path]) ->
     assert "which lies outside the folder" in error_of(folder / "odd.usdz")
 
 
-def test_missing_files_outside_are_told_once_like_any_other(folders: tuple[Path, Path]) -> None:
+def test_missing_files_outside_are_reported_once_like_any_other(folders: tuple[Path, Path]) -> None:
     folder, _ = folders
     arcs = enumerate(("references", "payload"))
     gone = "\n".join(f'def "Gone{k}" ({arc} = @../gone/{k}.usda@)\n{{\n}}' for k, arc in arcs)
@@ -161,7 +161,7 @@ def test_the_program_takes_the_option_for_usd(folders: tuple[Path, Path]) -> Non
     cli("verify", source, out, *allowed, code=0)
 
 
-def test_an_output_in_another_folder_asks_for_its_source_there(folders: tuple[Path, Path]) -> None:
+def test_an_output_in_another_folder_refers_to_its_source_there(folders: tuple[Path, Path]) -> None:
     folder, asset = folders
     document = read(asset, override="stage")
     out = write(document, turned(document.rig), folder / "over.usda")

@@ -35,7 +35,7 @@ def test_a_rig_nobody_changed_gives_back_the_same_bytes(path: Path, tmp_path: Pa
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
-def test_turned_joints_move_no_point_in_our_eyes_nor_in_usdskels(path: Path, tmp_path: Path) -> None:
+def test_reoriented_joints_move_no_point_in_our_eyes_nor_in_usdskels(path: Path, tmp_path: Path) -> None:
     source = _beside(path, tmp_path)
     document = read(source)
     target = write(document, turned(document.rig), source.with_stem("out"))
@@ -46,7 +46,7 @@ def test_turned_joints_move_no_point_in_our_eyes_nor_in_usdskels(path: Path, tmp
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
-def test_what_is_written_reads_back_as_the_rig_that_was_asked_for(path: Path, tmp_path: Path) -> None:
+def test_what_is_written_reads_back_as_the_rig_that_was_requested(path: Path, tmp_path: Path) -> None:
     source = _beside(path, tmp_path)
     document = read(source)
     rig = turned(document.rig)

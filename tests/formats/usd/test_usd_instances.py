@@ -22,7 +22,9 @@ from rigtri.verification.compare.compare import self_check
 
 @pytest.mark.parametrize("arc", ["references", "payload"])
 @pytest.mark.parametrize("override", ["", "layer", "stage"])
-def test_a_crowd_is_turned_and_still_shares_one_prototype(arc: str, override: str, tmp_path: Path) -> None:
+def test_a_crowd_is_reoriented_and_still_shares_one_prototype(
+    arc: str, override: str, tmp_path: Path
+) -> None:
     source = crowd(tmp_path, arc)
     before = contents(tmp_path)
     document = read(source, override=override)
@@ -59,7 +61,7 @@ def test_a_second_edit_of_a_crowd_writes_into_the_same_class(tmp_path: Path) -> 
     assert first.read_bytes() == write(again, again.rig, tmp_path / "third.usda").read_bytes()
 
 
-def test_instances_that_are_turned_differently_share_no_prototype_and_say_so(tmp_path: Path) -> None:
+def test_instances_that_are_reoriented_differently_share_no_prototype_and_report_it(tmp_path: Path) -> None:
     source = crowd(tmp_path)
     document = read(source)
     out = write(document, alike(document.rig, only="/World/Two"), tmp_path / "out.usda")
@@ -152,7 +154,7 @@ def test_the_class_goes_before_those_that_an_instance_inherits_already(tmp_path:
 
 
 @pytest.mark.parametrize("encoding", ["usdc", "usdz"])
-def test_a_crowd_in_a_binary_file_or_a_package_is_turned(encoding: str, tmp_path: Path) -> None:
+def test_a_crowd_in_a_binary_file_or_a_package_is_reoriented(encoding: str, tmp_path: Path) -> None:
     source = crowd(tmp_path)
     packed = tmp_path / f"crowd.{encoding}"
     if encoding == "usdc":
@@ -170,7 +172,7 @@ def test_a_crowd_in_a_binary_file_or_a_package_is_turned(encoding: str, tmp_path
     assert len(skinned(Usd.Stage.Open(str(outs[0])), Usd.TimeCode(3))) == 3
 
 
-def test_instances_that_stand_differently_are_turned_alike_to_the_bit(tmp_path: Path) -> None:
+def test_instances_that_stand_differently_are_reoriented_alike_to_the_bit(tmp_path: Path) -> None:
     source = crowd(tmp_path)
     text = source.read_text()
     for name, turn in (("One", 17), ("Two", 31.123), ("Three", -7.7)):

@@ -296,7 +296,7 @@ def test_splines_are_refused_by_joint(tmp_path: Path) -> None:
         write(document, rig, tmp_path / "out.usda")
 
 
-def test_a_track_without_steps_says_the_same_with_a_key_before_each_jump() -> None:
+def test_a_track_without_steps_gives_the_same_with_a_key_before_each_jump() -> None:
     held = Track(0, "translation", "STEP", np.array([0.0, 1.0, 2.0]), np.array([[0.0], [0.0], [5.0]]))
     plain = without_steps(held)
     assert plain.interpolation == "LINEAR"

@@ -144,7 +144,7 @@ LONG = [rotations(t0=QUARTER, t4=OTHER), rotations(t0=THIRD, t2=QUARTER, t4=OTHE
     ],
 )
 @pytest.mark.parametrize("override", ["", "stage"])
-def test_an_animation_from_value_clips_is_turned_by_samples_of_a_stronger_layer(
+def test_an_animation_from_value_clips_is_reoriented_by_samples_of_a_stronger_layer(
     override: str, how: str, tmp_path: Path
 ) -> None:
     single = [rotations(**{f"t{k}": value}) for k, value in enumerate((QUARTER, OTHER, THIRD), start=1)]
@@ -176,7 +176,7 @@ def test_a_default_beside_the_clips_hides_them_as_before(tmp_path: Path) -> None
     assert far(source, out, np.arange(-1, 11, 0.371)) < 1e-5
 
 
-def test_clips_that_no_samples_can_say_are_refused_with_layer_and_path(tmp_path: Path) -> None:
+def test_clips_that_no_samples_can_represent_are_refused_with_layer_and_path(tmp_path: Path) -> None:
     """Where a clip lacks the attribute, USD may interpolate across it, and shows no samples there."""
     three = EXPLICIT.replace("002.usda@]", "002.usda@, @./clips/part.003.usda@]")
     three += "bool interpolateMissingClipValues = true\ndouble2[] active = [(0, 0), (3, 1), (6, 2)]\n"
@@ -248,7 +248,7 @@ def test_array_edits_among_whole_samples_of_one_layer_are_refused(tmp_path: Path
         read(source)
 
 
-def test_array_edits_of_a_rest_pose_are_composed_and_turned(tmp_path: Path) -> None:
+def test_array_edits_of_a_rest_pose_are_composed_and_reoriented(tmp_path: Path) -> None:
     save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
     edit = f"uniform matrix4d[] restTransforms = edit [ write {ONE} to [0] ]"
     text = f'#usda 1.0\n(\nsubLayers = [@./hero.usda@]\n)\nover "Root"\n{{\nover "Skel"\n{{\n{edit}\n}}\n}}\n'

@@ -46,7 +46,7 @@ def test_joints_stand_as_the_animation_poses_them_first(tmp_path: Path) -> None:
     assert "</World/Anim>" in notice.text
 
 
-def test_frames_of_a_skeleton_turn_the_library_as_its_own_animation(tmp_path: Path) -> None:
+def test_frames_of_a_skeleton_reorient_the_library_as_its_own_animation(tmp_path: Path) -> None:
     hero = save(tmp_path, scene(skeleton(), animation(), MESH))
     clips = save(tmp_path, library(animation()), "clips.usda")
     frames = tmp_path / "frames.json"
@@ -68,7 +68,7 @@ def test_only_the_animation_is_written(tmp_path: Path) -> None:
     assert "Transforms" not in out.read_text()
 
 
-def test_an_animation_without_rotations_cannot_turn(tmp_path: Path) -> None:
+def test_an_animation_without_rotations_cannot_be_reoriented(tmp_path: Path) -> None:
     rig = read(save(tmp_path, library(animation(rotations="")))).rig
     assert "has no rotations" in rig.rules.fixed[1]
 

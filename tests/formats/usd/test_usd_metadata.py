@@ -66,7 +66,7 @@ def test_a_locator_stands_under_the_scope_of_the_skeletons_top_prim(tmp_path: Pa
     assert not usd_errors(out) - usd_errors(source)
 
 
-def test_a_locator_without_a_turn_has_no_orient(tmp_path: Path) -> None:
+def test_a_locator_without_a_rotation_has_no_orient(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
     out = write(document, located(document.rig), tmp_path / "out.usda")
     assert 'xformOpOrder = ["xformOp:translate"]' in out.read_text()
@@ -121,7 +121,7 @@ def test_a_prim_called_rigtri_that_is_not_ours_is_left_alone(tmp_path: Path) -> 
     assert "/Root/rigtri_2/b_pole" in third.labels
 
 
-def test_notes_on_joints_lie_in_attributes_of_the_skeleton(tmp_path: Path) -> None:
+def test_metadata_of_joints_lies_in_attributes_of_the_skeleton(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(), animation(), MESH))
     document = read(source)
     found = {

@@ -141,7 +141,7 @@ def test_another_damaged_entry_stays_as_it_is_and_is_named(tmp_path: Path) -> No
         assert file.testzip() == "notes.txt"
 
 
-def test_names_and_sizes_that_cannot_be_are_told_as_what_they_are(tmp_path: Path) -> None:
+def test_names_and_sizes_that_cannot_be_are_reported_as_what_they_are(tmp_path: Path) -> None:
     whole = hero(tmp_path).read_bytes()
     path = tmp_path / "bad.usdz"
     path.write_bytes(whole.replace(b"notes.txt", b"no\0es.txt"))

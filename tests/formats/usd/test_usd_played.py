@@ -135,7 +135,7 @@ def joint_poses(path: Path) -> np.ndarray:
         ("usdc", "biped.glb", "controls"),
     ],
 )
-def test_a_usd_file_that_has_lost_its_notes_is_baked_with_those_of_another(
+def test_a_usd_file_that_has_lost_its_metadata_is_baked_with_that_of_another(
     suffix: str, described: str, to: str, tmp_path: Path
 ) -> None:
     home, up = rigged(tmp_path), keyed_file("biped.usda", tmp_path / "up.usda")
@@ -196,7 +196,7 @@ def test_what_plays_at_once_is_one_clip_whichever_clip_holds_it() -> None:
         assert timelines(one)
 
 
-def test_keys_that_say_what_a_node_of_ours_is_at_rest_are_not_lost_and_others_are() -> None:
+def test_keys_that_repeat_the_rest_pose_of_a_node_of_ours_are_not_lost_and_others_are() -> None:
     rig = chain((0, 0, 0), (1, 2, 3))
     ours = replace(rig, metadata={1: {"v": 1, "type": "control", "kind": "fk", "joint": "a"}})
     times = np.array([0.0, 1.0])
@@ -215,7 +215,7 @@ def test_keys_that_say_what_a_node_of_ours_is_at_rest_are_not_lost_and_others_ar
     assert lost("scale", [[1, 1, 1], [1, 1, 1]], rig)  # of a node of somebody else
 
 
-def test_a_scale_that_sixteen_bits_cannot_hold_is_told_by_name(tmp_path: Path) -> None:
+def test_a_scale_that_sixteen_bits_cannot_hold_is_reported_by_name(tmp_path: Path) -> None:
     def larger(rig: Rig, report: Report, by: float) -> Rig:
         report.reposed = True
         track = tracks(rig, "hips", "scale")[0]

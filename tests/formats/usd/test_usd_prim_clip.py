@@ -47,7 +47,7 @@ def test_a_changed_key_of_a_prim_is_seen(change: tuple[str, str], compare: objec
     assert result.worst.clip == "xforms"
 
 
-def test_what_a_moving_skel_root_carries_is_seen(tmp_path: Path) -> None:
+def test_what_a_moving_skel_root_moves_is_seen(tmp_path: Path) -> None:
     text = scene(WALKING, skeleton(), animation(), MESH)
     one, other = moved(tmp_path, text, ("10: (5, 0, 0)", "10: (7, 0, 0)"))
     result = verify(read(one), read(other))

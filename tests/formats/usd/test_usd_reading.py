@@ -65,7 +65,7 @@ def test_the_parent_of_a_joint_is_its_nearest_listed_ancestor(tmp_path: Path) ->
     assert rig.parents.tolist()[3:] == [1, 3, 4]
 
 
-def test_tokens_that_two_skeletons_share_are_told_apart_by_prim(tmp_path: Path) -> None:
+def test_tokens_that_two_skeletons_share_are_distinguished_by_prim(tmp_path: Path) -> None:
     rig = read(save(tmp_path, scene(skeleton(), skeleton("Twin"), animation(), MESH))).rig
     assert "/Root/Skel:a/b" in rig.labels
     assert "/Root/Twin:a/b" in rig.labels
@@ -144,7 +144,7 @@ def test_without_rest_the_bind_pose_stands_in_and_none_is_written(tmp_path: Path
     assert deviation(source, out) < 1e-6
 
 
-def test_an_animation_without_scales_is_turned_with_a_notice(tmp_path: Path) -> None:
+def test_an_animation_without_scales_is_reoriented_with_a_notice(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(skeleton(), animation(scales=""), MESH)))
     assert "it has no scales" in document.warnings[0].text
     assert {t.path for t in document.rig.clips[0].tracks} == {"rotation", "translation"}
@@ -279,7 +279,7 @@ def test_a_wrong_file_is_refused_with_the_names_in_it(what: str, tmp_path: Path)
     assert words in error_of(path)
 
 
-def test_a_file_without_skeleton_tells_about_root(tmp_path: Path) -> None:
+def test_a_file_without_skeleton_mentions_root(tmp_path: Path) -> None:
     path = save(tmp_path, '#usda 1.0\ndef Xform "Car" (references = @./gone.usda@) {}\n')
     assert "there is no skeleton in it" in error_of(path)
     assert "gone.usda" in error_of(path)
@@ -327,7 +327,7 @@ def test_a_moved_bind_pose_is_not_the_rest_pose(tmp_path: Path) -> None:
     assert deviation(source, write(document, turned(document.rig), tmp_path / "out.usda")) < 1e-6
 
 
-def test_a_joint_without_a_name_and_weights_that_are_no_numbers_are_told(tmp_path: Path) -> None:
+def test_a_joint_without_a_name_and_weights_that_are_no_numbers_are_reported(tmp_path: Path) -> None:
     nameless = skeleton(joints='uniform token[] joints = ["", "a", "a/b"]')
     endless = MESH.replace("jointWeights = [1, 0, 0.5", "jointWeights = [inf, 0, 0.5")
     document = read(save(tmp_path, scene(nameless, animation(), endless)))
@@ -342,7 +342,7 @@ def test_a_bind_matrix_of_zeros_is_called_singular(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("odd", ["", "a/x:y", "a//b", "b c!", "../b", "./a/b", "/a/b", "a/ü"])
-def test_an_odd_joint_hangs_where_usdskel_hangs_it(odd: str, tmp_path: Path) -> None:
+def test_an_odd_joint_is_parented_where_usdskel_parents_it(odd: str, tmp_path: Path) -> None:
     tokens = f'uniform token[] joints = ["a", "{odd}", "a/c"]'
     other = f'uniform token[] joints = ["{odd}", "a", "a/c"]'
     source = save(tmp_path, scene(skeleton(joints=tokens), animation(joints=other), MESH))

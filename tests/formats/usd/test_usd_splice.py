@@ -140,7 +140,7 @@ def test_a_renamed_asset_is_changed_alone() -> None:
     assert changed(ODD, rename) == ODD.replace("@./a#", "@../a#").encode()
 
 
-def test_a_text_that_says_something_else_than_its_layer_is_not_spliced() -> None:
+def test_a_text_that_differs_from_its_layer_is_not_spliced() -> None:
     """What USD reads from the outcome decides, not the scanner."""
     layers = [Sdf.Layer.CreateAnonymous(".usda") for _ in range(2)]
     for layer in layers:

@@ -278,7 +278,7 @@ def test_a_skeleton_inside_an_instance_is_refused_with_layer_and_path(tmp_path: 
     assert not target.exists()
 
 
-def test_attributes_that_name_renamed_joints_are_told(tmp_path: Path) -> None:
+def test_attributes_that_name_renamed_joints_are_reported(tmp_path: Path) -> None:
     more = f'def "Notes" {{\ncustom token[] sockets = ["{TOKENS[3]}"]\ncustom token word = "root"\n}}'
     outcome = split(save(tmp_path, usda(LIMB, more=more)), tmp_path / "out.usda")
     (notice,) = (n for n in outcome.report.warnings if n.code == "renamed-elsewhere")
@@ -313,7 +313,7 @@ def two_libraries(folder: Path) -> Path:
     return save(folder, f'#usda 1.0\ndef Scope "Clips" {{\n{both}}}\n', "library.usda")
 
 
-def test_frames_for_several_libraries_of_the_same_joints_say_which_and_how_to_name_one(
+def test_frames_for_several_libraries_of_the_same_joints_report_which_and_how_to_name_one(
     tmp_path: Path,
 ) -> None:
     stored, library = tmp_path / "f.json", two_libraries(tmp_path)
@@ -349,7 +349,7 @@ def sheared(missing: str = "") -> str:
 
 
 @pytest.mark.parametrize("policy", ["snap", "split"])
-def test_a_joint_sheared_at_rest_turns_where_its_clip_says_all(policy: Any, tmp_path: Path) -> None:
+def test_a_joint_sheared_at_rest_is_reoriented_where_its_clip_states_all(policy: Any, tmp_path: Path) -> None:
     def step(rig: Rig, report: Report) -> Rig:
         return orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale=policy), report=report)
 
@@ -380,7 +380,7 @@ def test_a_pose_may_mix_the_scale_of_a_clip_with_the_rotation_of_a_mirrored_rest
     assert again.read_bytes() == out.read_bytes()
 
 
-def test_the_note_of_a_split_joint_names_it_also_where_two_skeletons_have_it(tmp_path: Path) -> None:
+def test_the_metadata_of_a_split_joint_names_it_also_where_two_skeletons_have_it(tmp_path: Path) -> None:
     hero = usd(tmp_path / "hero.usda", LIMB)
     arc = 'def "{}" (references = @./{}@</Root>)\n{{\n}}\n'
     both = tmp_path / "both.usda"

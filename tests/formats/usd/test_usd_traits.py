@@ -96,7 +96,7 @@ def test_a_character_with_this_trait_looks_as_before(trait: str, tmp_path: Path)
     assert (document.rig.local[turnable] != again.rig.local[turnable]).any(axis=(1, 2)).all()
 
 
-def test_a_joint_below_skipped_levels_hangs_on_its_nearest_listed_ancestor(tmp_path: Path) -> None:
+def test_a_joint_below_skipped_levels_is_a_child_of_its_nearest_listed_ancestor(tmp_path: Path) -> None:
     rig = read(save(tmp_path, TRAITS["joint paths that skip levels"])).rig
     joints = rig.skins[0].joints.tolist()
     assert [rig.parents[joint] for joint in joints[1:]] == joints[:2]

@@ -78,7 +78,7 @@ def test_a_type_that_usdskel_does_not_read_is_not_read(
 
 
 @pytest.mark.parametrize("attribute", ATTRIBUTES, ids=lambda a: f"{a[0]}-{a[2]}")
-def test_a_reader_says_what_usdskel_ignores(attribute: tuple[str, str, str], tmp_path: Path) -> None:
+def test_a_reader_reports_what_usdskel_ignores(attribute: tuple[str, str, str], tmp_path: Path) -> None:
     document = read(save(tmp_path, character(*attribute)))
     told = {notice.code: notice.text for notice in document.warnings}
     name, _, wrong = attribute

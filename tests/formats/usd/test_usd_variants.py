@@ -158,7 +158,7 @@ def test_what_is_common_to_all_variants_is_written_once_outside_of_them(tmp_path
         assert list(prim.properties.keys()) == ["rotations"]
 
 
-def test_nested_variants_are_turned_in_every_combination(tmp_path: Path) -> None:
+def test_nested_variants_are_reoriented_in_every_combination(tmp_path: Path) -> None:
     inner = variant_set("mood", sad=over("Anim", RUN), glad=over("Anim", RUN.replace("0.8", "-0.8")))
     head = 'variants = { string mood = "glad" }\nprepend variantSets = "mood"'
     nested = f'variantSet "clip" = {{\n"a" {{\n}}\n"b" (\n{head}\n) {{\n{inner}\n}}\n}}'
@@ -174,7 +174,7 @@ def test_nested_variants_are_turned_in_every_combination(tmp_path: Path) -> None
         out.unlink()
 
 
-def test_two_sets_that_matter_are_turned_in_every_combination(tmp_path: Path) -> None:
+def test_two_sets_that_matter_are_reoriented_in_every_combination(tmp_path: Path) -> None:
     text = scene(
         animation(rotations=""),
         MESH,
@@ -220,7 +220,7 @@ def test_an_instance_that_a_variant_places_is_refused_with_layer_and_path(tmp_pa
         write(document, turned(document.rig), tmp_path / "out.usda")
 
 
-def test_a_scale_that_forbids_the_turn_in_another_variant_is_refused(tmp_path: Path) -> None:
+def test_a_scale_that_forbids_the_reorientation_in_another_variant_is_refused(tmp_path: Path) -> None:
     odd = "half3[] scales = [(1, 1, 1), (1, 2, 3), (1, 1, 1)]"
     text = scene(
         skeleton(),
@@ -235,7 +235,9 @@ def test_a_scale_that_forbids_the_turn_in_another_variant_is_refused(tmp_path: P
         write(document, turned(document.rig), tmp_path / "out.usda")
 
 
-def test_rotations_of_another_variant_that_only_allow_the_parents_turn_are_refused(tmp_path: Path) -> None:
+def test_rotations_of_another_variant_that_only_allow_the_parents_reorientation_are_refused(
+    tmp_path: Path,
+) -> None:
     odd = "quatf[] rotations = [(1, 0, 0, 0), (0.7071, 0.7071, 0, 0), (1, 0, 0, 0)]"
     text = scene(
         skeleton(),

@@ -28,7 +28,7 @@ from rigtri.verification.compare.compare import self_check
 ASSET = scene(skeleton(), animation(), MESH)
 
 
-def test_only_turned_joints_get_new_bits(tmp_path: Path) -> None:
+def test_only_reoriented_joints_get_new_bits(tmp_path: Path) -> None:
     document = read(save(tmp_path, ASSET))
     leaf = document.rig.find("c")
     out = write(document, turned(document.rig, only=[leaf]), tmp_path / "out.usda")
@@ -47,7 +47,7 @@ def test_only_turned_joints_get_new_bits(tmp_path: Path) -> None:
     )
 
 
-def test_the_default_and_the_samples_are_turned_both(tmp_path: Path) -> None:
+def test_the_default_and_the_samples_are_reoriented_both(tmp_path: Path) -> None:
     both = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0.8, 0), (1, 0, 0, 0)]"
     source = save(tmp_path, scene(skeleton(), animation(more=both), MESH))
     document = read(source)
@@ -141,7 +141,7 @@ def test_a_udim_path_without_a_dot_is_relative_where_a_tile_is_there(tmp_path: P
     assert found == ["../in/tiles/a.<UDIM>.png", "../in/<UDIM>.png", *paths[2:]]
 
 
-def test_one_animation_for_two_skeletons_turned_alike_stays_one(tmp_path: Path) -> None:
+def test_one_animation_for_two_skeletons_reoriented_alike_stays_one(tmp_path: Path) -> None:
     source = save(tmp_path, _pair())
     document = read(source)
     turn = np.broadcast_to(IDENTITY, (len(document.rig), 4)).copy()
@@ -153,7 +153,7 @@ def test_one_animation_for_two_skeletons_turned_alike_stays_one(tmp_path: Path) 
     assert not document.warnings
 
 
-def test_one_animation_for_two_skeletons_turned_apart_becomes_two(tmp_path: Path) -> None:
+def test_one_animation_for_two_skeletons_reoriented_apart_becomes_two(tmp_path: Path) -> None:
     source = save(tmp_path, _pair())
     document = read(source)
     out = write(document, turned(document.rig), tmp_path / "out.usda")
@@ -282,7 +282,7 @@ def test_an_animation_library_that_nobody_uses_is_left_alone_with_a_notice(tmp_p
     assert one.QueryTimeSample(place, 1) == other.QueryTimeSample(place, 1)
 
 
-def test_what_an_animation_says_of_joints_nobody_has_is_kept(tmp_path: Path) -> None:
+def test_what_an_animation_stores_of_joints_nobody_has_is_kept(tmp_path: Path) -> None:
     more = {
         "joints": 'uniform token[] joints = ["a/b", "x", "a"]',
         "translations": "float3[] translations = [(0, 2, 0), (7, 8, 9), (0, 0, 0)]",

@@ -76,7 +76,7 @@ def check_same(one: Path, other: Path, *, still: tuple[str, ...] = ()) -> None:
         assert_allclose(after[path, time][rows], matrix[rows], atol=1e-12)
 
 
-def test_two_ops_turn_a_prim_and_leave_all_else_where_it_is(tmp_path: Path) -> None:
+def test_two_ops_rotate_a_prim_and_leave_all_else_where_it_is(tmp_path: Path) -> None:
     source = save(tmp_path, SMOOTH)
     document = read(source, root="/Rig")
     rig = document.rig
@@ -106,7 +106,7 @@ def test_turning_back_takes_the_ops_away(tmp_path: Path) -> None:
     check_same(tmp_path / "in.usda", back)
 
 
-def test_meshes_cameras_and_lights_keep_their_axes_and_say_why(tmp_path: Path) -> None:
+def test_meshes_cameras_and_lights_keep_their_axes_and_report_why(tmp_path: Path) -> None:
     rig = read(save(tmp_path, SMOOTH), root="/Rig").rig
     assert "is itself a Mesh" in rig.rules.fixed[rig.find("bone")]
     assert rig.find("shin") not in rig.rules.fixed
@@ -126,7 +126,7 @@ def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Pat
     assert result.passes(1e-9), result.describe()
 
 
-def test_ops_that_no_track_can_say_are_noticed_and_stay(tmp_path: Path) -> None:
+def test_ops_that_no_track_can_represent_are_noticed_and_stay(tmp_path: Path) -> None:
     document = read(save(tmp_path, SMOOTH), root="/Rig")
     assert [notice.code for notice in document.warnings] == ["reset-stack", "animated-xform"]
     assert not document.rig.clips
@@ -187,7 +187,7 @@ def test_root_is_refused_above_a_skeleton(tmp_path: Path) -> None:
     assert read(source, root="/Root/props").rig.skins[-1].key == ("root", "/Root/props")
 
 
-def test_a_prim_that_resets_the_stack_below_the_root_is_told(tmp_path: Path) -> None:
+def test_a_prim_that_resets_the_stack_below_the_root_is_reported(tmp_path: Path) -> None:
     document = read(save(tmp_path, SMOOTH), root="/Rig")
     (notice,) = [notice for notice in document.warnings if notice.code == "reset-stack"]
     assert "</Rig/thigh/parts/shin/loose> does not follow" in notice.text
@@ -197,7 +197,7 @@ def test_a_prim_that_resets_the_stack_below_the_root_is_told(tmp_path: Path) -> 
     assert len(again.rig.skins[0].joints) == 1
 
 
-def test_a_root_that_is_not_there_is_told_with_prims_and_no_joints(tmp_path: Path) -> None:
+def test_a_root_that_is_not_there_is_reported_with_prims_and_no_joints(tmp_path: Path) -> None:
     source = save(
         tmp_path, scene(skeleton(), animation(), MESH).replace('Root"', 'Rooot"').replace("/Root/", "/Rooot/")
     )

@@ -78,7 +78,7 @@ def test_vrm_1_expressions_follow_a_mesh_that_moves_to_another_node(tmp_path: Pa
     assert vrm["humanoid"] == vrm_1().gltf["extensions"]["VRMC_vrm"]["humanoid"]
 
 
-def test_no_joint_of_a_vrm_0_file_may_turn(tmp_path: Path) -> None:
+def test_no_joint_of_a_vrm_0_file_may_be_reoriented(tmp_path: Path) -> None:
     rig = opened(vrm_0(), tmp_path).rig
     assert rig.humanoid == {"head": 1}
     assert rig.rules.facing == (0.0, 0.0, -1.0)
@@ -101,7 +101,7 @@ def test_vrma_data_nodes_and_their_parents_are_frozen(tmp_path: Path) -> None:
     assert [bound.node for bound in rig.bound] == [0]
 
 
-def test_vrma_data_nodes_are_left_alone_with_a_note_whoever_names_them(tmp_path: Path) -> None:
+def test_vrma_data_nodes_are_left_alone_with_a_notice_whoever_names_them(tmp_path: Path) -> None:
     builder = small(6)
     builder.gltf["extensions"] = {
         "VRMC_vrm_animation": {

@@ -85,7 +85,7 @@ def test_a_second_run_changes_no_byte(tmp_path: Path) -> None:
     assert once.read_bytes() == twice.read_bytes() != source.read_bytes()
 
 
-def test_a_file_that_is_as_vrm_0_wants_it_stays_to_the_byte(tmp_path: Path) -> None:
+def test_a_file_that_is_as_vrm_0_requires_it_stays_to_the_byte(tmp_path: Path) -> None:
     source, out = avatar_0(0).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
     assert run(source, "-o", out, "--world").exit_code == 0
     assert out.read_bytes() == source.read_bytes()
@@ -108,7 +108,7 @@ def test_all_else_in_the_extension_is_what_it_was(tmp_path: Path) -> None:
     assert nodes[-1] | {"rotation": 0} == {"name": "hand_payload", "mesh": 1, "rotation": 0}
 
 
-def test_the_end_of_a_swinging_chain_hangs_as_before(tmp_path: Path) -> None:
+def test_the_end_of_a_swinging_chain_keeps_its_pose(tmp_path: Path) -> None:
     """Viewers hang it along its translation, which its parent sees: both turn alike."""
     rig = GltfDocument.read(avatar_0(6).glb(tmp_path / "a.vrm")).rig
     after = orient_joints(rig, options=OrientJointsOptions(world=True))
@@ -135,7 +135,7 @@ def test_all_other_axes_are_refused_with_the_reason_and_what_to_do(
         orient_joints(rig, options=options)
 
 
-def test_a_name_that_is_not_there_is_told_first(tmp_path: Path) -> None:
+def test_a_name_that_is_not_there_is_reported_first(tmp_path: Path) -> None:
     rig = GltfDocument.read(avatar_0(1).glb(tmp_path / "a.vrm")).rig
     with pytest.raises(NameNotFoundError, match="Did you mean 'head'"):
         orient_joints(rig, options=OrientJointsOptions(joints=("haed",)))
@@ -156,7 +156,7 @@ def test_a_part_of_the_bones_is_a_mistake(options: OrientJointsOptions, tmp_path
         orient_joints(rig, options=options)
 
 
-def test_turned_nodes_above_the_bones_turn_back_too(tmp_path: Path) -> None:
+def test_reoriented_nodes_above_the_bones_are_compensated_too(tmp_path: Path) -> None:
     """An armature that lies on its back: its bones can only be at zero when it is."""
     builder = avatar_0(2)
     builder.gltf["nodes"].append(
@@ -170,7 +170,7 @@ def test_turned_nodes_above_the_bones_turn_back_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_a_real_character_that_another_program_turned_comes_back(
+def test_a_real_character_that_another_program_reoriented_comes_back(
     assets: Path, seed: int, tmp_path: Path
 ) -> None:
     path, turned, out = assets / "vrm" / "Godette_v4.vrm", tmp_path / "turned.vrm", tmp_path / "out.vrm"

@@ -72,7 +72,9 @@ def stored(seed: int, *, cardinal: tuple[str, ...] = ()) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_constraints_move_everything_as_before_whatever_turn_is_asked_for(seed: int, tmp_path: Path) -> None:
+def test_constraints_move_everything_as_before_whatever_reorientation_is_requested(
+    seed: int, tmp_path: Path
+) -> None:
     rig = opened(avatar(seed), tmp_path)
     after = orient_joints(rig, options=OrientJointsOptions(frames=stored(seed, cardinal=tuple(CONSTRAINTS))))
     assert deviation(rig, after) < 1e-9
@@ -92,7 +94,7 @@ def test_constraints_mean_the_same_under_every_preset(preset: str, tmp_path: Pat
         assert deviation(rig, after) < 1e-9
 
 
-def test_a_turn_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Path) -> None:
+def test_a_reorientation_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Path) -> None:
     rig = opened(avatar(2), tmp_path)
     for name in CONSTRAINTS:
         turns = np.tile(IDENTITY, (len(rig), 1))
@@ -103,7 +105,7 @@ def test_a_turn_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Pat
         assert deviation(rig, replace(careless, node_constraints=rig.node_constraints)) > 1e-3
 
 
-def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_path: Path) -> None:
+def test_joints_that_a_rotation_constraint_ties_are_reoriented_as_their_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     after = orient_joints(rig, options=OrientJointsOptions(**joints_of(ALL)), report=report)
     turns = turns_between(rig, after)
@@ -118,7 +120,7 @@ def test_joints_that_a_rotation_constraint_ties_turn_as_their_source_does(tmp_pa
     assert follows["upper_arm"] is None
 
 
-def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) -> None:
+def test_a_source_is_reoriented_although_what_copies_it_was_not_named(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     after = orient_joints(rig, options=OrientJointsOptions(joints=("upper_arm",)), report=report)
     turns = rotates(turns_of(rig, after))
@@ -127,7 +129,7 @@ def test_a_source_turns_although_what_copies_it_was_not_named(tmp_path: Path) ->
     assert not [notice for notice in report.warnings if notice.code == "constraint"]
 
 
-def test_what_is_driven_does_not_turn_its_source(tmp_path: Path) -> None:
+def test_what_is_driven_does_not_reorient_its_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     options = OrientJointsOptions(joints=("sleeve", "hand"))
     after = orient_joints(rig, options=options, report=report)
@@ -179,7 +181,7 @@ def test_an_excluded_joint_holds_the_source_it_copies(tmp_path: Path) -> None:
     assert "'cuff' stays (excluded)" in reasons["upper_arm"]
 
 
-def test_a_roll_axis_is_told_in_the_new_frame(tmp_path: Path) -> None:
+def test_a_roll_axis_is_reported_in_the_new_frame(tmp_path: Path) -> None:
     source, out = avatar(4).glb(tmp_path / "a.vrm"), tmp_path / "b.vrm"
     document = GltfDocument.read(source)
     options = OrientJointsOptions(aim="x", up="y", joints=("arm_twist", "lower_arm"))

@@ -187,7 +187,9 @@ def test_an_output_that_the_batch_has_not_written_is_not_replaced(batch: Batch, 
     assert statuses(batch("--json", "--overwrite")) == {"a.glb": "ok", "b.glb": "skipped", "c.glb": "skipped"}
 
 
-def test_a_file_that_ends_its_process_is_told_and_costs_nobody_anything(batch: Batch, samples: Path) -> None:
+def test_a_file_that_ends_its_process_is_reported_and_the_others_are_not_affected(
+    batch: Batch, samples: Path
+) -> None:
     add(samples / "biped.glb", "die", "hang", "eat", "fault", "refuse", "warn", "d", "e", "f")
     result = batch("--json", "--timeout", "5", "--max-memory", "512M")
     told = lines(result)
@@ -223,7 +225,7 @@ def test_a_file_that_is_killed_when_its_output_stands_is_done(batch: Batch, samp
     assert set(statuses(batch("--json")).values()) == {"skipped"}
 
 
-def test_a_file_that_nothing_changes_in_is_copied_and_said_so(batch: Batch) -> None:
+def test_a_file_that_nothing_changes_in_is_copied_and_that_is_reported(batch: Batch) -> None:
     assert batch().exit_code == 0
     shutil.move("out/a.glb", "in/sub/done.glb")
     assert statuses(batch("--json", inputs=("in/sub/done.glb",))) == {"done.glb": "unchanged"}
@@ -246,7 +248,7 @@ def test_variables_of_a_file_are_its_own(batch: Batch) -> None:
 
 
 @pytest.mark.parametrize(("flag", "failed"), [(("--fail-fast",), 1), (("--max-errors", "2"), 3)])
-def test_errors_end_a_batch_early_where_that_is_asked_for(
+def test_errors_end_a_batch_early_on_request(
     flag: tuple[str, ...], failed: int, batch: Batch, samples: Path
 ) -> None:
     add(samples / "biped.glb", *(f"refuse{k:02}" for k in range(12)), *(f"slow{k}" for k in range(6)))
@@ -270,7 +272,7 @@ def test_trying_writes_nothing(batch: Batch, samples: Path) -> None:
     assert set(statuses(batch("--json", "-n")).values()) == {"skipped"}
 
 
-def test_without_verification_no_deviation_is_told(batch: Batch) -> None:
+def test_without_verification_no_deviation_is_reported(batch: Batch) -> None:
     assert {line["deviation"] for line in lines(batch("--json", "--no-verify")).values()} == {None}
     # What was not compared is not what is asked for now.
     assert set(statuses(batch("--json")).values()) == {"ok"}
@@ -296,7 +298,7 @@ def test_a_file_that_fails_at_the_end_leaves_what_others_may_share(batch: Batch,
     assert contents() == {"biped.bin": (samples / "biped.bin").read_bytes()}
 
 
-def test_two_files_that_need_different_files_of_one_name_are_told(batch: Batch, samples: Path) -> None:
+def test_two_files_that_need_different_files_of_one_name_are_reported(batch: Batch, samples: Path) -> None:
     lines = []
     for k, name in enumerate(("one", "two")):
         add(samples / "biped.gltf", f"{name}/{name}")
@@ -408,7 +410,7 @@ def test_what_was_done_moves_with_its_folder(
     assert set(statuses(batch("--json")).values()) == {"skipped"}
 
 
-def test_a_task_that_fits_no_file_is_told_before_anything_is_written(batch: Batch, samples: Path) -> None:
+def test_a_task_that_fits_no_file_is_reported_before_anything_is_written(batch: Batch, samples: Path) -> None:
     result = batch("--json", joint="Hüfte")
     assert result.exit_code == 4
     assert json.loads(result.stdout)["error"]["kind"] == "name not found"
@@ -432,7 +434,9 @@ def test_files_that_fail_otherwise_do_not_hide_that_a_task_fits_none(batch: Batc
     assert contents() == {}
 
 
-def test_that_none_of_the_tried_can_be_done_is_said_and_the_others_are(batch: Batch, samples: Path) -> None:
+def test_that_none_of_the_tried_can_be_done_is_reported_and_the_others_are(
+    batch: Batch, samples: Path
+) -> None:
     add(samples / "biped.glb", "refuse1", "refuse2")
     result = batch(inputs=("in/refuse*",))
     assert result.exit_code == 7
@@ -442,7 +446,9 @@ def test_that_none_of_the_tried_can_be_done_is_said_and_the_others_are(batch: Ba
 
 
 @pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
-def test_what_a_pattern_finds_that_is_no_file_is_told_and_holds_nobody_up(batch: Batch, here: Path) -> None:
+def test_what_a_pattern_finds_that_is_no_file_is_reported_and_holds_nobody_up(
+    batch: Batch, here: Path
+) -> None:
     os.mkfifo("in/pipe.glb")
     os.symlink("gone.glb", "in/link.glb")
     os.symlink("/dev/null", "in/device.glb")
@@ -465,7 +471,7 @@ def test_what_a_pattern_finds_that_is_no_file_is_told_and_holds_nobody_up(batch:
     assert statuses(batch("--json"))["a.glb"] == "error"
 
 
-def test_an_interrupt_before_work_begins_is_told(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_before_work_begins_is_reported(batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 

@@ -216,7 +216,7 @@ def test_a_file_that_takes_its_worker_along_is_named_and_costs_no_other(
     assert set(outputs(tmp_path)) == set(names)
 
 
-def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
+def test_a_scheduler_that_is_not_there_is_reported_before_anything_is_done(
     tmp_path: Path, samples: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(dask, "REACHED", 0.3)
@@ -233,7 +233,7 @@ def test_a_scheduler_that_is_not_there_is_told_before_anything_is_done(
 
 
 @pytest.mark.parametrize("address", ["foo", slow("tcp://foo"), slow("foo://127.0.0.1:1")])
-def test_what_is_no_address_is_told_at_once(tmp_path: Path, address: str) -> None:
+def test_what_is_no_address_is_reported_at_once(tmp_path: Path, address: str) -> None:
     begin = time.monotonic()
     with pytest.raises(FileError, match=f"no Dask scheduler answers at {address}"):
         dask.Cluster(address, str(tmp_path)).__enter__()
@@ -347,7 +347,7 @@ class Gone(Asked):
 
 
 @pytest.mark.parametrize("question", ["submit", "run", "nthreads"])
-def test_a_scheduler_that_dies_is_told_alike_whenever_it_does(tmp_path: Path, question: str) -> None:
+def test_a_scheduler_that_dies_is_reported_alike_whenever_it_does(tmp_path: Path, question: str) -> None:
     (tmp_path / "a.glb").touch()
     entry = Entry(str(tmp_path / "a.glb"), "out/a.glb")
     engine = dask.Cluster("", str(tmp_path))

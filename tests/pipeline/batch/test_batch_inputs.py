@@ -58,7 +58,7 @@ def test_paths_keep_the_tree_below_the_folder_that_they_share(tree: Path) -> Non
 
 
 @pytest.mark.parametrize("word", ["", "@"])
-def test_an_input_without_a_name_is_told_as_such(tree: Path, word: str) -> None:
+def test_an_input_without_a_name_is_reported_as_such(tree: Path, word: str) -> None:
     with pytest.raises(UsageError, match=r"an input without a name|@ names no list"):
         pairs("in/a.glb", word)
 
@@ -84,7 +84,7 @@ def test_links_are_followed_and_each_folder_is_looked_through_once(tree: Path) -
     assert sorted(pairs("**/deep/**/*.usda")) == ["in/sub/deep/c.usda"]
 
 
-def test_base_says_what_is_kept(tree: Path) -> None:
+def test_base_reports_what_is_kept(tree: Path) -> None:
     assert pairs("in/sub/*.glb", base=Path(".")) == {"in/sub/a.glb": "out/in/sub/a.glb"}
     with pytest.raises(UsageError, match="does not lie below --base in/sub"):
         pairs("in/a.glb", base=Path("in/sub"))
@@ -123,7 +123,7 @@ def test_outputs_of_an_earlier_run_are_no_inputs_of_a_pattern(tree: Path) -> Non
         entries(["in/out/**/*.glb"], out_dir=out)
 
 
-def test_a_job_file_says_more_for_each_file(tree: Path) -> None:
+def test_a_job_file_reports_more_for_each_file(tree: Path) -> None:
     job = Path("in/job.jsonl")
     lines = [
         {"input": "a.glb", "variables": {"side": "left", "count": 3, "on": True}},
@@ -135,7 +135,7 @@ def test_a_job_file_says_more_for_each_file(tree: Path) -> None:
     assert Path(found[1].target) == Path("in/../else/b.glb")
 
 
-def test_all_that_is_wrong_with_a_job_file_is_told_with_lines(tree: Path) -> None:
+def test_all_that_is_wrong_with_a_job_file_is_reported_with_lines(tree: Path) -> None:
     job = Path("job.jsonl")
     lines = [
         '{"input": "in/in/a.glb"}',
@@ -173,7 +173,7 @@ def test_a_line_of_a_job_file_is_strict_json(line: str, said: str, tree: Path) -
     assert said in str(told.value)
 
 
-def test_all_that_is_wrong_with_inputs_is_told_at_once(tree: Path) -> None:
+def test_all_that_is_wrong_with_inputs_is_reported_at_once(tree: Path) -> None:
     Path("empty").write_text("")
     Path("job.jsonl").write_text('{"input": "gone.glb"}\n{"input": 3}\n')
     with pytest.raises(UsageError) as told:
@@ -184,7 +184,7 @@ def test_all_that_is_wrong_with_inputs_is_told_at_once(tree: Path) -> None:
     assert "job.jsonl:1: there is no such file to read: gone.glb" in text
 
 
-def test_faults_of_a_list_are_told_with_their_lines(tree: Path) -> None:
+def test_faults_of_a_list_are_reported_with_their_lines(tree: Path) -> None:
     Path("list").write_text("in/a.glb\n\nnope/*.glb\ngone.glb\nin\n")
     with pytest.raises(UsageError) as told:
         entries(["@list"], out_dir=Path("out"))
@@ -199,18 +199,18 @@ def test_faults_of_a_list_are_told_with_their_lines(tree: Path) -> None:
         output_checks.check(entries(["@list"], out_dir=Path("out")).entries)
 
 
-def test_a_folder_in_a_job_file_is_told_with_its_line(tree: Path) -> None:
+def test_a_folder_in_a_job_file_is_reported_with_its_line(tree: Path) -> None:
     Path("job.jsonl").write_text('{"input": "in"}\n')
     with pytest.raises(UsageError, match=r"^job\.jsonl:1: in is a folder; each line names one file$"):
         entries([], job=Path("job.jsonl"), out_dir=Path("out"))
 
 
-def test_all_that_is_wrong_in_lists_is_told_at_once(tree: Path) -> None:
+def test_all_that_is_wrong_in_lists_is_reported_at_once(tree: Path) -> None:
     with pytest.raises(FileError, match=r"@a: .*; @b: "):
         entries(["@a", "@b"], out_dir=Path("out"))
 
 
-def test_variables_of_a_job_file_are_told_with_its_other_lines(tree: Path) -> None:
+def test_variables_of_a_job_file_are_reported_with_its_other_lines(tree: Path) -> None:
     Path("rig.yaml").write_text("version: 1\nvariables: {side: left}\nsteps: [{do: orient-joints}]\n")
     lines = [
         '{"input": "in/a.glb", "variables": {"sied": "left"}}',
@@ -256,7 +256,7 @@ def refused(*given: tuple[str, str]) -> str:
     return str(told.value)
 
 
-def test_what_cannot_go_together_is_told_before_anything_is_done(tree: Path) -> None:
+def test_what_cannot_go_together_is_reported_before_anything_is_done(tree: Path) -> None:
     Path("in/notes.txt").touch()
     Path("out/x.glb").mkdir(parents=True)
     Path("out/file").touch()
@@ -277,7 +277,7 @@ def test_links_do_not_hide_that_an_input_would_be_replaced(tree: Path) -> None:
     assert "more than one input" in refused(("in/a.glb", "link/new.glb"), ("in/sub/a.glb", "in/new.glb"))
 
 
-def test_letter_case_makes_two_outputs_one_where_the_file_system_says_so(
+def test_letter_case_makes_two_outputs_one_where_the_file_system_folds_them(
     tree: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given = [Entry("in/a.glb", "out/Hero.glb"), Entry("in/sub/a.glb", "out/hero.glb")]
@@ -291,14 +291,14 @@ def test_letter_case_makes_two_outputs_one_where_the_file_system_says_so(
         output_checks.check(accents)
 
 
-def test_this_file_system_is_asked_whether_it_folds_names(tmp_path: Path) -> None:
+def test_this_file_system_is_probed_whether_it_folds_names(tmp_path: Path) -> None:
     (tmp_path / "Name").touch()
     assert output_checks._folds(str(tmp_path)) == (tmp_path / "nAME").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["Name"]
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_that_may_not_be_written_into_is_told(tree: Path) -> None:
+def test_a_folder_that_may_not_be_written_into_is_reported(tree: Path) -> None:
     Path("shut").mkdir(mode=0o555)
     assert "nothing can be written there" in refused(("in/a.glb", "shut/sub/a.glb"))
 
@@ -345,6 +345,6 @@ def test_tasks_of_a_slurm_array_are_parts() -> None:
         of_slurm({"SLURM_ARRAY_TASK_ID": "1"})
 
 
-def test_too_little_memory_is_told_with_the_least(tree: Path) -> None:
+def test_too_little_memory_is_reported_with_the_least(tree: Path) -> None:
     result = cli("batch", "in/a.glb", "--spec", "rig.yaml", "--max-memory", "1K", code=2)
     assert "at least 1M" in result.stderr

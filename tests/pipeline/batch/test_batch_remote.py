@@ -135,7 +135,7 @@ def test_a_bucket_is_worked_through_and_a_second_run_does_nothing(
     assert bucket.exists("studio/out/sub/biped.bin")
 
 
-def test_what_is_wrong_with_files_that_were_fetched_is_told_of_where_they_are(
+def test_what_is_wrong_with_files_that_were_fetched_is_reported_where_they_are(
     batch: Batch, bucket: Any, samples: Path
 ) -> None:
     for name in ("x", "y"):
@@ -255,7 +255,7 @@ def test_a_store_that_keeps_no_hashes_works_too(batch: Batch, samples: Path, tmp
         (("-O", "memory://out"), "what is written there is gone when the batch ends"),
     ],
 )
-def test_what_cannot_be_is_told_before_anything_is_done(
+def test_what_cannot_be_is_reported_before_anything_is_done(
     batch: Batch, bucket: Any, words: tuple[str, ...], said: str
 ) -> None:
     done = batch(*words)
@@ -263,7 +263,7 @@ def test_what_cannot_be_is_told_before_anything_is_done(
     assert said in done.stdout
 
 
-def test_without_a_manifest_here_or_the_extra_it_says_what_to_do(
+def test_without_a_manifest_here_or_the_extra_it_reports_what_to_do(
     batch: Batch, bucket: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words = ["batch", "s3://studio/in/a.glb", "--spec", "rig.yaml", "-O", "s3://studio/out"]
@@ -274,7 +274,7 @@ def test_without_a_manifest_here_or_the_extra_it_says_what_to_do(
     assert (told.exit_code, 'pip install "rigtri[remote]"' in told.stderr) == (2, True)
 
 
-def test_a_store_that_takes_nothing_is_told_once_before_any_work(batch: Batch, bucket: Any) -> None:
+def test_a_store_that_takes_nothing_is_reported_once_before_any_work(batch: Batch, bucket: Any) -> None:
     told = batch("-O", "s3://nobucket/out")
     assert told.exit_code == 3
     assert json.loads(told.stdout)["error"]["message"] == (

@@ -112,7 +112,7 @@ def test_what_files_have_not_is_counted_name_by_name(tmp_path: Path) -> None:
     assert "missing in files (of 7)\n  3  No joint is named 'hips'  in/" in told
 
 
-def test_words_say_the_same(tmp_path: Path) -> None:
+def test_words_and_json_report_the_same(tmp_path: Path) -> None:
     notice = {"code": "straight", "text": "arm_L is straight", "joint": "arm_L"}
     records = {
         "a.glb": ok(1e-7, 0.5, axes=turned(0, 0)),

@@ -102,7 +102,7 @@ def test_what_a_like_file_is_made_of_counts(here: Path, samples: Path) -> None:
     assert "skipped" not in statuses(batch("--json")).values()
 
 
-def test_a_spec_for_another_character_is_told_before_anything_is_written(here: Path) -> None:
+def test_a_spec_for_another_character_is_reported_before_anything_is_written(here: Path) -> None:
     Path("rig.yaml").write_text("steps: [{do: orient-joints, joints: [tentacle_1, tentacle_2]}]")
     result = batch("--json")
     assert result.exit_code == 4
@@ -180,7 +180,7 @@ def test_a_job_gives_a_file_its_own_variables(here: Path) -> None:
     assert "forearm_L" in poles["b.glb"]
 
 
-def test_a_variable_that_a_spec_has_not_is_told_with_the_file(here: Path) -> None:
+def test_a_variable_that_a_spec_has_not_is_reported_with_the_file(here: Path) -> None:
     lines = [{"input": "in/a.glb"}, {"input": "in/b.glb", "variables": {"colour": "red"}}]
     Path("job.jsonl").write_text("\n".join(map(json.dumps, lines)))
     given = ["batch", "--spec", "rig.yaml", "--job", "job.jsonl", "-O", "out"]

@@ -85,7 +85,7 @@ def commands(steps: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [step for step in steps if "run" in step and not step["run"].startswith("pip install")]
 
 
-def test_the_gitlab_job_says_what_the_github_workflow_says() -> None:
+def test_the_gitlab_job_does_what_the_github_workflow_does() -> None:
     job = yaml.load(block("gitlab"))["rigs"]
     (workflow,) = yaml.load(block("workflow"))["jobs"].values()
     wanted = [step["run"] for step in workflow["steps"] if "run" in step]
@@ -147,7 +147,7 @@ def _config() -> str:
     return found.group(1)
 
 
-def test_the_python_of_the_page_tells_the_error(
+def test_the_python_of_the_page_reports_the_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
