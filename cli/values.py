@@ -80,10 +80,10 @@ def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> 
     """A direction: x,y,z or an axis name."""
     if value is None:
         return None
-    from rigtri.operations.declaration import kinds
+    from rigtri.operations.declaration.option import direction
 
     try:
-        return kinds.direction(value)
+        return direction(value)
     except ValueError as error:
         raise click.BadParameter(str(error), ctx, param) from error
 

@@ -21,9 +21,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.frames.constraint_transform import reoriented_notes
-from rigtri.frames.node_constraints import broken, reoriented_constraints
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reoriented_constraints import broken, reoriented_constraints, reoriented_notes
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, decompose, from_frame, rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, rotates, to_axes
@@ -38,7 +37,7 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
     Nothing that can be seen moves. A node that itself shows a mesh, camera or
     light hands it to a new child ``<name>_payload`` that keeps the old axes.
     ValueError where a node's scale does not allow the delta: ask `ScaleTable.allows` first; and
-    where constraints would no longer mean the same: ask `rigtri.frames.node_constraints.broken`.
+    where constraints would no longer mean the same: ask `rigtri.frames.reoriented_constraints.broken`.
     scales: those of ``rig``, where the caller has them.
     """
     own = rotates(delta)

@@ -2,7 +2,7 @@
 
 ``child_world = offset · driver_world`` and ``child_local = child_world · inverse(child_parent_world)``,
 each kind with its part of the matrices; `evaluation.constraint_solver` evaluates them. VRM's own constraints,
-which compare local axes, are another matter: `rigtri.frames.node_constraints`.
+which compare local axes, are another matter: `rigtri.frames.reoriented_constraints`.
 
 Source: "Matrix parent constraint" (article).
 """

@@ -24,16 +24,14 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
-from rigtri.operations.control_names import call, remembered
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
 from rigtri.operations.options.add_controls import TOKENS as TOKENS
 from rigtri.operations.options.add_controls import AddControlsOptions as AddControlsOptions
-from rigtri.operations.rigtri_nodes import add, find, group, home, noted, stand
+from rigtri.operations.rigtri_nodes import add, call, find, group, home, noted, remembered, stand
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.limbs import Limb, named_limbs, recognise, with_recognised
-from rigtri.recognition.proportions import forward, girths
+from rigtri.recognition.limbs import Limb, forward, girths, named_limbs, recognise, with_recognised
 from rigtri.report import Report
 
 # What {kind} stands for in a name, by the kind of control.

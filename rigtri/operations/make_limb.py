@@ -21,7 +21,7 @@ from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.declaration.kinds import vector
+from rigtri.operations.declaration.option import vector
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.orient_joints.up_direction import crossing

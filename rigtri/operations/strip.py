@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.node_constraints import constraints_from_metadata
+from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.metadata import TwistRecord

@@ -12,9 +12,8 @@ from math import fsum
 from typing import Literal
 
 from rigtri.maths.scalar_vector import Vector
-from rigtri.recognition.detached_ends import loose_ends
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_triples import Triple, branches, sharpest_of, triple_of
+from rigtri.recognition.limb_triples import Triple, branches, loose_ends, sharpest_of, triple_of
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, between
 

@@ -1,9 +1,12 @@
-"""The three joints of a limb: shoulder, elbow and wrist in a chain of clavicles, twist joints and fingers."""
+"""The three joints of a limb: shoulder, elbow and wrist in a chain of clavicles, twist joints and fingers.
+
+Feet and hands of flat IK rigs are children of the root: `loose_ends` finds these.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 from math import fsum, sqrt
 
@@ -13,6 +16,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.pose_samples import Poses, finite
+from rigtri.recognition.symmetry import Pair
 
 # The cosine above which a joint does not bend: a twist joint within a bone, 6°.
 STRAIGHT = 0.9945
@@ -26,6 +30,10 @@ _FOLD, _FOLDED = 0.1, 0.34
 _MOVES, _SHARP = 0.1, 0.966
 # Longer chains are looked at as far as this: no limb has so many joints.
 _MOST = 11
+# The lower bone is as long as this, of the upper one, at least and at most.
+_SHORTEST, _LONGEST = 0.5, 1.7
+# It goes on, as a cosine: a limb at rest is not folded.
+_ONWARD = 0.5
 
 
 @dataclass(frozen=True)
@@ -142,3 +150,38 @@ def offset(start: Floats, middle: Floats, end: Floats) -> Floats:
     """From the line of start and end to the middle, (..., 3), in file units: where a limb bends to."""
     line, arm = finite(normalise(end - start)), middle - start
     return arm - dot(arm, line)[..., np.newaxis] * line
+
+
+def loose_ends(tree: Tree, pair: Pair, poses: Poses) -> Pair:
+    """A pair of two joints each, with the joints elsewhere that end it; as it is where none do.
+
+    Only joints that move points, or have such below, are taken: a control stands in the same place.
+    """
+    ends = [_loose_end(tree, path[:2], poses) if len(path) >= 2 else -1 for path in pair.paths]
+    if min(ends) < 0 or ends[0] == ends[1] or pair.nodes.intersection(ends):
+        return pair
+    (a, b) = (path[:2] for path in pair.paths)
+    reach = min(
+        (tree.at[path[1]] - tree.at[path[0]]).length + (tree.at[end] - tree.at[path[1]]).length
+        for path, end in zip((a, b), ends, strict=True)
+    )
+    return replace(pair, paths=((*a, ends[0]), (*b, ends[1])), reach=reach)
+
+
+def _loose_end(tree: Tree, path: tuple[int, ...], poses: Poses) -> int:
+    middle = tree.at[path[1]]
+    bone = middle - tree.at[path[0]]
+    top = tree.way(-1, path[0])[0]
+    nodes = [k for k in tree.nodes if tree.depth[k] <= 2 and k != top and not tree.is_below(k, path[0])]
+    nodes = [k for k in nodes if not tree.is_below(path[0], k)]
+    far = {k: tree.at[k] - middle for k in nodes}
+    size, on = bone.length, bone.unit
+    found = [
+        (way.length, k)
+        for k, way in far.items()
+        if _SHORTEST * size < way.length < _LONGEST * size and way.unit.dot(on) > _ONWARD
+    ]
+    for _, node in sorted(found):
+        if any(poses.moves_points(k) for k in tree.branch(node)):
+            return node
+    return -1

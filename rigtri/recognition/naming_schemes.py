@@ -11,17 +11,16 @@ from __future__ import annotations
 import os
 import tomllib
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, did_you_mean
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
-from rigtri.recognition.layout import BENDS, LimbKind
-from rigtri.recognition.scheme_validation import faults
+from rigtri.recognition.layout import BENDS, MIDDLE, SIDED, LimbKind
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -43,6 +42,9 @@ BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
 _CHAINS = frozenset(["tail", "wing", "ear"])
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
+_TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
+_TEXTS = ("title", "marks", "like")
+_TO_DO = "give a text in quotes, several words apart by spaces"
 
 
 @dataclass(frozen=True)
@@ -165,7 +167,7 @@ def own_scheme(path: Path) -> Scheme:
         raise FileError(f"{path} is no naming scheme: it is not UTF-8 at offset {error.start}") from error
     except tomllib.TOMLDecodeError as error:
         raise FileError(f"{path} is no naming scheme: this is no TOML: {error}") from error
-    if found := list(faults(table, _tables(), _read)):
+    if found := list(_faults(table)):
         raise FileError(f"{path} is no naming scheme: {'; '.join(found)}. docs/recognise.md has an example")
     return _scheme(table, str(path))
 
@@ -238,3 +240,56 @@ def roles_in_name(name: str) -> tuple[str, ...]:
         for role, known in role_words().items()
         if found.words & known or found.plain in known or (ends & known and role not in _CHAINS)
     )
+
+
+def _faults(table: Mapping[str, Any]) -> Iterator[str]:
+    """A line for each fault of a user's scheme: where, what, and what to do."""
+    for key, value in table.items():
+        if key in _TABLES:
+            yield from _of_table(key, value)
+        elif key not in _TEXTS:
+            yield f"there is no '{key}'.{_near(key, (*_TEXTS, *_TABLES))}"
+        elif not isinstance(value, str):
+            yield f"'{key}' is {_kind(value)}: {_TO_DO}"
+        elif key == "like" and value not in _tables():
+            yield f"there is no scheme '{value}' to be like.{_near(value, sorted(_tables()))}"
+        elif key == "marks":
+            yield from _of_words("'marks'", "marks", value)
+    if "title" not in table:
+        yield "'title' is missing: give it one, which evidence will say"
+
+
+def _of_table(name: str, value: object) -> Iterator[str]:
+    if not isinstance(value, dict):
+        yield f"'{name}' is {_kind(value)}: make it a table, [{name}] with a line for each bone"
+        return
+    taken: dict[str, str] = {}
+    for bone, text in value.items():
+        where = f"[{name}] {bone}"
+        if bone not in _TABLES[name]:
+            yield f"{where}: there is no such bone here.{_near(bone, _TABLES[name])}"
+        if not isinstance(text, str):
+            yield f"{where} is {_kind(text)}: {_TO_DO}"
+        else:
+            yield from _of_words(where, name, text)
+            for word in text.split():
+                if taken.setdefault(word, bone) != bone:
+                    yield f"{where}: '{word}' means {taken[word]} already, and a word means one bone"
+
+
+def _of_words(where: str, table: str, text: str) -> Iterator[str]:
+    for word in text.split():
+        can_be, better = _read(table, word)
+        if not can_be:
+            hint = f"write '{better}'" if better else "sides and words like joint are set aside; leave it out"
+            yield f"{where}: no name can say '{word}': {hint}"
+
+
+def _near(word: str, known: Collection[str]) -> str:
+    return did_you_mean(word, known) or f" There are {', '.join(known)}"
+
+
+def _kind(value: object) -> str:
+    """What a value of TOML is, in its terms."""
+    kinds = {bool: "true or false", int: "a number", float: "a number", list: "a list", dict: "a table"}
+    return "a text" if isinstance(value, str) else kinds.get(type(value), "a date")

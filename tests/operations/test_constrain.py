@@ -23,8 +23,8 @@ from rigtri.evaluation.constraint_application import apply_constraints
 from rigtri.evaluation.constraint_solver import constraint_pole, rotate_of, to_parts
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import ReadOptions, read
-from rigtri.frames.constraint_transform import lost_rules
 from rigtri.frames.reframe import reframe
+from rigtri.frames.reoriented_constraints import lost_rules
 from rigtri.maths.euler import ORDERS, Order, from_angles, to_angles
 from rigtri.maths.matrices import compose, inverse, multiply, rotate_after, rotate_before
 from rigtri.maths.quaternions import average, between, conjugate, from_axis_angle, slerp, to_axes, unit

@@ -17,7 +17,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError
 from rigtri.formats import ReadOptions, read
-from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
+from rigtri.frames.mirroring import Across, Mirror, mirrored_axes, side_of, twin_of
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import from_frame, nearest_rotation
 from rigtri.maths.matrices import multiply as matmul

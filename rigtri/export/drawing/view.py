@@ -16,8 +16,7 @@ from rigtri.errors import UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
-from rigtri.recognition.limbs import recognise
-from rigtri.recognition.proportions import forward
+from rigtri.recognition.limbs import forward, recognise
 
 Named = Literal["front", "back", "side", "top", "three-quarter"]
 NAMED: tuple[Named, ...] = get_args(Named)

@@ -20,8 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.recognition.limbs import recognise
-from rigtri.recognition.proportions import forward
+from rigtri.recognition.limbs import forward, recognise
 from rigtri.text import display_name, plain
 
 

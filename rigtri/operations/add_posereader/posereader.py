@@ -20,18 +20,15 @@ from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
-from rigtri.operations.add_posereader.goals import named_goals
-from rigtri.operations.add_posereader.morph_drives import morph_drives
-from rigtri.operations.add_posereader.reader_frame import ReaderFrame
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
+from rigtri.operations.add_posereader.targets import ReaderFrame, morph_drives, named_goals
 from rigtri.operations.add_rivet.rebind import rebind_rivets
-from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.declaration.option import check
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
 from rigtri.operations.options.add_posereader import Goal as Goal
-from rigtri.operations.rigtri_nodes import add, find, group, noted
+from rigtri.operations.rigtri_nodes import add, find, group, noted, refuse_taken
 from rigtri.report import Report
 
 

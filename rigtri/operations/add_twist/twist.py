@@ -23,11 +23,10 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, WeightRedistribution
 from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.add_twist.key_baking import BOUND, keyed
-from rigtri.operations.control_names import refuse_taken
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
-from rigtri.operations.rigtri_nodes import find, noted, plain_name
+from rigtri.operations.rigtri_nodes import find, noted, plain_name, refuse_taken
 from rigtri.operations.skin_joints import add_joint, move_joint
 from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report

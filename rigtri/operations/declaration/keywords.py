@@ -18,8 +18,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
-from rigtri.operations.declaration.kinds import Vector, direction
-from rigtri.operations.declaration.option import default_of, hints_of
+from rigtri.operations.declaration.option import Vector, default_of, direction, hints_of
 
 T = TypeVar("T")
 _WORDS: dict[Any, tuple[type, str]] = {

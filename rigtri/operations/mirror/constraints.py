@@ -8,7 +8,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.constraint_solver import to_parts
-from rigtri.frames.mirror_modes import mirrored_axes, world_rotation
+from rigtri.frames.mirroring import mirrored_axes, world_rotation
 from rigtri.maths.matrices import identity
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats

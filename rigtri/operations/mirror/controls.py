@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.mirror_modes import mirrored_axes
+from rigtri.frames.mirroring import mirrored_axes
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.triangle import bend_sine
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import NO_PLANE
 from rigtri.operations.control_drawing import KEYS
-from rigtri.operations.control_names import remembered
 from rigtri.operations.mirror.mirrored_metadata import (
     MirrorOptions,
     lone,
@@ -25,7 +24,17 @@ from rigtri.operations.mirror.mirrored_metadata import (
     twin_name,
     twin_note,
 )
-from rigtri.operations.rigtri_nodes import add, find, group, noted, renamed, stand, stand_local, unposed
+from rigtri.operations.rigtri_nodes import (
+    add,
+    find,
+    group,
+    noted,
+    remembered,
+    renamed,
+    stand,
+    stand_local,
+    unposed,
+)
 from rigtri.operations.skin_joints import Kind, add_joint, beside, move_joint
 from rigtri.recognition.limbs import given
 from rigtri.report import Report

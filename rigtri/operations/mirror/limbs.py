@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.frames.mirror_modes import Mirror, mirrored_axes, twin_of
+from rigtri.frames.mirroring import Mirror, mirrored_axes, twin_of
 from rigtri.maths.matrices import determinant, nearest_rotation
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.joint_names import twin
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.twist import NAME, AddTwistOptions, add_twist
-from rigtri.operations.declaration.kinds import vector
+from rigtri.operations.declaration.option import vector
 from rigtri.operations.mirror.mirrored_metadata import (
     MirrorOptions,
     alike,

@@ -3,7 +3,7 @@
 Joints stay where they are: only their axes turn, and all that is bound to them follows.
 What rigtri has built on one side is built or brought up to date on the other.
 
-Source: `rigtri.frames.mirror_modes` (what each way of mirroring means).
+Source: `rigtri.frames.mirroring` (what each way of mirroring means).
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.mirror_modes import MIRRORS, side_of, twin_of
-from rigtri.frames.mirror_plane import parting, warn_plane
+from rigtri.frames.mirroring import MIRRORS, parting, side_of, twin_of, warn_plane
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.model.rig import Rig

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.mirror_modes import side_of, twin_of
+from rigtri.frames.mirroring import side_of, twin_of
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length

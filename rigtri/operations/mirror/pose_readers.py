@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.frames.mirror_modes import world_rotation
+from rigtri.frames.mirroring import world_rotation
 from rigtri.maths.quaternions import conjugate, multiply, rotate
 from rigtri.model.joint_names import twin
 from rigtri.model.mesh_triangles import meshes_named

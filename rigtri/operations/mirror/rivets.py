@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.skinning import SkinnedPoints
-from rigtri.frames.mirror_modes import side_of
+from rigtri.frames.mirroring import side_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.joint_names import side as side_in_name

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.mirror_modes import PLANES, Plane, mirrored_axes
-from rigtri.frames.mirror_plane import TOLERANCE, parting
+from rigtri.frames.mirroring import PLANES, TOLERANCE, Plane, mirrored_axes, parting
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes

@@ -10,20 +10,21 @@ from typing import TYPE_CHECKING, Annotated
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
 from rigtri.model.control_shapes import KINDS
-from rigtri.operations.declaration.kinds import (
+from rigtri.operations.declaration.option import (
     Above,
     Auto,
     Bends,
     Chains,
     Direction,
     EndKind,
+    Kind,
     Limbs,
     Nodes,
     Share,
     Vector,
+    option,
     vector,
 )
-from rigtri.operations.declaration.option import Kind, option
 
 if TYPE_CHECKING:
     from rigtri.operations.joint_selection import Selection

@@ -7,8 +7,18 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.kinds import Above, Auto, Bends, Chains, Direction, EndKind, Limbs, Node
-from rigtri.operations.declaration.option import option, refuse
+from rigtri.operations.declaration.option import (
+    Above,
+    Auto,
+    Bends,
+    Chains,
+    Direction,
+    EndKind,
+    Limbs,
+    Node,
+    option,
+    refuse,
+)
 
 
 @dataclass(frozen=True)

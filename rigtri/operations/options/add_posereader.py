@@ -9,8 +9,17 @@ from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
-from rigtri.operations.declaration.kinds import Above, Direction, Node, Number, Tolerance, Vector
-from rigtri.operations.declaration.option import Kind, option, refuse
+from rigtri.operations.declaration.option import (
+    Above,
+    Direction,
+    Kind,
+    Node,
+    Number,
+    Tolerance,
+    Vector,
+    option,
+    refuse,
+)
 
 # Options that only one kind of reader has.
 ONLY_OF = {"cone": ("inner", "outer"), "rbf": ("kernel", "mode")}

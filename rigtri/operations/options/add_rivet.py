@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_points, refuse_unworkable
-from rigtri.operations.declaration.kinds import Above, Integers, Name, Names, Points, Tolerance
-from rigtri.operations.declaration.option import option
+from rigtri.operations.declaration.option import Above, Integers, Name, Names, Points, Tolerance, option
 
 
 @dataclass(frozen=True)

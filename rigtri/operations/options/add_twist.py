@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.kinds import Auto, Direction, Limbs, Nodes
-from rigtri.operations.declaration.option import Kind, option
+from rigtri.operations.declaration.option import Auto, Direction, Kind, Limbs, Nodes, option
 
 MOST = 64
 NAME = "{joint}_twist_{number}"

@@ -8,8 +8,16 @@ from typing import Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_single_name, refuse_unworkable
-from rigtri.operations.declaration.kinds import Above, ClipNames, Names, RigFile, Share, Tolerance
-from rigtri.operations.declaration.option import option, refuse
+from rigtri.operations.declaration.option import (
+    Above,
+    ClipNames,
+    Names,
+    RigFile,
+    Share,
+    Tolerance,
+    option,
+    refuse,
+)
 
 Direction = Literal["joints", "controls"]
 DIRECTIONS: tuple[Direction, ...] = get_args(Direction)

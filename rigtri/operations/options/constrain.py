@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
-from rigtri.operations.declaration.kinds import Direction, LimbNames, Node, Vector
-from rigtri.operations.declaration.option import Kind, option, refuse
+from rigtri.operations.declaration.option import Direction, Kind, LimbNames, Node, Vector, option, refuse
 
 _TRANSLATION, _ROTATION, _SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # The channels that each type sets on its child.

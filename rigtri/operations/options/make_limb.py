@@ -10,8 +10,19 @@ from typing import Annotated, Literal
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_points
 from rigtri.operations.axis_presets import PRESETS, AxisStyle
-from rigtri.operations.declaration.kinds import Axis, EndKind, Names, Node, Nodes, Point, Vector
-from rigtri.operations.declaration.option import Kind, key_of, option, refuse
+from rigtri.operations.declaration.option import (
+    Axis,
+    EndKind,
+    Kind,
+    Names,
+    Node,
+    Nodes,
+    Point,
+    Vector,
+    key_of,
+    option,
+    refuse,
+)
 from rigtri.operations.options.add_polevector import AddPolevectorOptions, PlacementOptions
 
 _PLACEMENT = ("method", "from_", "reach", "distance", "reach_of", "orientation")

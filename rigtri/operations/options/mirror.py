@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
-from rigtri.operations.declaration.kinds import Nodes, Number
-from rigtri.operations.declaration.option import option
+from rigtri.operations.declaration.option import Nodes, Number, option
 
 if TYPE_CHECKING:
     from rigtri.operations.joint_selection import Selection
@@ -34,7 +33,7 @@ class MirrorOptions:
     """Give one side of a character what the other has: joint axes, and what rigtri has added.
 
     plane_at: None is between most pairs of joints. across: that plane in the world, as
-    `rigtri.frames.mirror_plane` has found it for ``mirror``.
+    `rigtri.frames.mirroring` has found it for ``mirror``.
     """
 
     mode: Literal["behavior", "orientation", "blender"] = option(

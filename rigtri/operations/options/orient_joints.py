@@ -9,19 +9,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rigtri.errors import UsageError
 from rigtri.operations.axis_presets import PRESETS, AxisStyle
-from rigtri.operations.declaration.kinds import (
+from rigtri.operations.declaration.option import (
     Above,
     Axis,
     Direction,
     JsonFile,
+    Kind,
     Limbs,
     Names,
     Node,
     Nodes,
     RigFile,
     Vector,
+    option,
+    refuse,
 )
-from rigtri.operations.declaration.option import Kind, option, refuse
 
 if TYPE_CHECKING:
     from rigtri.operations.aim_targets import Branch

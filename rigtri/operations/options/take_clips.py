@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_single_name, refuse_unworkable
-from rigtri.operations.declaration.kinds import ClipNames, EditedFile, Names
-from rigtri.operations.declaration.option import option
+from rigtri.operations.declaration.option import ClipNames, EditedFile, Names, option
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.node_constraints import alike, axis_fits, axis_straightened
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reoriented_constraints import alike, axis_fits, axis_straightened
 from rigtri.maths.quaternions import IDENTITY, angle_between, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError
-from rigtri.frames.mirror_modes import Across, Mirror, mirrored_axes, side_of, twin_of
+from rigtri.frames.mirroring import Across, Mirror, mirrored_axes, side_of, twin_of
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
@@ -165,7 +165,7 @@ def mirrored_deltas(
 ) -> Floats:
     """Changes of frame, (n, 4), with those of one side's joints made from the new frames of the other side's.
 
-    `frames.mirror_modes` says what each way of mirroring means; with ``behavior`` the side aims backwards.
+    `frames.mirroring` says what each way of mirroring means; with ``behavior`` the side aims backwards.
     """
     rig, known = targets.tree.rig, set(joints)
     twins: dict[int, int] = {}

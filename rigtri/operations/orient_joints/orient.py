@@ -11,11 +11,10 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.constraint_transform import lost_rules
 from rigtri.frames.error_bounds import LeverArm
-from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.nonuniform_scale import ScaleTable, same_scales, ties
 from rigtri.frames.reframe import reframe, split
-from rigtri.frames.scale_tolerance import same_scales, ties
+from rigtri.frames.reoriented_constraints import lost_rules
 from rigtri.maths.quaternions import IDENTITY, rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint

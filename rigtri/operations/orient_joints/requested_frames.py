@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.frames.mirror_plane import parting
+from rigtri.frames.mirroring import parting
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig

@@ -6,8 +6,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.frames.error_bounds import lever_arms
-from rigtri.frames.nonuniform_scale import ScaleTable
-from rigtri.frames.scale_tolerance import ROUNDING
+from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Comparison

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.node_constraints import alike, constraints_from_metadata
+from rigtri.frames.reoriented_constraints import alike, constraints_from_metadata
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length

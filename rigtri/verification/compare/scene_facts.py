@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.node_constraints import constraints_from_metadata
+from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig

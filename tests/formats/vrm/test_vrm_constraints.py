@@ -20,8 +20,8 @@ from places import slow
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.gltf.document import GltfDocument
-from rigtri.frames.node_constraints import broken
 from rigtri.frames.reframe import reframe
+from rigtri.frames.reoriented_constraints import broken
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS

@@ -25,9 +25,8 @@ from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
-from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.nonuniform_scale import ScaleTable, against_parent
 from rigtri.frames.reframe import reframe
-from rigtri.frames.scale_tolerance import against_parent
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 

@@ -1,11 +1,21 @@
-"""Constraints, twist joints and pose readers of rigtri, expressed in reoriented frames.
+"""Constraints in reoriented frames: VRM's, rigtri's own, and the axes of twist joints and pose readers.
 
-With row matrices, C of the child, D of a driver and the parent's P: where ``world' = C·world``, an
-offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
+A VRM node constraint keeps its meaning, for every motion and every weight, exactly when
+
+* rotation, tail: source and node get the same delta (their parents do not matter);
+* roll: the parents of source and node get the same delta, and in the new frame of the node
+  the roll axis is again one of its axes (the delta of the source does not matter);
+* aim: in the new frame of the node the aim axis is again one of the six.
+
+Then nothing but the letter of the axis is to be written anew.
+
+Of rigtri's own, with row matrices, C of the child, D of a driver and the parent's P:
+where ``world' = C·world``, an offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
 take the parent's delta off. What the axes themselves define (skipped channels, lengths of axes,
 rotations in own axes) cannot always be expressed in others; `lost_rules` names it.
 
-Source: derived from `rigtri.model.constraints`; docs/exactness.md.
+Source: derived from `rigtri.model.constraints` and the pseudocode of VRMC_node_constraint
+1.0; docs/exactness.md.
 """
 
 from __future__ import annotations
@@ -17,15 +27,83 @@ from typing import Any
 import numpy as np
 
 from rigtri.maths.matrices import rotate_after, rotate_before
-from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, rotate
+from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, rotate
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Constraint, constraint_metadata, constraints_of
+from rigtri.model.metadata import ConstraintRecord
 from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 _SAME = 1e-9
 # What a change of frames gives new numbers; the rest of a note stays as it was written.
 _REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "rollAxis")
+
+
+def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
+    """The two nodes that must take one delta, the leading one first; −1 is the world, which takes none."""
+    if constraint.kind == "aim":
+        return None
+    first, second = constraint.source, constraint.node
+    if constraint.kind == "roll":
+        first, second = int(rig.parents[first]), int(rig.parents[second])
+    return (first, second) if first != second else None
+
+
+def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
+    """The constraints that would not do the same after the deltas, (n, 4)."""
+    return [
+        c for c in rig.node_constraints if not (_keeps_alike(rig, c, delta) and axis_fits(c, delta[c.node]))
+    ]
+
+
+def _keeps_alike(rig: Rig, constraint: NodeConstraint, delta: Floats) -> bool:
+    pair = alike(rig, constraint)
+    if pair is None:
+        return True
+    a, b = (delta[node] if node >= 0 else IDENTITY for node in pair)
+    return _alike(a, b)
+
+
+def axis_fits(constraint: NodeConstraint, delta: Floats) -> bool:
+    """Whether the axis of a constraint is again an axis in the new frame of its node."""
+    axis = _axis_in(constraint, delta)
+    return bool((np.abs(axis - np.rint(axis)) <= _SAME).all())
+
+
+def axis_straightened(constraint: NodeConstraint, delta: Floats, noise: float) -> Floats:
+    """A delta, (4,), that makes it an axis again, where ``delta`` misses that by ``noise`` (radians)."""
+    axis = _axis_in(constraint, delta)
+    nearest = np.rint(axis)
+    if not nearest.any() or axis_fits(constraint, delta) or np.abs(axis - nearest).max() > noise:
+        return delta
+    return np.asarray(multiply(delta, between(nearest, axis)))
+
+
+def reoriented_constraints(rig: Rig, delta: Floats) -> tuple[NodeConstraint, ...]:
+    """The constraints of a rig, with their axes in the reoriented frames."""
+    return tuple(
+        replace(c, axis=np.rint(_axis_in(c, delta[c.node])) + 0.0) if (delta[c.node] != IDENTITY).any() else c
+        for c in rig.node_constraints
+    )
+
+
+def constraints_from_metadata(rig: Rig) -> dict[int, str]:
+    """The nodes with a constraint of rigtri's that is also stored as a VRM constraint, and of which kind.
+
+    The record has ``vrm`` then: such a constraint is intended to move its node, and comes and goes with
+    the record.
+    """
+    found: dict[int, str] = {}
+    for record in rig.records(ConstraintRecord).values():
+        child = rig.known(record.child)
+        if record.vrm is not None and child is not None:
+            found[child] = record.vrm
+    return found
+
+
+def _axis_in(constraint: NodeConstraint, delta: Floats) -> Floats:
+    return rotate(conjugate(delta), constraint.axis)
 
 
 def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:

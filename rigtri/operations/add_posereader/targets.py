@@ -1,0 +1,180 @@
+"""What a user gives a pose reader: its targets, the frame it sees its driver from, the morphs it drives."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.pose_readers import relative
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.timelines import timeline_and_time
+from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.quaternions import conjugate, from_axes, rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.mesh import Mesh
+from rigtri.model.mesh_triangles import meshes_named
+from rigtri.model.rig import Rig
+from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
+from rigtri.report import Report
+
+_NAMED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)", re.S)
+
+
+def named_goals(rig: Rig, options: AddPosereaderOptions) -> tuple[Goal, ...]:
+    """The targets, each with a name: its own, else ``target1``, ``target2`` …
+
+    Raises UsageError for names that are not unique, outputs of targets that there are not, and targets that
+    the reader cannot have.
+    """
+    read = [_goal(rig, one) if isinstance(one, str) else one for one in options.target_]
+    goals = tuple(replace(goal, name=goal.name or f"target{k + 1}") for k, goal in enumerate(read))
+    known = [goal.name for goal in goals]
+    if len(set(known)) < len(known):
+        raise UsageError("each target needs a name of its own")
+    for target, *rest in (*options.morph, *options.attribute):
+        if target not in known:
+            raise UsageError(f"'{target}' ({' '.join(rest)}) is no target; there are {', '.join(known)}")
+    if options.reader == "rbf" and any(goal.node for goal in goals):
+        raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
+    return goals
+
+
+def _goal(rig: Rig, text: str) -> Goal:
+    """A target from its words; the name of a node that is there wins over all else."""
+    name, words = "", text
+    if not rig.has(text) and (found := _NAMED.fullmatch(text)):
+        name, words = found[1], found[2]
+    if rig.has(words):
+        return Goal(name, node=words)
+    parts = words.split(",")
+    if len(parts) == 3:
+        try:
+            x, y, z = map(float, parts)
+            return Goal(name, direction=(x, y, z))
+        except ValueError:
+            pass
+    if words == "rest" or "@" in words:
+        return Goal(name, pose=words)
+    return Goal(name, node=words)
+
+
+@dataclass(frozen=True, eq=False)
+class ReaderFrame:
+    """A driver and the node that it is seen from, ``frame`` (−1: the world)."""
+
+    rig: Rig
+    driver: int
+    frame: int
+    report: Report
+
+    @cached_property
+    def resting(self) -> Floats:
+        """The driver's rotation in the frame at rest, (4,)."""
+        return self._rotation(self.rig.world[np.newaxis])
+
+    def _rotation(self, world: Floats) -> Floats:
+        frame = world[:, self.frame] if self.frame >= 0 else np.eye(4)[np.newaxis]
+        found = relative(world[:, self.driver], frame)[0]
+        if not np.isfinite(found).all():
+            raise GeometryError(
+                f"'{self.rig.title(self.driver)}' has no axes: a scale on or above it is zero"
+            )
+        return np.asarray(found)
+
+    def direction_in_frame(self, direction: Sequence[float] | None) -> Floats:
+        required = np.array(direction, dtype=np.float64)
+        if required.shape != (3,) or not np.isfinite(required).all() or not required.any():
+            raise UsageError("a target is a direction other than 0,0,0, a pose or a node")
+        if self.frame < 0:
+            return normalise(required)
+        axes = from_axes(orthonormal_axes(self.rig.world[self.frame]))
+        return np.asarray(rotate(conjugate(axes), normalise(required)))
+
+    def rotation_in_pose(self, text: str) -> Floats:
+        """The driver's rotation in the frame in a pose, (4,)."""
+        timeline, time = timeline_and_time(self.rig, text)
+        if timeline is None:
+            return self.resting
+        keys = key_times(timeline.clip)
+        if len(keys) and not keys[0] <= time <= keys[-1]:
+            end = keys[0] if time < keys[0] else keys[-1]
+            self.report.warn(
+                "pose-clamped",
+                f"'{text}' lies outside its clip, which runs from {keys[0]:g} to {keys[-1]:g}: its pose is "
+                f"that at {end:g}",
+            )
+        return self._rotation(worlds(self.rig, locals_at(self.rig, timeline.clip, [time])))
+
+
+@dataclass(frozen=True, eq=False)
+class MorphDrive:
+    """Which weights go to which morph targets of one node: columns (morph) by columns (target)."""
+
+    meshes: Sequence[Mesh]
+    columns: dict[int, int] = field(default_factory=dict)
+
+    @property
+    def mesh(self) -> Mesh:
+        return self.meshes[0]
+
+
+def morph_drives(
+    rig: Rig, morphs: Sequence[tuple[str, str, str]], targets: Sequence[str], reader: str, report: Report
+) -> list[MorphDrive]:
+    """The morph targets that a reader drives, by the node that shows them. targets: the reader's, by name.
+
+    morphs: (target, mesh, morph target) each. Raises NameNotFoundError, UsageError, GeometryError.
+    """
+    found: dict[int, MorphDrive] = {}
+    for target, name, morph in morphs:
+        meshes = [mesh for mesh in meshes_named(rig, name) if len(mesh.morphs)]
+        if not meshes:
+            raise GeometryError(f"Mesh '{name}' has no morph targets{_with_morphs(rig)}")
+        drive = found.setdefault(meshes[0].node, MorphDrive(meshes))
+        column = _column(meshes[0], morph)
+        if column in drive.columns:
+            raise UsageError(f"morph target '{morph}' of '{name}' can follow one target, not two")
+        drive.columns[column] = targets.index(target)
+        _warn_driven_twice(rig, meshes[0], column, morph, reader, report)
+    return list(found.values())
+
+
+def _warn_driven_twice(rig: Rig, mesh: Mesh, column: int, morph: str, reader: str, report: Report) -> None:
+    """Warn where another reader drives a morph target too: the keys will be this one's."""
+    for note in rig.metadata.values():
+        if note.get("type") != "poseReader" or note.get("name") == reader:
+            continue
+        for output in note.get("outputs", ()):
+            if rig.known(output.get("mesh")) == mesh.node and output.get("morph") in (
+                str(column),
+                *mesh.morph_names[column : column + 1],
+            ):
+                report.warn(
+                    "morph-driven-twice",
+                    f"Morph target '{morph}' of '{mesh.name}' is driven by reader '{note['name']}' too; "
+                    f"its keys are now those of '{reader}'",
+                    geometry=True,
+                )
+
+
+def _with_morphs(rig: Rig) -> str:
+    """Which meshes have some, for a message."""
+    have = list(dict.fromkeys(rig.title(m.node) for m in rig.meshes if len(m.morphs)))
+    return f"; {', '.join(have[:6])} have some" if have else ", and no other mesh of this file has any"
+
+
+def _column(mesh: Mesh, name: str) -> int:
+    """The column of a morph target, by its name or its number."""
+    if name in mesh.morph_names:
+        return mesh.morph_names.index(name)
+    if name.isdecimal() and int(name) < len(mesh.morphs):
+        return int(name)
+    if not mesh.morph_names:
+        raise NameNotFoundError("morph target", name, map(str, range(len(mesh.morphs))))
+    raise NameNotFoundError("morph target", name, mesh.morph_names)
