@@ -9,9 +9,9 @@ A VRM node constraint keeps its meaning, for every motion and every weight, exac
 
 Then nothing but the letter of the axis is to be written anew.
 
-Of rigtri's own, with row matrices, C of the child, D of a driver and the parent's P:
-where ``world' = C·world``, an offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local rotations
-take the parent's delta off. What the axes themselves define (skipped channels, lengths of axes,
+Of rigtri's own, with row matrices, C of the child, D of a driver and the parent's P: where ``world' =
+C·world``, an offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local
+rotations take the parent's delta off. What the axes themselves define (skipped channels, lengths of axes,
 rotations in own axes) cannot always be expressed in others; `lost_rules` names it.
 
 Source: derived from `rigtri.model.constraints` and the pseudocode of VRMC_node_constraint
