@@ -12,15 +12,11 @@ Examples:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rigtri.operations.options.add_posereader import AddPosereaderOptions
+from rigtri.report import Report
 
 from .edit_command import edit_command
 from .text import counted
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 def summary(report: Report) -> str:

@@ -14,15 +14,11 @@ Examples:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rigtri.operations.options.add_twist import AddTwistOptions
+from rigtri.report import Report
 
 from .edit_command import edit_command
 from .text import counted
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 def summary(report: Report) -> str:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.report import Report
 
-from . import pictures
+from . import output_file
 from .build import step_lines, steps_of
 from .editing import run, side_files
 from .options import (
@@ -26,14 +27,13 @@ from .options import (
     tolerance_option,
     verify_option,
 )
-from .parameters import given_options, read_options, with_target
+from .parameters import destination, given_options, read_options
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
     from rigtri.pipeline.edit import Outcome
     from rigtri.pipeline.rigspec.auto import Proposal
     from rigtri.pipeline.rigspec.build import Built
-    from rigtri.report import Report
 
 SUFFIX = ".rig.yaml"
 
@@ -79,23 +79,23 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri build other.glb --spec out.rig.yaml -o other-out.glb
     """
     values["spec_out"] = _spec_place(values)
-    values = with_target(values) | {"sidecar": False}
+    values["sidecar"] = False
     if values["picture"] is not None:
-        pictures.check_target(values["picture"], [values["source"]], overwrite=values["overwrite"])
+        output_file.check_picture(values["picture"], [values["source"]], values | {"as_json": False})
     job = _Job(values)
     run("auto", values, job.done, given_options(ctx), job.summary, job.drawn, job.more)
 
 
 def _spec_place(values: dict[str, Any]) -> str | None:
     """Where the spec goes; None where none is written."""
-    path, target = values["spec_out"], values["target"]
+    path, output = values["spec_out"], values["output"]
     if values["no_spec"]:
         if path is not None:
             raise UsageError("give --spec-out or --no-spec, not both")
         return None
     if path is not None and Path(path).suffix.lower() not in (".yaml", ".yml"):
         raise UsageError(f"{path}: the spec is YAML; give it the suffix .yaml")
-    return path or (None if target in (None, "-") else str(Path(target).with_suffix(SUFFIX)))
+    return path or (None if output in (None, "-") else str(Path(output).with_suffix(SUFFIX)))
 
 
 class _Job:
@@ -115,12 +115,12 @@ class _Job:
         try:
             self.built = auto(
                 values["source"],
-                values["target"],
+                destination(values),
                 **{word: values[word] for word in words},
                 preset=values["preset"] or "",
                 own=own_schemes(values["own"]),
                 options=read_options(values),
-                overwrite=values["overwrite"] or values["unnamed"],
+                overwrite=values["overwrite"] or values["output"] is None,
                 side_files=side_files(values),
                 report=report,
                 seen=self._seen,
@@ -139,13 +139,12 @@ class _Job:
 
     def _draw(self, rig: Rig, before: Rig | None) -> None:
         from rigtri.export.drawing.picture import DrawOptions, draw
-        from rigtri.report import Report
 
         target = self.values["picture"]
         if target is not None:
             report, titles = Report(), {"title": "after", "title_against": "before"}
             svg = draw(rig, against=before, options=DrawOptions(), report=report, **titles)
-            pictures.deliver(svg, target, report)
+            output_file.write_picture(svg, target, report)
 
     def summary(self, report: Report) -> str:
         """What was recognised, and what each step has done."""

@@ -13,16 +13,14 @@ Examples:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rigtri.operations.options.bake import BakeOptions
+from rigtri.report import Report
 
 from .edit_command import edit_command
 from .options import extend_help
 from .text import counted, grown
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 def summary(report: Report) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import click
 
 from .options import json_option
+from .printing import print_json
 from .text import counted, plain
 from .values import Tolerance
 
@@ -43,7 +43,7 @@ def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool)
     found = summarise([Path(name) for name in manifests], most=most, within=within)
     if as_json:
         document = {"rigtri": __version__, "command": "batch-report"} | found
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_json(document)
         return
     for line in _lines(found):
         click.echo(plain(line))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from rigtri.errors import UsageError
+from rigtri.report import Report
 
 from .editing import run, side_files
 from .options import (
@@ -20,7 +20,8 @@ from .options import (
     strict_option,
     verify_option,
 )
-from .parameters import with_target
+from .parameters import destination
+from .printing import print_json
 from .text import plain
 from .values import Tolerance
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome
     from rigtri.pipeline.rigspec.build import Built
     from rigtri.pipeline.rigspec.load import PlannedStep, Spec
-    from rigtri.report import Report
 
 spec_option = click.option(
     "--spec",
@@ -78,9 +78,9 @@ def command(**values: Any) -> None:
     if values["explain"]:
         _explain(values, spec)
         return
-    if values["source"] is None or (values["target"] is None and not values["dry_run"]):
+    if values["source"] is None or (values["output"] is None and not values["dry_run"]):
         raise UsageError("give the character and the file to write: IN -o OUT; or --explain")
-    _run(with_target(values), spec)
+    _run(values, spec)
 
 
 def assigned(texts: tuple[str, ...]) -> dict[str, str]:
@@ -102,9 +102,9 @@ def _run(values: dict[str, Any], spec: Spec) -> None:
     def done(report: Report) -> Outcome:
         built = build(
             values["source"],
-            values["target"],
+            destination(values),
             spec,
-            overwrite=values["overwrite"] or values["unnamed"],
+            overwrite=values["overwrite"] or values["output"] is None,
             verify=values["verify"],
             dry_run=values["dry_run"],
             side_files=side_files(values),
@@ -155,18 +155,18 @@ def summary(do: str, report: Report) -> str:
 def _explain(values: dict[str, Any], spec: Spec) -> None:
     """The steps as text; with IN, what each does there, measured but not written."""
     alone = values["source"] is None
-    if alone and (values["report_path"] or values["target"]):
+    if alone and (values["report_path"] or values["output"]):
         raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
     for one in spec.steps:  # beside JSON on standard output they would be none
         click.echo(plain(_line(one), one_line=True), err=values["as_json"])
     if not alone:
-        _run(with_target(values) | {"dry_run": True}, spec)
+        _run(values | {"dry_run": True}, spec)
     elif values["as_json"]:
         from rigtri._version import __version__
 
         steps = [_step_json(one, places=True) for one in spec.steps]
         document = {"rigtri": __version__, "command": "build", "spec": values["spec"], "steps": steps}
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_json(document)
 
 
 def _title(one: PlannedStep) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from functools import partial
 from pathlib import Path
@@ -13,6 +12,7 @@ import click
 from rigtri.errors import UsageError
 
 from .options import json_option, quiet_option
+from .printing import print_json
 
 if TYPE_CHECKING:
     from rigtri.files.worker_process import WorkerProcess
@@ -76,7 +76,7 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     left_out = {name: _without(every[name], results[name]) for name in files}
     code = _exit_code(results, strict=values["strict"])
     if values["as_json"]:
-        click.echo(json.dumps(as_json(results, left_out, code), indent=2, ensure_ascii=False))
+        print_json(as_json(results, left_out, code))
     else:
         for name, findings in results.items():
             _print_file(name, findings, left_out[name], verbose=values["verbose"], quiet=values["quiet"])
@@ -197,7 +197,7 @@ def _list(machine: bool) -> None:
     from rigtri.verification.checks.rule_catalogue import RULES
 
     if machine:
-        click.echo(json.dumps([rule.as_json() for rule in RULES.values()], indent=2, ensure_ascii=False))
+        print_json([rule.as_json() for rule in RULES.values()])
         return
     for rule in RULES.values():
         click.echo(f"{rule.id} ({rule.severity})\n    {rule.meaning}\n    {rule.remedy}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ import click
 from . import failures
 from .options import json_option, reading_options
 from .parameters import check_streams, read_options
-from .printing import warn_unused_root
+from .printing import print_json, warn_unused_root
 from .text import plain
 from .values import Tolerance
 
@@ -77,7 +76,7 @@ def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
         )
     if values["as_json"]:
         result = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
-        click.echo(json.dumps(result, indent=2, ensure_ascii=False))
+        print_json(result)
     elif values["brief"] and not found.same:
         click.echo(plain(f"{before} and {after} differ", one_line=True))
     elif not found.same:

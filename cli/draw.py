@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import UsageError
+from rigtri.report import Report
 
-from . import pictures
+from . import output_file
 from .options import (
     json_option,
     output_option,
@@ -19,7 +18,8 @@ from .options import (
     reading_options,
     source_argument,
 )
-from .parameters import check_streams, read_options
+from .parameters import read_options
+from .printing import print_json
 from .values import Number
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     type=click.Path(allow_dash=True),
     help="Draw this file on the left, at the same scale: IN before the edit.",
 )
-@pictures.view_option
+@output_file.view_option
 @click.option(
     "--pose",
     "at",
@@ -70,13 +70,13 @@ if TYPE_CHECKING:
 )
 @click.option("--mesh/--no-mesh", default=True, show_default=True, help="Draw the outline of the meshes.")
 @click.option(
-    "--size", metavar="WIDTHxHEIGHT", callback=pictures.size, help="In pixels. [1000x900; two: 1500x900]"
+    "--size", metavar="WIDTHxHEIGHT", callback=output_file.size, help="In pixels. [1000x900; two: 1500x900]"
 )
 @reading_options
 @overwrite_option("the picture")
 @quiet_option
 @json_option
-def command(source: str, target: str, **values: Any) -> None:
+def command(source: str, output: str, **values: Any) -> None:
     """Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.
 
     The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
@@ -94,15 +94,10 @@ def command(source: str, target: str, **values: Any) -> None:
     from rigtri.export.drawing.primitives import as_json
     from rigtri.files.input_stream import opened, title
     from rigtri.formats import read
-    from rigtri.report import Report
 
-    if values["as_json"] and target == "-":
-        raise UsageError("--json and -o - both use standard output; give the picture a name")
     options, report = _draw_options(values), Report()
     sources = [source] if values["against"] is None else [source, values["against"]]
-    if len(sources) > 1:
-        check_streams(*sources)
-    pictures.check_target(target, sources, overwrite=values["overwrite"])
+    output_file.check_picture(output, sources, values)
     with ExitStack() as stack:
         reading = read_options({**values, "empty": True})
         documents = [read(stack.enter_context(opened(name)), reading) for name in sources]
@@ -120,13 +115,13 @@ def command(source: str, target: str, **values: Any) -> None:
         for document in documents:  # meshes are read, and found unreadable, while they are drawn
             report.extend(document.warnings)
         lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
-    pictures.deliver(svg, target, report)
+    output_file.write_picture(svg, output, report)
     if values["as_json"]:
         sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
         warnings = [notice.as_json() for notice in report.warnings]
-        found = {"picture": target, "sides": sides, "warnings": warnings}
-        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
-    pictures.print_result(report, target, values)
+        found = {"picture": output, "sides": sides, "warnings": warnings}
+        print_json(found)
+    output_file.print_result(report, output, values)
 
 
 def _draw_options(values: dict[str, Any]) -> DrawOptions:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rigtri.operations.declaration.option import made
+from rigtri.report import Report
 
 from .editing import copy_ahead, run_edit
 from .operation_options import click_options
 from .options import edit_options, output_options, reading_options, source_argument, target_option
 from .parameters import given, given_options, read_options
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 Step = Callable[[Any, "Report"], Any]
 Decorator = Callable[[Any], Any]
@@ -51,13 +49,13 @@ def command_of(
     *,
     more: Sequence[click.Option] = (),
     source: Decorator = source_argument,
-    target: Decorator = target_option,
+    output: Decorator = target_option,
     cls: type[click.Command] = click.Command,
 ) -> click.Command:
     """A command with the options of an operation and those of all edits.
 
     declared: the dataclass of its options. words: the help, with an example. more: options that only this
-    command has. source, target: IN and OUT.
+    command has. source, output: IN and OUT.
     """
 
     @click.pass_context
@@ -67,7 +65,7 @@ def command_of(
     called = output_options(edit_options(reading_options(called)))
     for option in reversed(more):
         _add(called, option)
-    return click.command(name, cls=cls, help=words)(source(target(declared_options(declared)(called))))
+    return click.command(name, cls=cls, help=words)(source(output(declared_options(declared)(called))))
 
 
 def declared_options(declared: type) -> Callable[[Any], Any]:

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.report import Report
 
-from .parameters import read_options, refuse_given, with_target
-from .printing import print_joints, print_verification, print_warnings
+from .parameters import destination, read_options, refuse_given
+from .printing import print_joints, print_json, print_verification, print_warnings
 from .text import plain
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rigtri.pipeline.edit import Outcome
-    from rigtri.report import Report
 
 
 _GLTF_ONLY = ("resources", "lenient", "unknown_node_ext", "vrm_constraints")
@@ -42,17 +42,16 @@ def run_edit(
 
     from rigtri.pipeline.edit import edit
 
-    values = with_target(values)
     _check_format(values)
 
     def done(report: Report) -> Outcome:
         return edit(
             values["source"],
-            values["target"],
+            destination(values),
             step,
             options=read_options(values),
             report=report,
-            overwrite=values["overwrite"] or values["unnamed"],
+            overwrite=values["overwrite"] or values["output"] is None,
             verify=values["verify"],
             tolerance=values["tolerance"],
             dry_run=values["dry_run"],
@@ -75,12 +74,11 @@ def run(
 ) -> Outcome:
     """Do what writes a file, and tell and report it as every command does; more: for the report."""
     from rigtri.pipeline.edit import report_json
-    from rigtri.report import Report
 
-    source, target, quiet = values["source"], values["target"], values["quiet"]
-    if values["as_json"] and target == "-" and not values["dry_run"]:
+    output, quiet = values["output"], values["quiet"]
+    if values["as_json"] and destination(values) == "-" and not values["dry_run"]:
         raise UsageError("--json and -o - both use standard output; use --report FILE.json")
-    if values["sidecar"] and target == "-" and not values["unnamed"]:
+    if values["sidecar"] and output == "-":
         raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
     check_side_files(values)
     report = Report()
@@ -92,8 +90,8 @@ def run(
         raise
     document = report_json(
         name,
-        str(source),
-        values["out"],
+        str(values["source"]),
+        output,
         options,
         outcome,
         tolerance=values["tolerance"],
@@ -103,7 +101,7 @@ def run(
     _write_beside(values, document)
     besides(report)
     if values["as_json"]:
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_json(document)
     if not quiet:
         print_warnings(report.warnings, values["verbose"])
         if values["verbose"]:
@@ -131,9 +129,9 @@ def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
 
     from rigtri.files.background_copy import copy_in_background
 
-    named = "-" not in (str(values["source"]), str(values["target"]))
+    named = "-" not in (str(values["source"]), destination(values))
     if named and not values["dry_run"] and values["resources"] != "relink":
-        source, target = Path(values["source"]), Path(values["target"])
+        source, target = Path(values["source"]), Path(destination(values))
         ctx.obj = ctx.with_resource(copy_in_background(source, target, overwrite=values["overwrite"]))
 
 
@@ -148,7 +146,7 @@ def _side_files(values: dict[str, Any]) -> dict[str, Path]:
     flags = {"--report": "report_path", "--save-frames": "save_frames"}
     flags |= {"--spec-out": "spec_out", "--picture": "picture"}
     found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
-    if values.get("sidecar") and not values.get("unnamed"):
+    if values.get("sidecar") and values["output"] is not None:
         found["--sidecar"] = _sidecar(values)
     return found
 
@@ -159,7 +157,7 @@ def _sidecar(values: dict[str, Any]) -> Path:
 
     from rigtri.export.rig_json import SUFFIX
 
-    return Path(values["target"]).with_suffix(SUFFIX)
+    return Path(values["output"]).with_suffix(SUFFIX)
 
 
 def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
@@ -175,7 +173,7 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
     if not values["sidecar"] or values["dry_run"]:
         return
     reading = values.get("reading") or read_options(values)
-    rig = read(Path(values["target"]), reading).rig
+    rig = read(Path(values["output"]), reading).rig
     write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
 
 
@@ -183,14 +181,14 @@ def check_side_files(values: dict[str, Any]) -> None:
     """Before anything is done: the files beside OUT can be written, and are none of the others."""
     from pathlib import Path
 
+    from rigtri.files import staged_output
     from rigtri.files.atomic_write import same_file
-    from rigtri.files.staged_output import destination
 
     names = {"like": "--like", "frames": "--frames", "from_": "--from", "described": "--rig"}
     read = {"IN": values["source"], **{flag: values.get(name) for name, flag in names.items()}}
     known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
-    if str(values["target"]) != "-":
-        target = Path(values["target"])
+    if destination(values) != "-":
+        target = Path(destination(values))
         for flag, path in known.items():
             if flag != "IN" and same_file(target, path):
                 raise UsageError(f"{target} is the file of {flag}; it would be lost. Give another name")
@@ -199,7 +197,7 @@ def check_side_files(values: dict[str, Any]) -> None:
         if any(same_file(path, other) for other in known.values()):
             raise UsageError(f"{flag} {path} names a file that is needed for something else")
         known[flag] = path
-        path = destination(path)
+        path = staged_output.destination(path)
         if path.exists() and not values["overwrite"]:
             raise UsageError(f"{path} exists; it is replaced only with --overwrite")
         if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import shutil
 import sys
@@ -12,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
+from rigtri.report import Report
 
-from . import pictures
+from . import output_file
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .parameters import read_options
+from .printing import print_json
 from .text import plain
 
 if TYPE_CHECKING:
@@ -48,23 +49,20 @@ def command(points: tuple[str, ...], **values: Any) -> None:
     """
     from rigtri.export.explain.picture import picture
     from rigtri.export.explain.text import text
-    from rigtri.report import Report
 
-    target, report = values["target"], Report()
-    if values["as_json"] and target == "-":
-        raise UsageError("--json and -o - both use standard output; give the picture a name")
-    if target is not None:
-        pictures.check_target(target, [points[0]], overwrite=values["overwrite"])
+    output, report = values["output"], Report()
+    if output is not None:
+        output_file.check_picture(output, points[:1], values)
     found = _explained(points, values)
-    if target is not None:
-        pictures.deliver(picture(found, view=values["view"]), target, report)
+    if output is not None:
+        output_file.write_picture(picture(found, view=values["view"]), output, report)
     if values["as_json"]:
-        click.echo(json.dumps(found.as_json(), indent=2, ensure_ascii=False))
-    elif target != "-":
+        print_json(found.as_json())
+    elif output != "-":
         wide = shutil.get_terminal_size().columns if sys.stdout.isatty() else 120
         click.echo(plain(text(found, width=wide)))
-    if target is not None:
-        pictures.print_result(report, target, values)
+    if output is not None:
+        output_file.print_result(report, output, values)
 
 
 def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import click
 
-from rigtri.errors import UsageError
+from rigtri.report import Report
 
+from . import output_file
 from .options import (
     json_option,
     output_option,
@@ -19,7 +18,7 @@ from .options import (
     source_argument,
 )
 from .parameters import read_options
-from .printing import print_warnings
+from .printing import print_json
 
 
 @click.command("export-blender")
@@ -34,7 +33,7 @@ from .printing import print_warnings
 @reading_options
 @quiet_option
 @json_option
-def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: bool, **values: Any) -> None:
+def command(source: str, output: str, **values: Any) -> None:
     """Write a script that sets controls, IK and constraints up in Blender.
 
     Import IN in Blender and run the script there (Text Editor, Run Script), or let the script import
@@ -47,32 +46,15 @@ def command(source: str, target: str, overwrite: bool, quiet: bool, as_json: boo
         rigtri export-blender rigged.glb -o setup.py
     """
     from rigtri.export.blender.export import setup_for
-    from rigtri.files.staged_output import write_text
-    from rigtri.report import Report
 
-    path = Path(target)
-    if target == "-" and as_json:
-        raise UsageError("--json and -o - are both for standard output: give -o a file")
-    if target != "-" and path.exists() and not overwrite:
-        raise UsageError(f"{target} exists; it is replaced only with --overwrite")
     report = Report()
+    output_file.check_place(output, [source], values)
     made = setup_for(source, read_options(values), report)
-    if not quiet:
-        print_warnings(report.warnings)
-    if target == "-":
-        click.echo(made.script, nl=False)
-        return
-    write_text(path, made.script)
-    result = {
-        "file": source,
-        "script": target,
-        "nodes": len(made.plan["nodes"]),
-        "constraints": len(made.plan["constraints"]),
-        "limbs": len(made.plan["limbs"]),
-        "warnings": [notice.as_json() for notice in report.warnings],
-    }
-    if as_json:
-        click.echo(json.dumps(result, indent=2, ensure_ascii=False))
-    elif not quiet:
-        click.echo(f"{result['constraints']} constraints, {result['limbs']} limbs with IK", err=True)
-        click.echo(f"Wrote {target}", err=True)
+    output_file.write_output(made.script.encode("utf-8", "backslashreplace"), output)
+    counts = {name: len(made.plan[name]) for name in ("nodes", "constraints", "limbs")}
+    if values["as_json"]:
+        warnings = [notice.as_json() for notice in report.warnings]
+        print_json({"file": source, "script": output} | counts | {"warnings": warnings})
+    elif output != "-" and not values["quiet"]:
+        click.echo(f"{counts['constraints']} constraints, {counts['limbs']} limbs with IK", err=True)
+    output_file.print_result(report, output, values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import shutil
 import sys
@@ -12,7 +11,7 @@ import click
 
 from .options import json_option, no_warnings_option, reading_options, source_argument
 from .parameters import read_options
-from .printing import print_warnings, warn_unused_root
+from .printing import print_json, print_warnings, warn_unused_root
 from .text import colored, plain
 
 _COLORS = {"x": "red", "y": "green", "z": "blue"}
@@ -45,7 +44,7 @@ def command(source: str, **values: Any) -> None:
         if values["as_json"]:
             warnings = [notice.as_json() for notice in document.warnings]
             found = {"file": source} | as_json(rig) | {"warnings": warnings}
-            click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+            print_json(found)
             return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
         _print(plain(describe(rig, width=width)))

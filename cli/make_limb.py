@@ -13,22 +13,20 @@ Examples:
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
 from rigtri.operations.options.make_limb import MakeLimbOptions
+from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
 from .options import needed_output, output_option
 from .parameters import given_options, refuse_given
 from .values import Number
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 # Options that take all words up to the next option.
 _LISTS = ("--locators", "--points", "--names")
@@ -76,11 +74,11 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
     """An empty file in the format of OUT."""
     from rigtri.formats import GLTF_SUFFIXES, write_blank
 
-    if values["target"] in (None, "-"):
+    if values["output"] in (None, "-"):
         raise UsageError("-o: a new file needs a name, whose suffix says its format")
     if values["locators"]:
         raise UsageError("--locators are nodes of a file: give IN, or --points")
-    target = Path(values["target"])
+    target = Path(values["output"])
     path = folder / target.name
     if target.suffix.lower() in GLTF_SUFFIXES:
         given = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
@@ -124,7 +122,7 @@ command = command_of(
     _run,
     more=_MORE,
     source=click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True)),
-    target=output_option(
+    output=output_option(
         "The file to write, in the format of IN, or a new file; - for standard output. Required unless "
         "--dry-run with IN.",
         callback=needed_output,

@@ -14,25 +14,23 @@ Examples:
 
 from __future__ import annotations
 
-import json
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rigtri.errors import UsageError
 from rigtri.operations.declaration.option import made
 from rigtri.operations.options.mirror import MirrorOptions
+from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
 from .options import allow_rename_option, optional_target_option
 from .parameters import given, given_options, read_options
+from .printing import print_json
 from .text import counted, plain
 from .values import Number
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 MOST = 20
 
@@ -41,7 +39,7 @@ def _run(ctx: click.Context, values: dict[str, Any]) -> None:
     if values["check"]:
         _check(values, made(MirrorOptions, values, given(ctx)))
         return
-    if values["target"] is None and not values["dry_run"]:
+    if values["output"] is None and not values["dry_run"]:
         raise UsageError("give the file to write with -o OUT, or --check to write none")
     run_edit("mirror", values, step_of("mirror", MirrorOptions, values), given_options(ctx), summary)
 
@@ -51,7 +49,7 @@ def _check(values: dict[str, Any], options: MirrorOptions) -> None:
     from rigtri.formats import read
     from rigtri.operations.mirror.symmetry_check import asymmetry
 
-    if values["target"] is not None:
+    if values["output"] is not None:
         raise UsageError("--check writes nothing; leave -o out")
     with opened(values["source"]) as path:
         found = asymmetry(read(path, read_options(values)).rig, options=options)
@@ -70,7 +68,7 @@ def _check(values: dict[str, Any], options: MirrorOptions) -> None:
             "without_twin": list(found.alone),
             "pairs": len(found.pairs),
         }
-        click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+        print_json(document)
     elif not values["quiet"]:
         shown = worse if values["verbose"] else worse[:MOST]
         for pair in shown:
@@ -121,4 +119,4 @@ _MORE = [
     ),
     allow_rename_option,
 ]
-command = command_of("mirror", MirrorOptions, __doc__, _run, more=_MORE, target=optional_target_option)
+command = command_of("mirror", MirrorOptions, __doc__, _run, more=_MORE, output=optional_target_option)

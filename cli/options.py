@@ -30,7 +30,7 @@ source_argument = click.argument("source", metavar="IN", type=click.Path(allow_d
 def output_option(words: str, metavar: str = "OUT", **more: Any) -> Callable[[F], F]:
     """-o OUT: the file that a command writes; ``more`` as click.option takes it."""
     more = {"type": click.Path(allow_dash=True)} | more
-    return click.option("-o", "--output", "target", metavar=metavar, help=words, **more)
+    return click.option("-o", "--output", "output", metavar=metavar, help=words, **more)
 
 
 def needed_output(ctx: click.Context, param: click.Parameter, value: Any) -> Any:

@@ -15,18 +15,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.report import Report
 
 from .edit_command import edit_command
 from .options import allow_rename_option
 from .text import counted
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 _STYLED = ("aim", "up", "up_from")
 

@@ -20,7 +20,7 @@ def given(ctx: click.Context) -> list[str]:
 
 def given_options(ctx: click.Context) -> dict[str, Any]:
     """The options that the user gave, for the report."""
-    quiet = ("source", "target", "as_json", "quiet", "verbose", "report_path")
+    quiet = ("source", "output", "as_json", "quiet", "verbose", "report_path")
     return {name: ctx.params[name] for name in given(ctx) if name not in quiet}
 
 
@@ -32,9 +32,9 @@ def refuse_given(options: dict[str, str], why: str) -> None:
             raise UsageError(f"{flag} {why}")
 
 
-def check_streams(before: str, after: str) -> None:
-    """UsageError where both files are to come from standard input."""
-    if before == after == "-":
+def check_streams(*sources: str) -> None:
+    """UsageError where two files are to come from standard input."""
+    if sources.count("-") > 1:
         raise UsageError("standard input is one file; give - for one of the two and a name for the other")
 
 
@@ -58,10 +58,7 @@ def read_options(values: dict[str, Any]) -> ReadOptions:
     )
 
 
-def with_target(values: dict[str, Any]) -> dict[str, Any]:
-    """A command's values; of a run that writes nothing, and needs no OUT for that, with IN in its place.
-
-    out: OUT as it was given, None where it was not.
-    """
-    out = values["target"]
-    return values | {"out": out, "unnamed": out is None, "target": values["source"] if out is None else out}
+def destination(values: dict[str, Any]) -> str:
+    """OUT; of a run that writes nothing, and needs no OUT for that, IN."""
+    output = values["output"]
+    return str(values["source"] if output is None else output)

@@ -13,24 +13,21 @@ Examples:
 
 from __future__ import annotations
 
-import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rigtri.errors import UsageError
 from rigtri.operations.declaration.option import made
 from rigtri.operations.options.pose import PoseOptions
+from rigtri.report import Report
 
 from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
 from .options import edit_options, output_option, output_options, reading_options, source_argument
 from .parameters import given, given_options, read_options
-from .printing import print_warnings
+from .printing import print_json, print_warnings
 from .text import plain
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 @click.command("pose", help=__doc__)
@@ -44,7 +41,7 @@ if TYPE_CHECKING:
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
-    if values["target"] is None:
+    if values["output"] is None:
         _print(values, made(PoseOptions, values, given(ctx)))
         return
     copy_ahead(ctx, values)
@@ -63,7 +60,6 @@ def _print(values: dict[str, Any], options: Any) -> None:
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.operations.pose import table
-    from rigtri.report import Report
 
     for word in ("report_path", "sidecar", "dry_run", "overwrite"):
         if values[word]:
@@ -78,7 +74,7 @@ def _print(values: dict[str, Any], options: Any) -> None:
         report.refuse_warnings()
     if values["as_json"]:
         found["warnings"] = [notice.as_json() for notice in report.warnings]
-        click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+        print_json(found)
         return
     rows: list[tuple[str, ...]] = [("joint", "translation", "rotation x y z w", "scale", "in the world")]
     rows += [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,11 @@ if TYPE_CHECKING:
 
 # Warnings of one kind that are shown without -v.
 MOST_ALIKE = 4
+
+
+def print_json(document: object) -> None:
+    """A result for machines, on standard output."""
+    click.echo(json.dumps(document, indent=2, ensure_ascii=False))
 
 
 def print_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
@@ -48,8 +54,8 @@ def print_joints(report: Report) -> None:
 
 
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
-    target = values["target"]
-    where = "standard output" if target == "-" else target
+    output = values["output"]
+    where = "standard output" if output == "-" else output
     if outcome.verification is None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
     else:
@@ -58,7 +64,7 @@ def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo(plain(outcome.verification.summary(values["tolerance"]) + more, one_line=True), err=True)
     if values.get("explain"):
         click.echo("Nothing was written (--explain).", err=True)
-    elif values["unnamed"]:
+    elif output is None:
         click.echo("No OUT was written (--dry-run).", err=True)
     elif values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import sys
 from pathlib import Path
@@ -12,7 +11,7 @@ import click
 
 from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
 from .parameters import read_options
-from .printing import print_warnings, warn_unused_root
+from .printing import print_json, print_warnings, warn_unused_root
 from .text import plain
 
 
@@ -49,7 +48,7 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
         if values["as_json"]:
             warnings = [notice.as_json() for notice in document.warnings]
             found = {"file": source} | as_json(document.rig, layout) | {"warnings": warnings}
-            click.echo(json.dumps(found, indent=2, ensure_ascii=False))
+            print_json(found)
             return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
         click.echo(plain(text(document.rig, layout, joints=joints, width=width)))

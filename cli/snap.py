@@ -12,14 +12,10 @@ Examples:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rigtri.operations.options.snap import SnapOptions
+from rigtri.report import Report
 
 from .edit_command import edit_command
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 def summary(report: Report) -> str:

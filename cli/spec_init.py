@@ -10,6 +10,7 @@ import click
 
 from rigtri.errors import UsageError
 
+from . import output_file
 from .options import json_option, output_option, overwrite_option, reading_options, source_argument
 from .parameters import read_options
 from .text import plain
@@ -27,7 +28,7 @@ from .text import plain
 @overwrite_option("FILE.yaml")
 @reading_options
 @json_option
-def command(source: str, target: str, overwrite: bool, as_json: bool, **values: Any) -> None:
+def command(source: str, output: str, **values: Any) -> None:
     """Write a rig spec to start from: steps for the joints that a character has.
 
     Limbs that rigtri recognises get twist joints, controls and pole vectors; all joints stand in
@@ -39,23 +40,22 @@ def command(source: str, target: str, overwrite: bool, as_json: bool, **values: 
         rigtri spec-init hero.glb -o rig.yaml
         rigtri build hero.glb --spec rig.yaml -o out.glb
     """
-    from rigtri.files.staged_output import write_text
     from rigtri.pipeline.rigspec.load import need_extra
     from rigtri.pipeline.rigspec.spec_init import plain_values, spec_init
 
     need_extra()
-    path = Path(target)
-    if target != "-" and path.suffix.lower() not in (".yaml", ".yml", ".json"):
-        raise UsageError(f"{target}: the spec is YAML or JSON; give it the suffix .yaml or .json")
-    if target != "-" and path.exists() and not overwrite:
-        raise UsageError(f"{target} exists; it is replaced only with --overwrite")
+    suffix = Path(output).suffix.lower()
+    if output != "-" and suffix not in (".yaml", ".yml", ".json"):
+        raise UsageError(f"{output}: the spec is YAML or JSON; give it the suffix .yaml or .json")
+    # With --json standard output has the spec, too: in JSON, and once.
+    output_file.check_place(output, [source], values | {"as_json": False})
     text = spec_init(source, options=read_options(values))
     in_json = json.dumps(plain_values(text), indent=2, ensure_ascii=False)
-    if as_json:
+    if values["as_json"]:
         click.echo(in_json)
-    elif target == "-":
+    elif output == "-":
         click.echo(plain(text), nl=False)
-    if target == "-":
-        return
-    write_text(path, in_json + "\n" if path.suffix.lower() == ".json" else text)
-    click.echo(f"Wrote {target}", err=True)
+    if output != "-":
+        content = in_json + "\n" if suffix == ".json" else text
+        output_file.write_output(content.encode("utf-8", "backslashreplace"), output)
+        click.echo(f"Wrote {output}", err=True)

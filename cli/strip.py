@@ -9,14 +9,10 @@ Example:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rigtri.operations.options.strip import StripOptions
+from rigtri.report import Report
 
 from .edit_command import edit_command
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 def summary(report: Report) -> str:

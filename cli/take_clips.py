@@ -14,20 +14,18 @@ Examples:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rigtri.operations.options.take_clips import TakeClipsOptions
+from rigtri.report import Report
 
 from .edit_command import declared_options, step_of
 from .editing import run_edit
 from .options import edit_options, extend_help, output_options, reading_options, target_option
 from .parameters import check_streams, given_options
 from .text import grown
-
-if TYPE_CHECKING:
-    from rigtri.report import Report
 
 
 @extend_help(

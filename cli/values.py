@@ -74,30 +74,3 @@ class Bytes(ParamType):
                 f"{value} is not a valid amount of memory: use e.g. 500M or 2G, at least 1M", param, ctx
             )
         return int(size)
-
-
-def direction(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    """A direction: x,y,z or an axis name."""
-    if value is None:
-        return None
-    from rigtri.operations.declaration.option import direction
-
-    try:
-        return direction(value)
-    except ValueError as error:
-        raise click.BadParameter(str(error), ctx, param) from error
-
-
-def points(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
-    """Coordinates as three numbers; of many points each."""
-    if value is None or isinstance(value, tuple):
-        return None if value is None else tuple(_numbers(text, ctx, param) for text in value)
-    return _numbers(value, ctx, param)
-
-
-def _numbers(text: str, ctx: click.Context, param: click.Parameter) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise click.BadParameter(f"'{text}' is not a valid point: use x,y,z", ctx, param) from None
-    return x, y, z

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from rigtri.errors import DeviationError
 from . import failures
 from .options import output_options, reading_options, tolerance_option
 from .parameters import check_streams, read_options
-from .printing import warn_unused_root
+from .printing import print_json, warn_unused_root
 from .text import plain
 
 
@@ -47,7 +46,7 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         warn_unused_root(before, values["root"])
     if values["as_json"]:
         document = {"before": before, "after": after, "passes": passes, "tolerance": tolerance}
-        click.echo(json.dumps(document | result.as_json(), indent=2, ensure_ascii=False))
+        print_json(document | result.as_json())
         failures.answered(click.get_current_context())
     elif not values["quiet"]:
         click.echo(plain(result.describe(verbose=values["verbose"])))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from rigtri.errors import UsageError
+from rigtri.report import Report
 
-from . import pictures
+from . import output_file
 from .options import (
     json_option,
     output_option,
@@ -20,13 +19,13 @@ from .options import (
     reading_options,
     source_argument,
 )
-from .parameters import check_streams, read_options
+from .parameters import read_options
+from .printing import print_json
 from .text import plain
 from .values import Number
 
 if TYPE_CHECKING:
     from rigtri.export.viewer.page import Shown
-    from rigtri.report import Report
 
 
 @click.command("view")
@@ -61,7 +60,7 @@ if TYPE_CHECKING:
 @overwrite_option("the page")
 @quiet_option
 @json_option
-def command(source: str, target: str, **values: Any) -> None:
+def command(source: str, output: str, **values: Any) -> None:
     """Write a page that shows a character: skinned, textured, moving, with its rig.
 
     Joints with their axes, limb triangles with their projection, pole vectors and controls follow every
@@ -74,10 +73,13 @@ def command(source: str, target: str, **values: Any) -> None:
         rigtri view out.glb --against hero.glb -o out.html --clip walk
     """
     from rigtri.export.viewer.view import Begin, shown_page
-    from rigtri.report import Report
 
     sources = [source] if values["against"] is None else [source, values["against"]]
-    _check(sources, target, values)
+    if output != "-" and Path(output).suffix.lower() not in (".html", ".htm"):
+        raise UsageError(f"{output} is not a valid page name: use the suffix .html")
+    if output == "-" and values["opens"]:
+        raise UsageError("--open needs a page in a file; give OUT a name")
+    output_file.check_place(output, sources, values)
     report = Report()
     text, shown = shown_page(
         sources,
@@ -87,42 +89,19 @@ def command(source: str, target: str, **values: Any) -> None:
         report=report,
     )
     content = text.encode("utf-8", "backslashreplace")
-    _deliver(content, target)
+    output_file.write_output(content, output)
     if values["as_json"]:
-        click.echo(json.dumps(_as_json(shown, target, len(content), report), indent=2, ensure_ascii=False))
-    pictures.print_result(report, target, values)
-    if values["opens"] and click.launch(Path(target).resolve().as_uri()) != 0:
+        print_json(_as_json(shown, output, len(content), report))
+    output_file.print_result(report, output, values)
+    if values["opens"] and click.launch(Path(output).resolve().as_uri()) != 0:
         message = (
-            f"no browser could be started; install one (such as chromium), or open {plain(target)} elsewhere"
+            f"no browser could be started; install one (such as chromium), or open {plain(output)} elsewhere"
         )
         click.echo(f"warning: {message}", err=True)
 
 
-def _check(sources: list[str], target: str, values: dict[str, Any]) -> None:
-    """UsageError, before anything is read, for what cannot be written or contradicts itself."""
-    if len(sources) > 1:
-        check_streams(*sources)
-    if target == "-":
-        if values["opens"] or values["as_json"]:
-            raise UsageError("--open and --json need a page in a file; give OUT a name")
-    elif Path(target).suffix.lower() not in (".html", ".htm"):
-        raise UsageError(f"{target} is not a valid page name: use the suffix .html")
-    else:
-        pictures.check_place(target, sources, overwrite=values["overwrite"])
-
-
-def _deliver(text: bytes, target: str) -> None:
-    from rigtri.files.staged_output import write_bytes
-
-    if target == "-":
-        sys.stdout.buffer.write(text)
-        sys.stdout.buffer.flush()
-    else:
-        write_bytes(Path(target), text)
-
-
-def _as_json(shown: list[Shown], target: str, size: int, report: Report) -> dict[str, Any]:
+def _as_json(shown: list[Shown], output: str, size: int, report: Report) -> dict[str, Any]:
     """What was written, for machines."""
     sides = [{"file": one.name, "joints": sum(node["joint"] for node in one.facts["nodes"])} for one in shown]
     warnings = [notice.as_json() for notice in report.warnings]
-    return {"page": target, "bytes": size, "sides": sides, "warnings": warnings}
+    return {"page": output, "bytes": size, "sides": sides, "warnings": warnings}

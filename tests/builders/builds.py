@@ -120,7 +120,7 @@ def _posereader(rig: Rig, report: Report) -> Rig:
     control = next((k for k, note in rig.metadata.items() if note.get("type") == "control"), None)
     values = (("ahead", rig.address(control), "bend"),) if control is not None else ()
     wanted = posereader.AddPosereaderOptions(
-        driver=rig.address(driver), target_=goals, morph=morphs, attribute=values, name="reader"
+        driver=rig.address(driver), target=goals, morph=morphs, attribute=values, name="reader"
     )
     return posereader.add_posereader(rig, options=wanted, report=report)
 

@@ -239,7 +239,7 @@ def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(samples: Path, t
         (("--clip", "nod"), 4, "No clip is named 'nod'"),
         (("--clip", "walk", "--pose", "walk@1"), 2, "give --clip or --pose, not both"),
         (("--limit", "0.001"), 2, "Allow it with --limit"),
-        (("-o", "-", "--open"), 2, "--open and --json need a page in a file"),
+        (("-o", "-", "--open"), 2, "--open needs a page in a file"),
         (("-o", "page.glb"), 2, "is not a valid page name: use the suffix .html"),
         (("--against", "nobody.glb"), 3, "There is no file nobody.glb"),
     ],

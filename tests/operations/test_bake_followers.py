@@ -43,7 +43,7 @@ def source_of(kind: str, folder: Path) -> tuple[Path, str, str]:
 def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
     rig = add_controls(rig, options=AddControlsOptions(joints=(joint,)), report=report)
     reader = AddPosereaderOptions(
-        driver=joint, axis=(0, 1, 0), target_=(SIDE,), morph=(("side", mesh, "bulge"),), name="reader"
+        driver=joint, axis=(0, 1, 0), target=(SIDE,), morph=(("side", mesh, "bulge"),), name="reader"
     )
     rig = add_posereader(rig, options=reader, report=report)
     return add_rivet(rig, options=AddRivetOptions(mesh=mesh, triangle=(0,), name=("button",)), report=report)

@@ -36,7 +36,7 @@ def built(rig: Rig, report: Report) -> Rig:
     """Controls with the clips' motion, twist joints in all limbs, and a reader of a lower arm."""
     rig = add_twist(rig, options=AddTwistOptions(limbs="auto"), report=report)
     rig = add_controls(rig, options=WHOLE, report=report)
-    reader = AddPosereaderOptions("forearm_L", target_=(Goal("up", direction=(0, 1, 0)),), name="reader")
+    reader = AddPosereaderOptions("forearm_L", target=(Goal("up", direction=(0, 1, 0)),), name="reader")
     rig = add_posereader(rig, options=reader, report=report)
     return bake(rig, options=BakeOptions(to="controls"), report=report)
 

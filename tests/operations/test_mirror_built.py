@@ -62,7 +62,7 @@ def left(rig: Rig, report: Report | None = None) -> Rig:
         driver="forearm_L",
         frame="upper_arm_L",
         axis=(1, 0, 0),
-        target_=(Goal("up", direction=(x, y, z)),),
+        target=(Goal("up", direction=(x, y, z)),),
         attribute=(("up", "hand_L_ctl", "fist"),),
         name="bent_L",
     )
@@ -219,7 +219,7 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
         for name, target in (("bend", (0, 1, 0)), ("tw", (1, 0, 0)), ("bend_L", (0, 0, 1)), ("", (1, 1, 0))):
             goal = Goal("up", direction=target)
             rig = add_posereader(
-                rig, options=AddPosereaderOptions(driver="forearm_L", target_=(goal,), name=name)
+                rig, options=AddPosereaderOptions(driver="forearm_L", target=(goal,), name=name)
             )
         return rig
 
@@ -248,7 +248,7 @@ def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path:
 def test_a_reader_alone_on_one_side_is_named_by_check(samples: Path) -> None:
     goal = Goal("up", direction=(0, 1, 0))
     rig = read(samples / "biped.glb").rig
-    rig = add_posereader(rig, options=AddPosereaderOptions(driver="forearm_L", target_=(goal,), name="bend"))
+    rig = add_posereader(rig, options=AddPosereaderOptions(driver="forearm_L", target=(goal,), name="bend"))
     assert any("bend" in text for text in asymmetry(rig).alone)
 
 

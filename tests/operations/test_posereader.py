@@ -39,7 +39,7 @@ X, Y, Z = np.eye(3)
 UP = Goal("up", direction=(0, 1, 0))
 SIDE = Goal("side", direction=(-1, 0, 0))
 BULGE = AddPosereaderOptions(
-    driver="lower", axis=(0, 1, 0), target_=(SIDE,), morph=(("side", "Skin", "bulge"),), name="reader"
+    driver="lower", axis=(0, 1, 0), target=(SIDE,), morph=(("side", "Skin", "bulge"),), name="reader"
 )
 
 
@@ -269,7 +269,7 @@ def test_a_blend_shape_of_two_meshes_is_driven_in_both_or_not_at_all(tmp_path: P
 @pytest.mark.parametrize("kind", ["glb", "usda"])
 def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_path: Path) -> None:
     source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
-    options = replace(for_kind(kind), target_=(UP, SIDE), morph=())
+    options = replace(for_kind(kind), target=(UP, SIDE), morph=())
     outcome = driven(source, target, options)
     assert outcome.verification is not None
     assert outcome.verification.passes()
@@ -306,7 +306,7 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     for kind in ("dot", "cone", "rbf"):
         goals = (Goal("half", pose="bend@0.5"), Goal("start", pose="rest"))
         out = add_posereader(
-            rig, options=AddPosereaderOptions(driver="lower", axis=(0, 1, 0), reader=kind, target_=goals)
+            rig, options=AddPosereaderOptions(driver="lower", axis=(0, 1, 0), reader=kind, target=goals)
         )  # type: ignore[arg-type]
         node = out.find("lower_reader_half")
         (track,) = (t for t in out.clips[0].tracks if t.node == node)
@@ -318,21 +318,21 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     [
         ({"driver": ""}, UsageError, "--driver"),
         ({"driver": "lowre"}, NameNotFoundError, "Did you mean 'lower'"),
-        ({"target_": ()}, UsageError, "--target"),
-        ({"target_": (Goal("side", direction=(0, 0, 0)),)}, UsageError, "other than 0,0,0"),
-        ({"target_": (Goal("side", pose="bend@then"),)}, UsageError, "CLIP@TIME"),
-        ({"target_": (Goal("side", pose="walk@1"),)}, NameNotFoundError, "walk"),
-        ({"target_": (SIDE, SIDE)}, UsageError, "name of its own"),
+        ({"target": ()}, UsageError, "--target"),
+        ({"target": (Goal("side", direction=(0, 0, 0)),)}, UsageError, "other than 0,0,0"),
+        ({"target": (Goal("side", pose="bend@then"),)}, UsageError, "CLIP@TIME"),
+        ({"target": (Goal("side", pose="walk@1"),)}, NameNotFoundError, "walk"),
+        ({"target": (SIDE, SIDE)}, UsageError, "name of its own"),
         ({"morph": (("side", "Skim", "bulge"),)}, NameNotFoundError, "Did you mean 'Skin'"),
         ({"morph": (("side", "Skin", "bulg"),)}, NameNotFoundError, "Did you mean 'bulge'"),
         ({"morph": (("sid", "Skin", "bulge"),)}, UsageError, "there are side"),
         ({"attribute": (("side", "upper", "x"),)}, UsageError, "is no control"),
         ({"reader": "cone", "inner": 50.0, "outer": 40.0}, UsageError, "larger outer"),
-        ({"reader": "rbf", "target_": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
-        ({"target_": (Goal("side", node="lower"),)}, UsageError, "does not point at itself"),
+        ({"reader": "rbf", "target": (Goal("side", node="upper"),)}, UsageError, "reads poses"),
+        ({"target": (Goal("side", node="lower"),)}, UsageError, "does not point at itself"),
         ({"name": "upper"}, UsageError, "another node is called so"),
         (
-            {"reader": "rbf", "target_": (SIDE, Goal("same", pose="bend@1"))},
+            {"reader": "rbf", "target": (SIDE, Goal("same", pose="bend@1"))},
             GeometryError,
             "'side' and 'same' are one pose",
         ),
@@ -397,9 +397,7 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_reported(tmp_path: Path)
     for time, told in (("1", 0), ("500", 1)):
         report = Report()
         goal = Goal("side", pose=f"bend@{time}")
-        out = add_posereader(
-            rig, options=AddPosereaderOptions(driver="lower", target_=(goal,)), report=report
-        )
+        out = add_posereader(rig, options=AddPosereaderOptions(driver="lower", target=(goal,)), report=report)
         texts = [notice.text for notice in report.warnings if notice.code == "pose-clamped"]
         assert len(texts) == told
         assert all("runs from 0 to 1: its pose is that at 1" in text for text in texts)
@@ -415,7 +413,7 @@ def test_a_reader_gives_the_same_for_a_pose_after_its_joints_were_reoriented(
 ) -> None:
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)), Goal(name="b", pose="walk@0.5"))
     mode = {"mode": "both"} if kind == "rbf" else {}
-    options = AddPosereaderOptions(driver="forearm_R", target_=goals, reader=kind, name="e", **mode)  # type: ignore[arg-type]
+    options = AddPosereaderOptions(driver="forearm_R", target=goals, reader=kind, name="e", **mode)  # type: ignore[arg-type]
     rig = add_posereader(read(samples / "biped.glb").rig, options=options)
     out = orient_joints(rig, options=OrientJointsOptions())
     found = []
@@ -436,7 +434,7 @@ def test_a_morph_target_that_another_reader_drives_is_reported(tmp_path: Path) -
     for name in ("one", "two"):
         options = AddPosereaderOptions(
             driver=rig.names[int(rig.skins[0].joints[-1])],
-            target_=(Goal(name="a", direction=(0.0, 1.0, 0.0)),),
+            target=(Goal(name="a", direction=(0.0, 1.0, 0.0)),),
             morph=(("a", rig.names[mesh.node], morph),),
             name=name,
         )
@@ -449,7 +447,7 @@ def test_a_reader_that_drives_a_morph_no_longer_gives_its_keys_back(tmp_path: Pa
     mesh = next(m for m in source.meshes if len(m.morphs))
     goals = (Goal(name="a", direction=(0.0, 1.0, 0.0)),)
     driving = AddPosereaderOptions(
-        driver="lower", target_=goals, name="r", morph=(("a", source.names[mesh.node], "bulge"),)
+        driver="lower", target=goals, name="r", morph=(("a", source.names[mesh.node], "bulge"),)
     )
     rig = add_posereader(source, options=driving)
     rig = add_posereader(rig, options=replace(driving, morph=()))

@@ -50,9 +50,7 @@ def riveted(rig: Rig, report: Report) -> Rig:
 def read_by_pose(rig: Rig, report: Report) -> Rig:
     joint = "lower" if "lower" in rig.names else "b"
     goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
-    wanted = posereader.AddPosereaderOptions(
-        driver=joint, target_=(goal,), morph=(("side", "Skin", "other"),)
-    )
+    wanted = posereader.AddPosereaderOptions(driver=joint, target=(goal,), morph=(("side", "Skin", "other"),))
     return posereader.add_posereader(rig, options=wanted, report=report)
 
 

@@ -128,7 +128,7 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
     def step(rig: Rig, report: Report) -> Rig:
         wanted = posereader.AddPosereaderOptions(
             driver="lower" if kind == "glb" else "b",
-            target_=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
+            target=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
             morph=(("side", mesh, "bulge"),),
         )
         return posereader.add_posereader(rig, options=wanted, report=report)
@@ -191,7 +191,7 @@ def driven(rig: Rig, report: Report) -> Rig:
     wanted = posereader.AddPosereaderOptions(
         driver="b",
         axis=(0.0, 1.0, 0.0),
-        target_=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
+        target=(posereader.Goal("side", direction=(-1.0, 0.0, 0.0)),),
         morph=(("side", "/Root/Skin", "bulge"),),
     )
     return posereader.add_posereader(rig, options=wanted, report=report)
@@ -225,7 +225,7 @@ def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_pat
         for name, x in (("one", -1.0), ("two", 1.0)):
             goal = posereader.Goal("side", direction=(x, 0.0, 0.0))
             wanted = posereader.AddPosereaderOptions(
-                driver="lower", target_=(goal,), morph=(("side", "Skin", "bulge"),), name=name
+                driver="lower", target=(goal,), morph=(("side", "Skin", "bulge"),), name=name
             )
             rig = posereader.add_posereader(rig, options=wanted, report=report)
         return rig

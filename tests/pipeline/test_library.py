@@ -171,7 +171,7 @@ def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(tmp_pa
     arm().glb(source)
     target = {"name": "side", "direction": (-1, 0, 0)}
     rig = rigtri.add_posereader(
-        rigtri.read(source), driver="lower", axis="y", target_=[target], morph=[("side", "Skin", "bulge")]
+        rigtri.read(source), driver="lower", axis="y", target=[target], morph=[("side", "Skin", "bulge")]
     )
     outcome = rigtri.write(rig, tmp_path / "out.glb")
     assert outcome.report.morph_changes
@@ -315,7 +315,7 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("add_polevector", {"bend": [("a", "x")]}, UsageError, "give a mapping"),
         ("add_polevector", {"limbs": "auto", "bend": {"a": "b"}}, UsageError, "no direction"),
         ("take_pose", {"at": "run@1"}, NameNotFoundError, "'run'"),
-        ("add_posereader", {"driver": "head", "target_": [1]}, UsageError, "give a text"),
+        ("add_posereader", {"driver": "head", "target": [1]}, UsageError, "give a text"),
         ("orient_joints", {"like": "other.glb"}, UsageError, "give a rig"),
     ],
 )

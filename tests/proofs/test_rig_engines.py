@@ -62,7 +62,7 @@ def everything(rig: Rig, report: Report) -> Rig:
     )
     goals = (Goal("up", direction=(0.0, 1.0, 0.0)), Goal("down", direction=(0.0, -1.0, 0.0)))
     return add_posereader(
-        rig, options=AddPosereaderOptions("upper_arm_L", target_=goals, name="raised"), report=report
+        rig, options=AddPosereaderOptions("upper_arm_L", target=goals, name="raised"), report=report
     )
 
 

@@ -59,7 +59,7 @@ def options_of(note: Mapping[str, Any]) -> AddPosereaderOptions:
         axis=(x, y, z),
         frame=note["frame"] or "world",
         reader=reader,
-        target_=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
+        target=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
         morph=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
         attribute=tuple(
             (str(o["target"]), str(o["control"]), str(o["attribute"])) for o in outputs if "morph" not in o

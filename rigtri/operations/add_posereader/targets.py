@@ -32,7 +32,7 @@ def named_goals(rig: Rig, options: AddPosereaderOptions) -> tuple[Goal, ...]:
     Raises UsageError for names that are not unique, outputs of targets that there are not, and targets that
     the reader cannot have.
     """
-    read = [_goal(rig, one) if isinstance(one, str) else one for one in options.target_]
+    read = [_goal(rig, one) if isinstance(one, str) else one for one in options.target]
     goals = tuple(replace(goal, name=goal.name or f"target{k + 1}") for k, goal in enumerate(read))
     known = [goal.name for goal in goals]
     if len(set(known)) < len(known):

@@ -74,7 +74,7 @@ def _twin_options(
         driver=rig.address(there),
         axis=(x, y, z),
         frame=rig.address(frames[1]) if frames[1] >= 0 else "world",
-        target_=goals,
+        target=goals,
         morph=morphs,
         attribute=attributes,
         name=name,

@@ -50,15 +50,14 @@ Attributes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET 
 class AddPosereaderOptions:
     """Let morph targets or values follow a joint's pose, baked to keys of every clip.
 
-    target_: the target poses, in Python also a `Goal` each, or a mapping with its fields; ``target`` is what
-    commands write. morph: (target, mesh, morph target); a target may drive several. attribute: (target,
-    control, attribute).
+    target: the target poses, in Python also a `Goal` each, or a mapping with its fields. morph: (target,
+    mesh, morph target); a target may drive several. attribute: (target, control, attribute).
     """
 
     driver: Node = option(metavar="JOINT", help="The joint whose pose is read.")
     axis: Direction = option((1.0, 0.0, 0.0), help="The axis of the driver whose direction is read. [x]")
     frame: str = option("", metavar="NODE|world", help="The space in which the driver is read. [its parent]")
-    target_: Goals = option(
+    target: Goals = option(
         (),
         help="The target pose: a direction of the world at rest, a pose, or a node to point at. "
         "Repeatable; without a name they are target1, target2 and so on.",
@@ -91,7 +90,7 @@ class AddPosereaderOptions:
                 refuse(given, names, f"is for --reader {kind}")
         if not self.driver:
             raise UsageError("name the joint to read: --driver JOINT")
-        if not self.target_:
+        if not self.target:
             raise UsageError("give its target poses: --target X,Y,Z, CLIP@TIME, rest or a node")
         if not 0 <= self.inner < self.outer <= 180:
             raise UsageError(

@@ -38,7 +38,7 @@ def _strip(rig: Rig, report: Report) -> Rig:
 def _reader(rig: Rig, report: Report) -> Rig:
     goal = posereader.Goal("side", direction=(-0.3, 0.8, 0.1))
     wanted = posereader.AddPosereaderOptions(
-        driver="lower", target_=(goal,), morph=(("side", "Skin", "bulge"),)
+        driver="lower", target=(goal,), morph=(("side", "Skin", "bulge"),)
     )
     return posereader.add_posereader(rig, options=wanted, report=report)
 

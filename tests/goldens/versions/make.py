@@ -28,7 +28,7 @@ def main() -> None:
             rig = STEPS[name](rig, report)
         goals = (Goal("down", direction=(0.0, -1.0, 0.0)),)  # drives nothing, so that it has a node
         rig = add_posereader(
-            rig, options=AddPosereaderOptions(driver="head", target_=goals, name="plain"), report=report
+            rig, options=AddPosereaderOptions(driver="head", target=goals, name="plain"), report=report
         )
         # As orient-joints marks a joint whose up direction nothing tells; this figure has none such.
         return noted(rig, rig.find("head"), {"v": 1, "type": "frame", "up": "world", "invented": True})

@@ -1,0 +1,95 @@
+"""What commands share that write one file beside IN: a picture, a page, a script or a spec."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.errors import UsageError
+from rigtri.report import Report
+
+from .parameters import check_streams
+from .printing import print_warnings
+from .text import plain
+
+view_option = click.option(
+    "--view",
+    metavar="front|back|side|top|three-quarter|X,Y,Z",
+    help="View direction; front looks at the character's face, side at its left. [three-quarter]",
+)
+
+
+def size(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[int, int] | None:
+    """WIDTHxHEIGHT in pixels."""
+    if value is None:
+        return None
+    wide, mark, high = value.lower().partition("x")
+    if not (mark and wide.isdecimal() and high.isdecimal() and len(value) <= 20):
+        raise click.BadParameter(
+            f"'{value}' is not a valid size: use WIDTHxHEIGHT in pixels, e.g. 1200x900", ctx, param
+        )
+    return int(wide), int(high)
+
+
+def check_place(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
+    """UsageError, before anything is read, where a file that is there, or is shown, would be lost."""
+    from rigtri.files.atomic_write import same_file
+    from rigtri.files.staged_output import destination
+
+    check_streams(*sources)
+    if output == "-":
+        if values["as_json"]:
+            raise UsageError("--json and -o - both use standard output; give OUT a name")
+        return
+    path = Path(output)
+    for source in sources:
+        if source != "-" and same_file(path, Path(source)):
+            raise UsageError(f"{path} is an input and would be overwritten. Give another name")
+    if destination(path).exists() and not values["overwrite"]:
+        raise UsageError(f"{path} exists; it is replaced only with --overwrite")
+
+
+def check_picture(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
+    """As `check_place`, also for a picture of another format."""
+    suffix = Path(output).suffix.lower()
+    if output != "-" and suffix not in (".svg", ".png"):
+        raise UsageError(f"{output} is not a valid picture name: use the suffix .svg or .png")
+    check_place(output, sources, values)
+    if suffix == ".png":
+        from rigtri.export.drawing.png import check_installed
+
+        check_installed()
+
+
+def write_output(content: bytes, output: str) -> None:
+    """Write a file, or to standard output."""
+    from rigtri.files.staged_output import write_bytes
+
+    if output == "-":
+        sys.stdout.buffer.write(content)
+        sys.stdout.buffer.flush()
+    else:
+        write_bytes(Path(output), content)
+
+
+def write_picture(svg: str, output: str, report: Report) -> None:
+    """Write a picture in the format that its name says, or SVG to standard output."""
+    if Path(output).suffix.lower() == ".png":
+        from rigtri.export.drawing.png import png
+
+        write_output(png(svg, report), output)
+    else:
+        write_output(svg.encode("utf-8"), output)
+
+
+def print_result(report: Report, output: str, values: dict[str, Any]) -> None:
+    """The warnings, and where the file is."""
+    if values["quiet"]:
+        return
+    print_warnings(report.warnings, verbose=True)
+    if output != "-":
+        click.echo(f"Wrote {plain(output, one_line=True)}", err=True)
