@@ -65,7 +65,7 @@ def write_blank(path: Path, *, up: str = "Y", unit: float = 0.01) -> None:
     """
     suffix = path.suffix.lower()
     if suffix in (".glb", ".gltf"):
-        from rigtri.formats.gltf.blank import write_blank as write_gltf
+        from rigtri.formats.gltf.container import write_blank as write_gltf
 
         write_gltf(path)
     elif suffix in USD_SUFFIXES:

@@ -21,7 +21,7 @@ from gltf_files import Builder, character, glb_json, small
 
 from rigtri.errors import FileError
 from rigtri.formats import read
-from rigtri.formats.gltf import mesh_reader, mmap, writer
+from rigtri.formats.gltf import document, mesh_reader, mmap
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
@@ -69,7 +69,7 @@ def all_mapped(monkeypatch: pytest.MonkeyPatch) -> None:
     """Treat files of any size as large."""
     monkeypatch.setattr(mmap, "MAP_FROM", 1)
     monkeypatch.setattr(mmap, "WORTHWHILE", 1)
-    monkeypatch.setattr(writer, "BUFFERING", 16)  # what is smaller is written in one go
+    monkeypatch.setattr(document, "BUFFERING", 16)  # what is smaller is written in one go
 
 
 def refuse(number: int) -> Any:

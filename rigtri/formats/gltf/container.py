@@ -5,6 +5,7 @@ Source: glTF 2.0 §4 (GLB file format).
 
 from __future__ import annotations
 
+import json
 import re
 import struct
 from collections.abc import Iterable, Mapping
@@ -111,6 +112,15 @@ def glb(text: bytes, binary: bytes | None) -> bytes:
     chunks += [] if binary is None else [(BIN_CHUNK, binary + bytes(-len(binary) % 4))]
     body = b"".join(CHUNK.pack(len(content), kind) + content for kind, content in chunks)
     return HEADER.pack(MAGIC, 2, HEADER.size + len(body)) + body
+
+
+def write_blank(path: Path) -> None:
+    """Write a .glb or .gltf with one empty scene, to build a rig in."""
+    gltf = {"asset": {"version": "2.0", "generator": "rigtri"}, "scene": 0, "scenes": [{"name": "Scene"}]}
+    if path.suffix.lower() == ".gltf":
+        path.write_bytes(json.dumps(gltf, indent=2).encode() + b"\n")
+    else:
+        path.write_bytes(glb(json.dumps(gltf).encode(), None))
 
 
 def open_container(path: Path, *, lenient: bool = False, content: bytes | None = None) -> Container:

@@ -14,21 +14,28 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
+from rigtri.files.atomic_write import fsync_while_writing, same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
+from rigtri.formats.gltf import mmap
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.animation_reader import ClipReader, animated_nodes
+from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
+from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.buffers import Buffers
-from rigtri.formats.gltf.container import Container, open_container
-from rigtri.formats.gltf.control_shape_reader import read_lines
+from rigtri.formats.gltf.container import Container, Piece, open_container
+from rigtri.formats.gltf.control_shapes import read_lines, write_shapes
 from rigtri.formats.gltf.embed import embedded
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.materials import Materials
-from rigtri.formats.gltf.mesh_cache import Drawn
-from rigtri.formats.gltf.mesh_reader import MeshReader
-from rigtri.formats.gltf.mmap import load
+from rigtri.formats.gltf.mesh_reader import Drawn, MeshReader
+from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
-from rigtri.formats.gltf.resources import files
+from rigtri.formats.gltf.node_writer import NodeWriter
+from rigtri.formats.gltf.prune import prune
+from rigtri.formats.gltf.resources import accompany, files, missing, relink
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
+from rigtri.formats.gltf.skin_weight_writer import WeightWriter
 from rigtri.formats.gltf.structure import (
     check_extensions,
     check_lists,
@@ -37,7 +44,6 @@ from rigtri.formats.gltf.structure import (
     unknown_extension,
 )
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data
-from rigtri.formats.gltf.writer import write_file
 from rigtri.formats.json_values import Value
 from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm1 import read_bindings
@@ -53,6 +59,9 @@ from rigtri.report import Notice
 
 # What files of these suffixes have, by the specifications of VRM 0.0, VRM 1.0 and VRMA 1.0.
 _AVATARS = {".vrm": ("VRM", "VRMC_vrm"), ".vrma": ("VRMC_vrm_animation",)}
+
+# Large enough that thousands of small changed ranges cost few system calls.
+BUFFERING = 1 << 20
 
 
 class GltfDocument:
@@ -158,17 +167,58 @@ class GltfDocument:
         Raises UsageError where the suffix of ``target`` is not the kind of file that was
         read, FileError for what cannot be written.
         """
+        self._check_suffix(target)
+        container = self.container
+        draft = CopyOnWrite(container.gltf)
+        storage = Storage(draft, self.accessors, container)
+        moves = not same_file(target.parent, container.path.parent)
+        if moves and self.options.relink:
+            relink(draft, container.path, target)
+        if rig is not self._rig:
+            self._apply(rig, draft, storage)
+        binary, companions = storage.finish(target.stem)
+        if not draft.changed and binary is None:
+            _write(part, [container.source])
+        else:
+            _write(part, container.pieces(draft.gltf, binary))
+        if moves:
+            self._add_notices(missing(container.gltf, container.path))
+        if moves and not self.options.relink:
+            new = {companion.name for companion in companions}
+            copies = accompany(draft.gltf, container.path, target)
+            companions += [copy for copy in copies if copy.name not in new]
+        return companions
+
+    def _apply(self, rig: Rig, draft: CopyOnWrite, storage: Storage) -> None:
+        """Put what of ``rig`` differs into the JSON and the buffers."""
+        refuse_early(self._rig, rig)
+        nodes = NodeWriter(draft, self._rig, rig)
+        clips = ClipWriter(draft, storage, self.accessors, self._rig, rig, nodes.index, nodes.moved)
+        nodes.write()
+        write_shapes(draft, storage, rig, nodes.index)
+        weights = WeightWriter(draft, storage, self.accessors, str(self.container.path))
+        weights.write(rig)
+        self._add_notices(weights.notices)
+        try:
+            clips.write()
+        except OverflowError as error:
+            raise FileError(f"{self.container.path}: {error}; scale the file down") from None
+        if draft.changed or not storage.idle:
+            nodes.repair(self.rest.repaired)
+        if rig.pending.removed:
+            prune(draft, storage, {nodes.index[node] for node in rig.pending.removed})
+
+    def _add_notices(self, notices: Sequence[Notice]) -> None:
+        self.notices += [notice for notice in notices if notice not in self.notices]
+
+    def _check_suffix(self, target: Path) -> None:
+        """UsageError for a suffix of another format, or of an avatar where the file is none: viewers refuse it."""
         allowed = (".glb", ".vrm", ".vrma") if self.container.is_glb else (".gltf",)
         if target.suffix.lower() not in allowed:
             raise UsageError(
                 f"{target.name}: the output has the format of the input; give it the suffix "
                 f"{' or '.join(allowed)}"
             )
-        self._check_avatar(target)
-        return write_file(self, rig, part, target)
-
-    def _check_avatar(self, target: Path) -> None:
-        """UsageError for a suffix that promises an avatar where the file is none: viewers would refuse it."""
         source, suffix = self.container.path, target.suffix.lower()
         used, marks = self.container.gltf.get("extensions", {}), _AVATARS.get(suffix, ())
         if marks and suffix != source.suffix.lower() and not any(mark in used for mark in marks):
@@ -268,3 +318,19 @@ class GltfDocument:
 
 def _place(place: list[int], node: int) -> int:
     return place[node] if node >= 0 else -1
+
+
+def _write(part: Path, pieces: Sequence[Piece]) -> None:
+    try:
+        size = sum(map(len, pieces))
+        if size < BUFFERING:
+            part.write_bytes(b"".join(pieces))
+            return
+        with (
+            part.open("wb", buffering=BUFFERING) as file,
+            fsync_while_writing(file, large=size >= mmap.MAP_FROM),
+        ):
+            for piece in pieces:
+                pour(file, piece)
+    except OSError as error:
+        raise FileError(f"{part}: cannot be written: {error.strerror or error}") from None

@@ -129,12 +129,8 @@ class Spelling:
             inline=(numbers[1], numbers[2]) if numbers else None,
         )
 
-    def spell(self, value: Any) -> bytes:
-        """``value`` as UTF-8. ValueError for a number that JSON cannot hold."""
-        return encode(self.fragment(value) + self.end)
-
     def fragment(self, value: Any, depth: int = 0) -> str:
-        """``value`` as a part of a text, ``depth`` levels deep. ValueError as for `spell`."""
+        """``value`` as a part of a text, ``depth`` levels deep. ValueError for what JSON cannot hold."""
         if (type(value) is float and isfinite(value)) or type(value) is int:
             return repr(value)
         text = json.dumps(

@@ -332,6 +332,30 @@ class MeshReader:
         return np.array(Value(raw, f"{self._gltf.where} weights of nodes[{node}]").numbers(count))
 
 
+class Drawn:
+    """What a reader finds to be drawn with some skins, read once for all who measure it.
+
+    It holds the reader and what was read, and neither holds it: a ring would keep the file open.
+    """
+
+    def __init__(self, reader: MeshReader, skins: Sequence[Skin]) -> None:
+        self._reader, self._skins = reader, skins
+
+    def meshes(self) -> Sequence[Mesh]:
+        """Every primitive that can be read; the others are noticed."""
+        return self._meshes
+
+    @cached_property
+    def _meshes(self) -> Sequence[Mesh]:
+        return self._reader.read(self._skins)
+
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        """The same; where a file has very many points, some of them and boxes for its largest meshes."""
+        if not self._reader.crowd:
+            return self._meshes
+        return self._reader.outlines(self._skins, closely=closely)
+
+
 def _blocks(rows: int) -> list[tuple[int, int]]:
     return [(start, start + BLOCK) for start in range(0, rows, BLOCK)]
 

@@ -20,7 +20,6 @@ from rigtri.verification.checks.gltf import (
     references,
     skins,
     spring_bones,
-    vertices,
     vrm,
 )
 from rigtri.verification.checks.gltf.tolerant_reader import View
@@ -41,7 +40,7 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         animations.check(view)
         nodes.check_joints(view)
         meshes.check(view)
-        vertices.check(view)
+        meshes.check_vertices(view)
         json_types.check(view)
         vrm.check(view)
         spring_bones.check(view)

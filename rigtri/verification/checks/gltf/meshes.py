@@ -1,12 +1,13 @@
 """Meshes: what moves their points, and whether the nodes that show them fit.
 
-Source: glTF 2.0 §3.7.2.1 (attributes), §3.7.3.3 (skinned meshes).
+Source: glTF 2.0 §3.6.2.2 (NaN and infinities must not be present), §3.7.2 (attributes, morph targets),
+§3.7.3.3 (skinned meshes).
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.findings import listed
 from rigtri.verification.checks.gltf import skins
-from rigtri.verification.checks.gltf.tolerant_reader import View
+from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, View
 
 _SET = re.compile(r"(JOINTS|WEIGHTS)_(\d+)")
 _UNSIGNED = (5121, 5123)
@@ -246,3 +247,52 @@ def _note(view: View, rule: str, wrong: Any, primitive: Primitive, message: Call
     if len(found):
         more = f" ({len(found)} of {len(wrong)} points)"
         view.add(rule, primitive.place, primitive.pointer, message(int(found[0])) + more)
+
+
+# --- numbers of vertices that are none: NaN and Inf, which engines show as holes or not at all
+
+
+def check_vertices(view: View) -> None:
+    """The float attributes and morph targets of all primitives."""
+    known: dict[int, tuple[int, int, int]] = {}
+    for number, mesh in enumerate(view.lists["meshes"]):
+        place = title(view, number)
+        for k, raw in enumerate(view.objects(mesh, "primitives", place, f"/meshes/{number}")):
+            for index, name, where in _attributes(view, raw, place, f"/meshes/{number}/primitives/{k}"):
+                if index not in known:
+                    known[index] = _gaps(view, index)
+                first, gone, count = known[index]
+                if gone:
+                    text = f"vertex {first} is not a finite number ({gone} of {count} vertices)"
+                    view.add("gltf.mesh.vertex-nan", f"{place}, primitive {k}, {name}", where, text)
+
+
+def _attributes(view: View, raw: dict[str, Any], place: str, pointer: str) -> Iterator[tuple[int, str, str]]:
+    """Accessor, name and JSON pointer of all attributes of a primitive's vertices that are floats."""
+    own = view.object(raw, "attributes", place, pointer)
+    parts = [("", own, f"{pointer}/attributes")]
+    if DRACO in view.object(raw, "extensions", place, pointer):
+        parts = []  # `check` reports that they were not looked at
+    for number, target in enumerate(view.objects(raw, "targets", place, pointer)):
+        parts.append((f"morph target {number} ", target, f"{pointer}/targets/{number}"))
+    for prefix, attributes, where in parts:
+        for name, index in attributes.items():
+            # Weights with joints are judged together, point by point.
+            if name.startswith("WEIGHTS_") and name.replace("WEIGHTS", "JOINTS") in own:
+                continue
+            if type(index) is not int or not 0 <= index < len(view.accessors):
+                continue  # `references` reports it
+            accessor = view.raw_accessor(index)
+            if accessor.get("componentType") == FLOAT and accessor.get("type") not in FOREIGN:
+                yield index, f"{prefix}{name}", f"{where}/{name}"
+
+
+def _gaps(view: View, index: int) -> tuple[int, int, int]:
+    """The first row of an accessor that is not finite, how many are not, and how many there are."""
+    first, gone, count = -1, 0, 0
+    for block in view.blocks(index):
+        wrong = np.flatnonzero(~np.isfinite(block).all(axis=1))
+        if len(wrong) and first < 0:
+            first = count + int(wrong[0])
+        gone, count = gone + len(wrong), count + len(block)
+    return first, gone, count
