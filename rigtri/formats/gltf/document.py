@@ -212,7 +212,7 @@ class GltfDocument:
         self.notices += [notice for notice in notices if notice not in self.notices]
 
     def _check_suffix(self, target: Path) -> None:
-        """UsageError for a suffix of another format, or of an avatar where the file is none: viewers refuse it."""
+        """UsageError for a suffix of another format, or of an avatar where the file is none."""
         allowed = (".glb", ".vrm", ".vrma") if self.container.is_glb else (".gltf",)
         if target.suffix.lower() not in allowed:
             raise UsageError(
