@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
+import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,10 +14,15 @@ from pathlib import Path
 import click
 import pytest
 from hypothesis import settings
-from places import ASSETS, GOLDENS, NO_ASSETS, SAMPLES, TESTS
+from places import ASSETS, GOLDENS, NO_ASSETS, ROOT, SAMPLES, TESTS
 from program import program
 
-from rigtri import register_usd_schemas
+# `python -m pytest` puts the checkout first in the path, and there cli/ is not rigtri.cli. Test the package
+# that is installed, also in programs that tests start.
+sys.path[:] = [folder for folder in sys.path if Path(folder).resolve() != ROOT]
+os.environ["PYTHONSAFEPATH"] = "1"
+
+from rigtri import register_usd_schemas  # noqa: E402
 
 # A slow machine is no failure, and a law that fails should fail the same way tomorrow.
 settings.register_profile("readme", deadline=None, derandomize=True, max_examples=25)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,8 @@ USD = sample_files(".usda", ".usdz")
 
 def test_the_script_makes_the_same_bytes() -> None:
     command = [sys.executable, SAMPLES / "make.py", "--check"]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    environment = {**os.environ, "PYTHONPATH": str(SAMPLES)}
+    run = subprocess.run(command, capture_output=True, env=environment, text=True, check=False)
     assert run.returncode == 0, run.stderr
 
 
