@@ -34,8 +34,8 @@ class Violation(NamedTuple):
 
 
 def read_rules(family: str) -> tuple[Rule, ...]:
-    """The rules in the catalogue of a family of formats: gltf or vrm."""
+    """The rules in the catalogue of a family of formats: gltf, vrm or usd."""
     import tomllib  # a file that can be read needs no catalogue
 
-    text = files(f"rigtri.formats.{family}").joinpath("catalogue.toml").read_text("utf-8")
+    text = files("rigtri.formats").joinpath(family, "catalogue.toml").read_text("utf-8")
     return tuple(Rule(name, **rule) for name, rule in tomllib.loads(text).items())

@@ -1,6 +1,6 @@
 """All rules by their ids: what `rigtri check --list` and docs/checks.md show.
 
-Those of glTF and VRM are in `catalogue.toml` of the format. What looks for them is in `checks`, in the
+Those of a family of formats are in its `catalogue.toml`. What looks for them is in `checks`, in the
 module of what it reads, or, where readers hold a rule too, in `rigtri.formats.gltf.rules`.
 """
 
@@ -12,7 +12,6 @@ from fnmatch import fnmatchcase
 
 from rigtri.errors import UsageError
 from rigtri.formats.rules import Rule, read_rules
-from rigtri.verification.checks.usd import rules, rules_binding, usdz
 
 UNREADABLE = "file.unreadable"
 _FILE = (
@@ -29,9 +28,7 @@ RULES: Mapping[str, Rule] = {
         *_FILE,
         *read_rules("gltf"),
         *read_rules("vrm"),
-        *rules.RULES,
-        *rules_binding.RULES,
-        *usdz.RULES,
+        *read_rules("usd"),
     )
 }
 

@@ -1,6 +1,6 @@
-"""What is bound to skeletons: relationships, influences, bind transforms.
+"""What is bound to skeletons: relationships, influences, bind transforms, blend shapes.
 
-Source: UsdSkelBindingAPI; UsdSkelSkinningQuery.
+Source: UsdSkelBindingAPI; UsdSkelSkinningQuery; UsdSkelBlendShape.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from rigtri.formats.usd.composition.value_types import BIND, INDICES, WEIGHTS
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.skeleton_reader import singular
 from rigtri.verification.checks.findings import listed
-from rigtri.verification.checks.usd.scene import BINDING, Scene, points_of
+from rigtri.verification.checks.usd.scene import BINDING, Scene
 
+NAMES, TARGETS = "skel:blendShapes", "skel:blendShapeTargets"
 METHOD = "primvars:skel:skinningMethod"
 _METHODS = ("classicLinear", "dualQuaternion")
 # Weights in 32 bits do not sum to 1 exactly: what each may be off, and what texts with six digits leave.
@@ -35,7 +36,7 @@ def check(scene: Scene, prim: Any) -> None:
         if method is not None and str(method) not in _METHODS:
             scene.add("usd.binding.method", prim, name, f"the skinning method is '{method}'")
     _check_bind(scene, prim)
-    if (points := points_of(prim)) is not None:
+    if (points := _points(prim)) is not None:
         scene.array(prim, "points", points)
     if any(_authored(prim, name) for name in (INDICES, WEIGHTS)):
         _check_skinned(scene, prim)
@@ -167,7 +168,7 @@ def _width(scene: Scene, prim: Any, indices: int, weights: int) -> int:
         text = f"indices are {modes[0]}, weights {modes[1]}"
         scene.add("usd.binding.interpolation", prim, INDICES, text)
     points = _points(prim)
-    expected = width if modes[0] == "constant" else (width * points if points is not None else indices)
+    expected = width if modes[0] == "constant" else (indices if points is None else width * len(points))
     if indices != weights or indices != expected:
         text = (
             f"it has {indices} indices and {weights} weights where {expected} of each are needed ({modes[0]})"
@@ -177,9 +178,9 @@ def _width(scene: Scene, prim: Any, indices: int, weights: int) -> int:
     return int(width)
 
 
-def _points(prim: Any) -> int | None:
-    found = points_of(prim)
-    return None if found is None else len(found)
+def _points(prim: Any) -> Any:
+    """The points of a prim as they are stored, of whatever type; None where it has none."""
+    return at_start(UsdGeom.PointBased(prim).GetPointsAttr()) if prim.IsA(UsdGeom.PointBased) else None
 
 
 def _check_weights(scene: Scene, prim: Any, weights: np.ndarray) -> None:
@@ -208,3 +209,46 @@ def _check_weights(scene: Scene, prim: Any, weights: np.ndarray) -> None:
 
 def _counted(wrong: np.ndarray) -> str:
     return f"{int(wrong.sum())} of {len(wrong)}"
+
+
+def check_blend_shapes(scene: Scene, prim: Any) -> None:
+    """The blend shapes of one prim with ``skel:`` properties."""
+    names = scene.words(prim, NAMES)
+    relation = prim.GetRelationship(TARGETS)
+    targets = relation.GetForwardedTargets() if relation else []
+    if len(names) != len(targets) and not scene.has_other(prim, NAMES):
+        text = f"it has {len(names)} {NAMES} and {len(targets)} {TARGETS}"
+        scene.add("usd.blend.targets", prim, NAMES, text)
+    points = _points(prim)
+    count = None if points is None else len(points)
+    for path in targets:
+        shape = scene.stage.GetPrimAtPath(path)
+        if not shape or shape.GetTypeName() != "BlendShape":
+            what = f"a {shape.GetTypeName() or 'prim without a type'}" if shape else "which is not there"
+            scene.add("usd.blend.target", prim, TARGETS, f"{TARGETS} names <{path}>, {what}")
+        else:
+            _check_shape(scene, shape, count)
+
+
+def _check_shape(scene: Scene, shape: Any, points: int | None) -> None:
+    value = at_start(shape.GetAttribute("offsets"))
+    offsets = None if value is None else scene.array(shape, "offsets", value)
+    if offsets is None:
+        if value is None:
+            scene.add("usd.blend.offsets", shape, "offsets", "it has no offsets")
+        return
+    value = at_start(shape.GetAttribute("pointIndices"))
+    rows = None if value is None or not len(value) else scene.array(shape, "pointIndices", value)
+    if rows is None:
+        known = value is None or not len(value)
+        if known and points is not None and len(offsets) != points:
+            text = f"it has {len(offsets)} offsets, no pointIndices, and its mesh {points} points"
+            scene.add("usd.blend.offsets", shape, "offsets", text)
+        return
+    if len(rows) != len(offsets):
+        text = f"it has {len(offsets)} offsets for {len(rows)} pointIndices"
+        scene.add("usd.blend.offsets", shape, "offsets", text)
+    wrong = rows[(rows < 0) | (rows >= (points if points is not None else np.inf))]
+    if len(wrong):
+        text = f"it moves point {wrong[0]}, and its mesh has {points or 'no such'} points"
+        scene.add("usd.blend.point", shape, "pointIndices", text)

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition.overrides import open_file
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.joint_tokens import unsplit
@@ -13,7 +14,7 @@ from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joi
 from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
-from rigtri.verification.checks.usd import animations, bindings, blend_shapes, skeletons, usdz
+from rigtri.verification.checks.usd import animations, bindings, skeletons
 from rigtri.verification.checks.usd.scene import Scene
 
 
@@ -25,7 +26,7 @@ def check_usd(
     FileError where it is no USD at all.
     """
     if path.suffix.lower() == ".usdz":
-        usdz.check(path, findings)
+        _check_package(path, findings)
     stage, _, notices = open_file(path, allow_external=allow_external)
     for notice in notices:
         findings.add("usd.layer.missing", "stage", "", notice.text)
@@ -40,7 +41,7 @@ def check_usd(
         scene.guard(prim, animations.check)
     for prim in scene.bound:
         scene.guard(prim, bindings.check)
-        scene.guard(prim, blend_shapes.check)
+        scene.guard(prim, bindings.check_blend_shapes)
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
     if scene.noted:
@@ -49,6 +50,24 @@ def check_usd(
         from rigtri.verification.checks.usd.usd_validation import validate
 
         validate(stage, findings, path)
+
+
+def _check_package(path: Path, findings: Findings) -> None:
+    """Note what is wrong with a package. FileError where it is none."""
+    whole = usdz.read(path)
+    for entry in whole.entries:
+        place = f"entry '{entry.name}'"
+        if not whole.is_whole(entry):
+            findings.add("usd.package.checksum", "package", entry.name, f"{place} does not have its checksum")
+        if entry.method:
+            findings.add("usd.package.compressed", "package", entry.name, f"{place} is compressed")
+        if entry.start % usdz.ALIGNMENT:
+            text = f"the data of {place} start at byte {entry.start}"
+            findings.add("usd.package.alignment", "package", entry.name, text)
+        if "\\" in entry.name:
+            findings.add("usd.package.backslash", "package", entry.name, f"{place} has a backslash")
+    if whole.junk > 0:
+        findings.add("usd.package.junk", "package", "", f"{whole.junk} bytes follow the end of the package")
 
 
 def _check_notes(scene: Scene, prim: Any) -> None:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, Vt
+from pxr import Sdf, Usd, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, quiet
 from rigtri.formats.usd.composition.value_types import TYPES, wrong_type
-from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, at_start
+from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS
 from rigtri.verification.checks.findings import Findings
 
 _WORDS = (Vt.TokenArray, Vt.StringArray)
@@ -114,11 +114,6 @@ class Scene:
         if why:
             self.add("usd.type", prim, name, f"{why}, so for UsdSkel {TYPES[name].lost}")
         return bool(why)
-
-
-def points_of(prim: Any) -> Any:
-    """The points of a prim as they are stored, of whatever type; None where it has none."""
-    return at_start(UsdGeom.PointBased(prim).GetPointsAttr()) if prim.IsA(UsdGeom.PointBased) else None
 
 
 def at_time(time: Any) -> str:
