@@ -29,7 +29,7 @@ from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.verification.checks.gltf.tolerant_reader import View
+from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 # |dot| of two unit quaternions below this: closer to half a turn than float32 can resolve.
 HALF_TURN = 1e-4
@@ -40,15 +40,14 @@ class Channel(NamedTuple):
 
     node: int
     path: str
-    place: str
-    pointer: str
+    item: Item
 
 
 class Keys(NamedTuple):
     """The keys of a channel. values: (k, 1, width), or (k, 3, width) with tangents; times: (k,)."""
 
     channel: Channel
-    where: str
+    sampler: Item
     times: Floats
     values: Floats
 
@@ -60,133 +59,116 @@ class Keys(NamedTuple):
 def check(view: View) -> None:
     """All animations."""
     checked_times: set[int] = set()
-    for number, animation in enumerate(view.lists["animations"]):
-        name, pointer = animation.get("name"), f"/animations/{number}"
-        place = (
-            f"animation '{name}' (#{number})" if isinstance(name, str) and name else f"animation #{number}"
-        )
-        samplers = view.objects(animation, "samplers", place, pointer)
-        channels = view.objects(animation, "channels", place, pointer)
+    for animation in view.each("animations"):
+        samplers, channels = animation.objects("samplers"), animation.objects("channels")
         if not channels:
-            view.add("gltf.animation.empty", place, f"{pointer}/channels", "has no channels")
+            animation.add("gltf.animation.empty", "has no channels", "channels")
         seen: dict[tuple[int, str], int] = {}
         keyed: list[Keys] = []
-        for k, raw in enumerate(channels):
-            channel = _target(view, raw, f"{place}, channel {k}", f"{pointer}/channels/{k}")
+        for k, item in enumerate(channels):
+            item.place += f", channel {k}"
+            channel = _target(item)
             if channel is None:
                 continue
-            if (channel.node, channel.path) in seen:
-                first = seen[channel.node, channel.path]
-                violation = twice_violation(view.title(channel.node), channel.path, first)
-                view.add_violation(violation, channel.place, channel.pointer)
-            seen.setdefault((channel.node, channel.path), k)
-            keyed += _check_sampler(view, raw, samplers, channel, checked_times)
+            first = seen.setdefault((channel.node, channel.path), k)
+            if first != k:
+                item.add_violation(twice_violation(view.title(channel.node), channel.path, first))
+            keyed += _check_sampler(view, channel, samplers, checked_times)
         if not _sound(keyed):
             for keys in keyed:
                 _check_keys(view, keys)
 
 
-def _target(view: View, raw: dict[str, Any], place: str, pointer: str) -> Channel | None:
+def _target(item: Item) -> Channel | None:
     """What a channel drives; None for what is no node of ours, which is noted where it is odd."""
-    target = view.object(raw, "target", place, pointer)
-    found = target_of(raw)
+    target, found = item.object("target"), target_of(item.raw)
     if found is None:
-        _note_other(view, target, place, pointer)
+        _note_other(target)
         return None
-    if view.add_violation(node_violation(found[0], len(view.nodes)), place, f"{pointer}/target"):
+    node, path = found
+    if target.add_violation(node_violation(node, len(item.view.nodes))):
         return None
-    return Channel(found[0], found[1], f"{place} ({view.title(found[0])} {found[1]})", pointer)
+    item.place += f" ({item.view.title(node)} {path})"
+    return Channel(node, path, item)
 
 
-def _note_other(view: View, target: dict[str, Any], place: str, pointer: str) -> None:
-    path = target.get("path")
-    if path == "pointer" and pointer_of(target) is not None:
+def _note_other(target: Item) -> None:
+    path = target.raw.get("path")
+    if path == "pointer" and pointer_of(target.raw) is not None:
         return  # a property of something else than a node: nothing of a rig
     if path not in (*WIDTH, "weights"):
         text = f"the path {short_repr(path)} is none that glTF knows"
-        view.add("gltf.animation.path-unknown", place, f"{pointer}/target/path", text)
-    elif "node" not in target:
-        view.add("gltf.animation.without-node", place, f"{pointer}/target", "names no node")
+        target.add("gltf.animation.path-unknown", text, "path")
+    elif "node" not in target.raw:
+        target.add("gltf.animation.without-node", "names no node")
     else:
-        text = f"node should be a whole number, not {short_repr(target['node'])}"
-        view.add("gltf.json.value", place, f"{pointer}/target/node", text)
+        text = f"node should be a whole number, not {short_repr(target.raw['node'])}"
+        target.add("gltf.json.value", text, "node")
 
 
-def _check_sampler(
-    view: View, raw: dict[str, Any], samplers: list[dict[str, Any]], channel: Channel, checked: set[int]
-) -> list[Keys]:
+def _check_sampler(view: View, channel: Channel, samplers: list[Item], checked: set[int]) -> list[Keys]:
     """Judge the sampler of a channel; returns its keys where there are as many as there should be."""
-    place: str = channel.place
-    number: Any = raw.get("sampler")
-    if view.add_violation(sampler_violation(number, len(samplers)), place, f"{channel.pointer}/sampler"):
+    number: Any = channel.item.raw.get("sampler")
+    if channel.item.add_violation(sampler_violation(number, len(samplers)), "sampler"):
         return []
-    where = f"{channel.pointer.rpartition('/channels/')[0]}/samplers/{number}"
-    sampler = samplers[number]
-    mode = sampler.get("interpolation", "LINEAR")
-    view.add_violation(interpolation_violation(mode), place, f"{where}/interpolation")
-    times = _times(view, sampler, place, where, checked)
-    values = view.read(sampler.get("output"), place, f"{where}/output")
+    sampler = Item(view, samplers[number].raw, channel.item.place, samplers[number].pointer)
+    mode = sampler.raw.get("interpolation", "LINEAR")
+    sampler.add_violation(interpolation_violation(mode), "interpolation")
+    times = _times(view, sampler, checked)
+    values = sampler.read("output")
     if values is None:
         return []
     width = WIDTH.get(channel.path)
     violation = width and value_width_violation(channel.path, width, values.shape[1])
     if violation:
-        view.add_violation(violation, place, f"{where}/output")
+        sampler.add_violation(violation, "output")
         return []
-    _check_component(view, sampler["output"], channel, f"{where}/output")
-    if times is None or not _count_fits(view, times, values, mode, channel, where) or width is None:
+    _check_component(sampler, channel.path)
+    if times is None:
+        return []
+    count = count_violation(len(times), len(values), mode)
+    if channel.path == "weights" and len(values) and values.size % values_needed(len(times), mode) == 0:
+        count = None
+    if sampler.add_violation(count, "output") or width is None:
         return []
     per_key = 3 if mode == "CUBICSPLINE" else 1
-    return [Keys(channel, f"{where}/output", times, values.reshape(len(times), per_key, width))]
+    return [Keys(channel, sampler, times, values.reshape(len(times), per_key, width))]
 
 
-def _check_component(view: View, raw: Any, channel: Channel, where: str) -> None:
+def _check_component(sampler: Item, path: str) -> None:
     """Places and scales are floats; rotations and weights floats or normalised integers of 8 or 16 bits."""
-    accessor = view.raw_accessor(raw)
+    accessor = sampler.accessor("output")
     kind, normalized = accessor.get("componentType"), accessor.get("normalized") is True
-    if kind == FLOAT or (channel.path in ("rotation", "weights") and kind in FULL and normalized):
+    if kind == FLOAT or (path in ("rotation", "weights") and kind in FULL and normalized):
         return
-    expected = "floats" if channel.path in ("translation", "scale") else "floats or normalised integers"
-    text = f"{channel.path} should be {expected}, its output has the component type {kind}"
+    expected = "floats" if path in ("translation", "scale") else "floats or normalised integers"
+    text = f"{path} should be {expected}, its output has the component type {kind}"
     text += " (normalised)" if normalized else ""
-    view.add("gltf.animation.output-type", channel.place, where, text)
+    sampler.add("gltf.animation.output-type", text, "output")
 
 
-def _times(view: View, sampler: dict[str, Any], place: str, where: str, checked: set[int]) -> Floats | None:
+def _times(view: View, sampler: Item, checked: set[int]) -> Floats | None:
     """Key times, (k,); each accessor is judged once, however many samplers share it."""
-    raw = sampler.get("input")
-    numbers = view.read(raw, place, f"{where}/input")
-    if numbers is None:
+    numbers = sampler.read("input")
+    if numbers is None or sampler.add_violation(time_width_violation(numbers.shape[1]), "input"):
         return None
-    if view.add_violation(time_width_violation(numbers.shape[1]), place, f"{where}/input"):
-        return None
-    kind = view.raw_accessor(raw).get("componentType")
+    raw, accessor = sampler.raw["input"], sampler.accessor("input")
+    kind = accessor.get("componentType")
     if kind != FLOAT:
         text = f"its times should be floats, and have the component type {kind}"
-        view.add("gltf.animation.output-type", place, f"{where}/input", text)
+        sampler.add("gltf.animation.output-type", text, "input")
     times = numbers[:, 0]
-    if int(raw or 0) not in checked:
-        checked.add(int(raw or 0))
-        _check_times(view, times, place, f"{where}/input")
-        accessor = view.raw_accessor(raw)
+    if int(raw) not in checked:
+        checked.add(int(raw))
+        if np.isfinite(times).all() and times[0] < 0:
+            text = f"the first key is at {times[0]:g} s"
+            sampler.add("gltf.animation.times-negative", text, "input")
+        for violation in time_violations(times):
+            sampler.add_violation(violation, "input")
         if "min" not in accessor or "max" not in accessor:
             text = f"the times, accessor #{raw}, have no min and max"
-            view.add("gltf.animation.times-without-bounds", place, f"/accessors/{raw}", text)
+            view.add("gltf.animation.times-without-bounds", sampler.place, f"/accessors/{raw}", text)
     return times
-
-
-def _check_times(view: View, times: Floats, place: str, where: str) -> None:
-    if np.isfinite(times).all() and times[0] < 0:
-        view.add("gltf.animation.times-negative", place, where, f"the first key is at {times[0]:g} s")
-    for violation in time_violations(times):
-        view.add_violation(violation, place, where)
-
-
-def _count_fits(view: View, times: Floats, values: Floats, mode: Any, channel: Channel, where: str) -> bool:
-    violation = count_violation(len(times), len(values), mode)
-    if channel.path == "weights" and len(values) and values.size % values_needed(len(times), mode) == 0:
-        violation = None
-    return not view.add_violation(violation, channel.place, f"{where}/output")
 
 
 def _sound(keyed: list[Keys]) -> bool:
@@ -225,7 +207,7 @@ def _check_keys(view: View, keys: Keys) -> None:
         found = np.flatnonzero(wrong)
         if len(found):
             more = f" ({len(found)} keys)" if len(found) > 1 else ""
-            view.add(rule, channel.place, keys.where, message(int(found[0])) + more)
+            keys.sampler.add(rule, message(int(found[0])) + more, "output")
         return bool(len(found))
 
     def at(k: int) -> str:
@@ -239,7 +221,7 @@ def _check_keys(view: View, keys: Keys) -> None:
         uneven = _uneven(values)
         if uneven.any():
             k = int(uneven.argmax())
-            text = f"{channel.place}: {at(k)} scales by {' '.join(f'{x:g}' for x in values[k])}"
+            text = f"{channel.item.place}: {at(k)} scales by {' '.join(f'{x:g}' for x in values[k])}"
             view.stretched.setdefault(channel.node, []).append(text)
     if channel.path != "rotation":
         return
@@ -251,7 +233,7 @@ def _check_keys(view: View, keys: Keys) -> None:
     if off[worst] > NON_UNIT:
         count = int((off > NON_UNIT).sum())
         text = f"{count} keys are not unit; the worst, {at(worst)}, has the length {size[worst]:.6g}"
-        view.add("gltf.animation.rotation-not-unit", channel.place, keys.where, text)
+        keys.sampler.add("gltf.animation.rotation-not-unit", text, "output")
     unit = values / size[:, np.newaxis]
     cosine = (unit[1:] * unit[:-1]).sum(axis=1)
     if keys.cubic:

@@ -74,7 +74,7 @@ def _check_extensions(view: View) -> None:
     for name in sorted(required - used):
         text = f"{name} is required, but not in extensionsUsed"
         view.add("gltf.extension.undeclared", "file", "/extensionsUsed", text)
-    view.object(view.raw, "extensions", "file", "")
+    view.file.object("extensions")
     for name, where in sorted(references.extensions(view.raw).items()):
         if name not in used | required:
             text = f"{name} is used at {where}, but not in extensionsUsed"
@@ -90,12 +90,10 @@ def _check_files(view: View) -> None:
 
 def _texts(view: View, key: str) -> set[str]:
     found = set()
-    for number, item in enumerate(view.items(view.raw, key, "file")):
+    for number, item in enumerate(view.file.items(key)):
         if isinstance(item, str):
             found.add(item)
         else:
-            pointer = f"/{key}/{number}"
-            view.add(
-                "gltf.json.value", "file", pointer, f"{pointer} should be a text, not {short_repr(item)}"
-            )
+            place = f"{key}/{number}"
+            view.file.add("gltf.json.value", f"/{place} should be a text, not {short_repr(item)}", place)
     return found

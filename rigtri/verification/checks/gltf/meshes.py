@@ -16,8 +16,7 @@ from rigtri.formats.gltf.accessors import FLOAT
 from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.maths.trigonometry import Floats
 from rigtri.verification.checks.findings import listed
-from rigtri.verification.checks.gltf import skins
-from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, View
+from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, Item, View
 
 _SET = re.compile(r"(JOINTS|WEIGHTS)_(\d+)")
 _UNSIGNED = (5121, 5123)
@@ -28,141 +27,131 @@ _STEPS = {5121: 1 / 255, 5123: 1 / 65535}
 
 
 class Primitive(NamedTuple):
-    """The influences of a primitive, (v, 4·sets), and where it stands. steps: how far its sum may be off."""
+    """The influences of a primitive, (v, 4·sets), and its attributes. allowed: how far its sum may be off."""
 
     joints: Floats
     weights: Floats
     allowed: float
-    place: str
-    pointer: str
+    attributes: Item
 
 
 def check(view: View) -> None:
     """The meshes that nodes show, each with every skin that moves it."""
-    meshes = view.lists["meshes"]
     shown: dict[int, set[int]] = {}
-    skinned = [_names_joints(view, mesh, k) for k, mesh in enumerate(meshes)]
-    for node, raw in enumerate(view.nodes):
-        pointer, place = f"/nodes/{node}", view.title(node)
-        mesh = view.reference(raw, "mesh", "mesh", place, pointer)
-        skin = view.reference(raw, "skin", "skin", place, pointer)
+    skinned = [_names_joints(mesh) for mesh in view.each("meshes")]
+    for index, node in enumerate(view.each("nodes")):
+        mesh, skin = node.reference("mesh", "mesh"), node.reference("skin", "skin")
         if mesh is not None and skin is not None:
             shown.setdefault(mesh, set()).add(skin)
-            _check_place(view, node, skin)
-        _check_pair(view, node, raw, mesh, mesh is not None and skinned[mesh])
-    for number in range(len(meshes)):
-        _check_positions(view, number)
-        if skinned[number]:
-            _check_mesh(view, number, sorted(shown.get(number, ())))
+            _check_place(view, index, node, skin)
+        _check_pair(node, mesh, mesh is not None and skinned[mesh])
+    for number in range(len(skinned)):
+        primitives = _primitives(view, number)
+        for primitive in primitives:
+            _check_positions(view, primitive)
+        for primitive in primitives if skinned[number] else ():
+            _check_influences(view, primitive, sorted(shown.get(number, ())))
 
 
-def _names_joints(view: View, mesh: dict[str, Any], number: int) -> bool:
-    place, pointer = title(view, number), f"/meshes/{number}"
-    names: set[str] = set()
-    for k, primitive in enumerate(view.objects(mesh, "primitives", place, pointer)):
-        names |= view.object(primitive, "attributes", place, f"{pointer}/primitives/{k}").keys()
+def _names_joints(mesh: Item) -> bool:
+    names = [name for primitive in mesh.objects("primitives") for name in primitive.object("attributes").raw]
     return any(_SET.fullmatch(name) for name in names)
 
 
-def title(view: View, number: int) -> str:
-    name = view.lists["meshes"][number].get("name")
-    return f"mesh '{name}' (#{number})" if isinstance(name, str) and name else f"mesh #{number}"
+def _primitives(view: View, number: int) -> list[Item]:
+    """The primitives of a mesh, each with its number in what it is called."""
+    found = view.item("meshes", number).objects("primitives")
+    for k, primitive in enumerate(found):
+        primitive.place += f", primitive {k}"
+    return found
 
 
-def _check_pair(view: View, node: int, raw: dict[str, Any], mesh: int | None, skinned: bool) -> None:
-    place, pointer = view.title(node), f"/nodes/{node}"
-    if "skin" in raw and "mesh" not in raw:
-        view.add("gltf.node.skin-without-mesh", place, f"{pointer}/skin", "has a skin and no mesh")
-    elif "skin" in raw and mesh is not None and not skinned:
-        text = f"has a skin, but {title(view, mesh)} names no joints"
-        view.add("gltf.node.skin-on-rigid-mesh", place, f"{pointer}/skin", text)
-    elif "skin" not in raw and mesh is not None and skinned:
-        text = f"shows {title(view, mesh)}, which names joints, without a skin"
-        view.add("gltf.node.skinned-mesh-without-skin", place, pointer, text)
+def _check_pair(node: Item, mesh: int | None, skinned: bool) -> None:
+    if "skin" in node.raw and "mesh" not in node.raw:
+        node.add("gltf.node.skin-without-mesh", "has a skin and no mesh", "skin")
+    elif mesh is not None and ("skin" in node.raw) is not skinned:
+        title = node.view.item("meshes", mesh).place
+        if skinned:
+            text = f"shows {title}, which names joints, without a skin"
+            node.add("gltf.node.skinned-mesh-without-skin", text)
+        else:
+            text = f"has a skin, but {title} names no joints"
+            node.add("gltf.node.skin-on-rigid-mesh", text, "skin")
 
 
-def _check_place(view: View, node: int, skin: int) -> None:
+def _check_place(view: View, index: int, node: Item, skin: int) -> None:
     """Where a skinned mesh hangs, which glTF ignores and other programs do not."""
-    joints = {j for j in view.items(view.lists["skins"][skin], "joints", "", "") if type(j) is int}
-    placed, at = False, node
+    own = view.item("skins", skin)
+    joints = {j for j in own.items("joints") if type(j) is int}
+    placed, at = False, index
     while at >= 0:
         raw = view.nodes[at]
         placed = placed or any(key in raw for key in ("translation", "rotation", "scale", "matrix"))
-        if at != node and at in joints:
-            text = f"is below {view.title(at)}, a joint of its own {skins.title(view, skin)}"
-            view.add("gltf.node.skinned-mesh-below-joint", view.title(node), f"/nodes/{node}", text)
+        if at != index and at in joints:
+            text = f"is below {view.title(at)}, a joint of its own {own.place}"
+            node.add("gltf.node.skinned-mesh-below-joint", text)
             return
         at = view.above[at]
     if placed:
         text = "it shows a skinned mesh, and it or a node above it has a transform"
-        view.add("gltf.node.skinned-mesh-placed", view.title(node), f"/nodes/{node}", text)
+        node.add("gltf.node.skinned-mesh-placed", text)
 
 
-def _check_mesh(view: View, number: int, using: list[int]) -> None:
-    mesh = view.lists["meshes"][number]
-    for k, raw in enumerate(view.objects(mesh, "primitives", title(view, number), f"/meshes/{number}")):
-        place, pointer = f"{title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
-        if DRACO in view.object(raw, "extensions", place, pointer):
-            view.compressed("Meshes are compressed with Draco")
-            continue
-        attributes = view.object(raw, "attributes", place, pointer)
-        primitive = _influences(view, attributes, place, f"{pointer}/attributes")
-        if primitive is not None:
-            _check_weights(view, primitive)
-            for skin in using:
-                _check_joints(view, primitive, skin)
+def _check_influences(view: View, primitive: Item, skins: list[int]) -> None:
+    if DRACO in primitive.object("extensions").raw:
+        view.compressed("Meshes are compressed with Draco")
+        return
+    influences = _influences(primitive.object("attributes"))
+    if influences is not None:
+        _check_weights(influences)
+        for skin in skins:
+            _check_joints(view, influences, skin)
 
 
-def _check_positions(view: View, number: int) -> None:
+def _check_positions(view: View, primitive: Item) -> None:
     """The min and max of positions, from which loaders take the size of a mesh."""
-    mesh = view.lists["meshes"][number]
-    for k, raw in enumerate(view.objects(mesh, "primitives", title(view, number), f"/meshes/{number}")):
-        place, pointer = f"{title(view, number)}, primitive {k}", f"/meshes/{number}/primitives/{k}"
-        if DRACO in view.object(raw, "extensions", place, pointer):
-            continue
-        index = view.object(raw, "attributes", place, pointer).get("POSITION")
-        if type(index) is not int or not 0 <= index < len(view.accessors):
-            continue  # `references` reports it
-        accessor = view.raw_accessor(index)
-        missing = [key for key in ("min", "max") if key not in accessor]
-        if missing:
-            text = f"its positions, accessor #{index}, have no {' and no '.join(missing)}"
-            view.add("gltf.accessor.bounds", place, f"/accessors/{index}", text)
-        if len(missing) < 2:
-            view.judge(index)
+    if DRACO in primitive.object("extensions").raw:
+        return
+    index = primitive.object("attributes").raw.get("POSITION")
+    if type(index) is not int or not 0 <= index < len(view.accessors):
+        return  # `references` reports it
+    accessor = view.raw_accessor(index)
+    missing = [key for key in ("min", "max") if key not in accessor]
+    if missing:
+        text = f"its positions, accessor #{index}, have no {' and no '.join(missing)}"
+        view.add("gltf.accessor.bounds", primitive.place, f"/accessors/{index}", text)
+    if len(missing) < 2:
+        view.judge(index)
 
 
-def _influences(view: View, attributes: dict[str, Any], place: str, pointer: str) -> Primitive | None:
-    sets = {kind: {int(m[2]) for name in attributes if (m := _SET.fullmatch(name)) and m[1] == kind}
+def _influences(attributes: Item) -> Primitive | None:
+    sets = {kind: {int(m[2]) for name in attributes.raw if (m := _SET.fullmatch(name)) and m[1] == kind}
             for kind in ("JOINTS", "WEIGHTS")}  # fmt: skip
     every = sets["JOINTS"] | sets["WEIGHTS"]
     if sets["JOINTS"] != sets["WEIGHTS"] or (every and every != set(range(len(every)))):
-        text = f"has {listed(sorted(name for name in attributes if _SET.fullmatch(name)))}"
-        view.add("gltf.mesh.joints-without-weights", place, pointer, text)
-    both = sorted(sets["JOINTS"] & sets["WEIGHTS"])
+        text = f"has {listed(sorted(name for name in attributes.raw if _SET.fullmatch(name)))}"
+        attributes.add("gltf.mesh.joints-without-weights", text)
     parts: list[tuple[Floats, Floats]] = []
     allowed = 0.0
-    for number in both:
-        joints = _read(view, attributes, f"JOINTS_{number}", place, pointer)
-        weights = _read(view, attributes, f"WEIGHTS_{number}", place, pointer)
+    for number in sorted(sets["JOINTS"] & sets["WEIGHTS"]):
+        joints, weights = _read(attributes, f"JOINTS_{number}"), _read(attributes, f"WEIGHTS_{number}")
         if joints is None or weights is None:
             return None
-        component = view.raw_accessor(attributes[f"WEIGHTS_{number}"]).get("componentType")
+        component = attributes.accessor(f"WEIGHTS_{number}").get("componentType")
         allowed += 4 * (_STEPS.get(int(component or 0), 0.0) / 2 + OFF_EACH)
         parts.append((joints, weights))
-    if not parts or not _counts_fit(view, attributes, parts, place, pointer):
+    if not parts or not _counts_fit(attributes, parts):
         return None
     joints, weights = (np.concatenate(columns, axis=1) for columns in zip(*parts, strict=True))
-    return Primitive(joints, weights, allowed, place, pointer)
+    return Primitive(joints, weights, allowed, attributes)
 
 
-def _read(view: View, attributes: dict[str, Any], name: str, place: str, pointer: str) -> Floats | None:
+def _read(attributes: Item, name: str) -> Floats | None:
     """Four numbers a point; None, with a finding, where they are something else."""
-    where = f"{pointer}/{name}"
-    numbers = view.read(attributes[name], place, where)
+    numbers = attributes.read(name)
     if numbers is None:
         return None
-    raw = view.raw_accessor(attributes[name])
+    raw = attributes.accessor(name)
     component, normalized = raw.get("componentType"), raw.get("normalized") is True
     if name.startswith("JOINTS"):
         right = component in _UNSIGNED and not normalized
@@ -170,26 +159,22 @@ def _read(view: View, attributes: dict[str, Any], name: str, place: str, pointer
         right = component == FLOAT or (component in _UNSIGNED and normalized)
     if numbers.shape[1] != 4 or not right:
         kind = f"{raw.get('type')} of component type {component}{' normalized' if normalized else ''}"
-        view.add("gltf.mesh.influence-type", place, where, f"{name} is {kind}")
+        attributes.add("gltf.mesh.influence-type", f"{name} is {kind}", name)
     return numbers if numbers.shape[1] == 4 and len(numbers) else None
 
 
-def _counts_fit(
-    view: View, attributes: dict[str, Any], parts: list[tuple[Floats, Floats]], place: str, pointer: str
-) -> bool:
-    counts = {len(column) for part in parts for column in part}
-    if "POSITION" in attributes:
-        index = attributes["POSITION"]
-        known = view.lists["accessors"]
-        count = known[index].get("count") if type(index) is int and 0 <= index < len(known) else None
-        counts |= {count} if type(count) is int else set()
+def _counts_fit(attributes: Item, parts: list[tuple[Floats, Floats]]) -> bool:
+    own = {len(column) for part in parts for column in part}
+    index, known = attributes.raw.get("POSITION"), attributes.view.lists["accessors"]
+    count = known[index].get("count") if type(index) is int and 0 <= index < len(known) else None
+    counts = own | ({count} if type(count) is int else set())
     if len(counts) > 1:
         text = f"positions, joints and weights are {listed(map(str, sorted(counts)))}"
-        view.add("gltf.mesh.influence-count", place, pointer, text)
-    return len({len(column) for part in parts for column in part}) == 1
+        attributes.add("gltf.mesh.influence-count", text)
+    return len(own) == 1
 
 
-def _check_weights(view: View, primitive: Primitive) -> None:
+def _check_weights(primitive: Primitive) -> None:
     weights = primitive.weights
     finite = np.isfinite(weights).all(axis=1)
     known = np.where(np.isfinite(weights), weights, 0.0)
@@ -208,7 +193,7 @@ def _check_weights(view: View, primitive: Primitive) -> None:
         ("gltf.mesh.weight-sum", off, lambda k: f"the weights of point {worst} sum to {total[worst]:.7g}"),
         ("gltf.mesh.joint-repeated", _repeated(primitive), lambda k: f"point {k} names a joint twice"),
     ):
-        _note(view, rule, wrong, primitive, message)
+        _note(rule, wrong, primitive, message)
 
 
 def _repeated(primitive: Primitive) -> Any:
@@ -221,32 +206,28 @@ def _repeated(primitive: Primitive) -> Any:
 
 
 def _check_joints(view: View, primitive: Primitive, skin: int) -> None:
-    count = len(view.items(view.lists["skins"][skin], "joints", "", ""))
+    own = view.item("skins", skin)
+    count = len(own.items("joints"))
     if not count:
         return  # reported for the skin
     outside, live = primitive.joints >= count, primitive.weights != 0
     used = (outside & live).any(axis=1)
     idle = (outside & ~live).any(axis=1)
-    text = f"which {skins.title(view, skin)} of {count} joints does not have"
+    text = f"which {own.place} of {count} joints does not have"
+    most = primitive.joints.max(axis=1)
     for rule, wrong in (
         ("gltf.mesh.joint-out-of-range", used),
         ("gltf.mesh.joint-out-of-range-unweighted", idle),
     ):
-        _note(
-            view,
-            rule,
-            wrong,
-            primitive,
-            lambda k: f"point {k} names joint {primitive.joints[k].max():g}, {text}",
-        )
+        _note(rule, wrong, primitive, lambda k: f"point {k} names joint {most[k]:g}, {text}")
 
 
-def _note(view: View, rule: str, wrong: Any, primitive: Primitive, message: Callable[[int], str]) -> None:
+def _note(rule: str, wrong: Any, primitive: Primitive, message: Callable[[int], str]) -> None:
     """One finding for all points of a primitive: how many, and the first."""
     found = np.flatnonzero(wrong)
     if len(found):
         more = f" ({len(found)} of {len(wrong)} points)"
-        view.add(rule, primitive.place, primitive.pointer, message(int(found[0])) + more)
+        primitive.attributes.add(rule, message(int(found[0])) + more)
 
 
 # --- numbers of vertices that are none: NaN and Inf, which engines show as holes or not at all
@@ -255,36 +236,34 @@ def _note(view: View, rule: str, wrong: Any, primitive: Primitive, message: Call
 def check_vertices(view: View) -> None:
     """The float attributes and morph targets of all primitives."""
     known: dict[int, tuple[int, int, int]] = {}
-    for number, mesh in enumerate(view.lists["meshes"]):
-        place = title(view, number)
-        for k, raw in enumerate(view.objects(mesh, "primitives", place, f"/meshes/{number}")):
-            for index, name, where in _attributes(view, raw, place, f"/meshes/{number}/primitives/{k}"):
+    for number in range(view.count("mesh")):
+        for primitive in _primitives(view, number):
+            for index, name, where in _attributes(view, primitive):
                 if index not in known:
                     known[index] = _gaps(view, index)
                 first, gone, count = known[index]
                 if gone:
                     text = f"vertex {first} is not a finite number ({gone} of {count} vertices)"
-                    view.add("gltf.mesh.vertex-nan", f"{place}, primitive {k}, {name}", where, text)
+                    view.add("gltf.mesh.vertex-nan", f"{primitive.place}, {name}", where, text)
 
 
-def _attributes(view: View, raw: dict[str, Any], place: str, pointer: str) -> Iterator[tuple[int, str, str]]:
+def _attributes(view: View, primitive: Item) -> Iterator[tuple[int, str, str]]:
     """Accessor, name and JSON pointer of all attributes of a primitive's vertices that are floats."""
-    own = view.object(raw, "attributes", place, pointer)
-    parts = [("", own, f"{pointer}/attributes")]
-    if DRACO in view.object(raw, "extensions", place, pointer):
+    own = primitive.object("attributes")
+    parts = [("", own)]
+    if DRACO in primitive.object("extensions").raw:
         parts = []  # `check` reports that they were not looked at
-    for number, target in enumerate(view.objects(raw, "targets", place, pointer)):
-        parts.append((f"morph target {number} ", target, f"{pointer}/targets/{number}"))
-    for prefix, attributes, where in parts:
-        for name, index in attributes.items():
+    parts += [(f"morph target {k} ", target) for k, target in enumerate(primitive.objects("targets"))]
+    for prefix, attributes in parts:
+        for name, index in attributes.raw.items():
             # Weights with joints are judged together, point by point.
-            if name.startswith("WEIGHTS_") and name.replace("WEIGHTS", "JOINTS") in own:
+            if name.startswith("WEIGHTS_") and name.replace("WEIGHTS", "JOINTS") in own.raw:
                 continue
             if type(index) is not int or not 0 <= index < len(view.accessors):
                 continue  # `references` reports it
             accessor = view.raw_accessor(index)
             if accessor.get("componentType") == FLOAT and accessor.get("type") not in FOREIGN:
-                yield index, f"{prefix}{name}", f"{where}/{name}"
+                yield index, f"{prefix}{name}", f"{attributes.pointer}/{name}"
 
 
 def _gaps(view: View, index: int) -> tuple[int, int, int]:

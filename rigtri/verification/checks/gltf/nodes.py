@@ -30,11 +30,9 @@ def check(view: View) -> None:
 def _check_tree(view: View) -> None:
     # Each node that another list of children has, too: its first parent, where that list is, and how often.
     again: dict[tuple[int, int], tuple[int, str, int]] = {}
-    for index, node in enumerate(view.nodes):
-        pointer = f"/nodes/{index}"
-        for number, raw in enumerate(view.items(node, "children", view.title(index), pointer)):
-            where = f"{pointer}/children/{number}"
-            child = view.index(raw, len(view.nodes), "node", view.title(index), where)
+    for index, node in enumerate(view.each("nodes")):
+        for number, child in enumerate(node.indices("children", "node")):
+            where = f"{node.pointer}/children/{number}"
             if child is not None and view.above[child] >= 0:
                 first, reported, times = again.get((index, child), (view.above[child], where, 0))
                 again[index, child] = first, reported, times + 1
@@ -98,37 +96,37 @@ def _cut_cycles(view: View) -> None:
 
 
 def _check_scenes(view: View) -> None:
-    for number, scene in enumerate(view.lists["scenes"]):
-        place, pointer = f"scene #{number}", f"/scenes/{number}"
+    for number, scene in enumerate(view.each("scenes")):
+        scene.place = f"scene #{number}"
         reported: set[int] = set()
-        for k, raw in enumerate(view.items(scene, "nodes", place, pointer)):
-            where = f"{pointer}/nodes/{k}"
-            node = view.index(raw, len(view.nodes), "node", place, where)
+        for k, node in enumerate(scene.indices("nodes", "node")):
             if node is not None and view.above[node] >= 0 and node not in reported:
                 reported.add(node)
                 text = f"lists {view.title(node)}, which is below {view.title(view.above[node])}"
-                view.add("gltf.scene.not-root", place, where, text)
-    view.reference(view.raw, "scene", "scene", "file", "")
+                scene.add("gltf.scene.not-root", text, f"nodes/{k}")
+    view.file.reference("scene", "scene")
 
 
 def _check_transforms(view: View) -> None:
     animated = _animated(view)
-    turns: dict[int, list[float]] = {}
+    rotations: dict[int, list[float]] = {}
     matrices: dict[int, list[float]] = {}
-    for index, node in enumerate(view.nodes):
+    for index, node in enumerate(view.each("nodes")):
         for key, width in WIDTH.items():
-            if key in node:
-                given = view.numbers(node[key], width, view.title(index), f"/nodes/{index}/{key}")
-                if given is not None and key == "rotation":
-                    turns[index] = given
-        if "matrix" in node:
-            given = view.numbers(node["matrix"], 16, view.title(index), f"/nodes/{index}/matrix")
-            if given is not None:
+            if key in node.raw and (given := node.numbers(key, width)) is not None and key == "rotation":
+                rotations[index] = given
+        if "matrix" in node.raw:
+            if (given := node.numbers("matrix", 16)) is not None:
                 matrices[index] = given
-            violation = transform_violation(node, animated=index in animated)
-            view.add_violation(violation, view.title(index), f"/nodes/{index}/matrix")
-    _check_rotations(view, turns)
-    _check_matrices(view, matrices)
+            node.add_violation(transform_violation(node.raw, animated=index in animated), "matrix")
+    stacked = np.array(list(matrices.values())).reshape(-1, 4, 4)
+    for key, rows, violations in (
+        ("rotation", rotations, rotation_violations(np.array(list(rotations.values())).reshape(-1, 4))),
+        ("matrix", matrices, matrix_violations(stacked)),
+    ):
+        nodes = list(rows)
+        for violation in violations:
+            view.item("nodes", nodes[violation.item]).add_violation(violation, key)
 
 
 def _animated(view: View) -> set[int]:
@@ -141,20 +139,6 @@ def _animated(view: View) -> set[int]:
             if target is not None and target[1] in WIDTH:
                 found.add(target[0])
     return found
-
-
-def _check_rotations(view: View, turns: dict[int, list[float]]) -> None:
-    nodes = list(turns)
-    for violation in rotation_violations(np.array(list(turns.values()))) if turns else ():
-        node = nodes[violation.item]
-        view.add_violation(violation, view.title(node), f"/nodes/{node}/rotation")
-
-
-def _check_matrices(view: View, given: dict[int, list[float]]) -> None:
-    nodes, matrices = list(given), np.array(list(given.values())).reshape(-1, 4, 4)
-    for violation in matrix_violations(matrices) if given else ():
-        node = nodes[violation.item]
-        view.add_violation(violation, view.title(node), f"/nodes/{node}/matrix")
 
 
 # --- joints, once the skins are known

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from rigtri.verification.checks.gltf.tolerant_reader import View
+from rigtri.verification.checks.gltf.tolerant_reader import View, one, titled
 
 # Where indices stand (* is any item), and which list they count.
 _PRIMITIVE = "meshes/*/primitives/*"
@@ -33,7 +33,6 @@ PLACES = (
     ("accessors/*/sparse/values/bufferView", "bufferViews"),
     ("bufferViews/*/buffer", "buffers"),
 )
-_ONE = {"meshes": "mesh", "bufferViews": "buffer view"}
 
 
 def check(view: View) -> None:
@@ -43,7 +42,7 @@ def check(view: View) -> None:
         count = len(items) if isinstance(items, list) else 0
         for pointer, raw in _found(view.raw, path.split("/"), ""):
             if type(raw) is not int or not 0 <= raw < count:
-                view.index(raw, count, _one(among), _place(view, pointer), pointer)
+                view.index(raw, count, one(among), _place(view, pointer), pointer)
 
 
 def _found(value: Any, path: list[str], pointer: str) -> Iterator[tuple[str, Any]]:
@@ -60,18 +59,9 @@ def _found(value: Any, path: list[str], pointer: str) -> Iterator[tuple[str, Any
         yield from _found(item, path[1:], f"{pointer}/{key}")
 
 
-def _one(key: str) -> str:
-    """What to call an item of a list of the file."""
-    return _ONE.get(key, key.removesuffix("s"))
-
-
 def _place(view: View, pointer: str) -> str:
     _, key, number, *inner = pointer.split("/")
-    item = view.raw[key][int(number)]
-    name = item.get("name") if isinstance(item, dict) else None
-    place = (
-        f"{_one(key)} '{name}' (#{number})" if isinstance(name, str) and name else f"{_one(key)} #{number}"
-    )
+    place = titled(one(key), view.raw[key][int(number)], int(number))
     return f"{place}, primitive {inner[1]}" if inner[:1] == ["primitives"] else place
 
 

@@ -7,60 +7,38 @@ Source: glTF 2.0 §3.7.3.
 
 from __future__ import annotations
 
-from typing import Any
-
 from rigtri.formats.gltf.rules import OF_ONE_JOINT, bind_violations, joint_violations, joints_outside
 from rigtri.verification.checks.findings import listed
-from rigtri.verification.checks.gltf.tolerant_reader import View
+from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 
 def check(view: View) -> None:
     """All skins. Fills ``view.joints``."""
     used = {node.get("skin") for node in view.nodes if type(node.get("skin")) is int}
-    for number, skin in enumerate(view.lists["skins"]):
-        place, pointer = title(view, number), f"/skins/{number}"
-        joints = _joints(view, skin, place, pointer)
-        _check_tree(view, skin, [joint for joint in joints if joint is not None], place, pointer)
-        _check_binds(view, skin, joints, place, pointer)
+    for number, skin in enumerate(view.each("skins")):
+        joints = skin.indices("joints", "node", "gltf.skin.joint-missing")
+        for violation in joint_violations(joints, view.title):
+            skin.add_violation(violation, f"joints/{violation.item}" if joints else "joints")
+        present = [joint for joint in joints if joint is not None]
+        for joint in present:
+            view.joints.setdefault(joint, skin.place)
+        _check_tree(view, skin, present)
+        _check_binds(view, skin, joints)
         if number not in used:
-            view.add("gltf.skin.unused", place, pointer, "no node uses it")
+            skin.add("gltf.skin.unused", "no node uses it")
 
 
-def title(view: View, number: int) -> str:
-    """What to call a skin."""
-    name = view.lists["skins"][number].get("name")
-    return f"skin '{name}' (#{number})" if isinstance(name, str) and name else f"skin #{number}"
-
-
-def _joints(view: View, skin: dict[str, Any], place: str, pointer: str) -> list[int | None]:
-    """The joints of a skin, None in place of each that is not there."""
-    listed_here = view.items(skin, "joints", place, pointer)
-    joints = [
-        view.index(raw, len(view.nodes), "node", place, f"{pointer}/joints/{k}", "gltf.skin.joint-missing")
-        for k, raw in enumerate(listed_here)
-    ]
-    for violation in joint_violations(joints, view.title):
-        at = f"/{violation.item}" if joints else ""
-        view.add_violation(violation, place, f"{pointer}/joints{at}")
-    for joint in joints:
-        if joint is not None:
-            view.joints.setdefault(joint, place)
-    return joints
-
-
-def _check_tree(view: View, skin: dict[str, Any], joints: list[int], place: str, pointer: str) -> None:
+def _check_tree(view: View, skin: Item, joints: list[int]) -> None:
     top = _topmost(view)
     roots = sorted({top[joint] for joint in joints})
     if len(roots) > 1:
         text = f"its joints hang in {len(roots)} trees, below {listed(view.titles(roots))}"
-        view.add("gltf.skin.no-common-root", place, f"{pointer}/joints", text)
-    pivot = view.reference(skin, "skeleton", "node", place, pointer)
-    if pivot is None:
-        return
-    outside = joints_outside(joints, pivot, view.above)
-    if outside:
+        skin.add("gltf.skin.no-common-root", text, "joints")
+    pivot = skin.reference("skeleton", "node")
+    outside = [] if pivot is None else joints_outside(joints, pivot, view.above)
+    if pivot is not None and outside:
         text = f"its skeleton, {view.title(pivot)}, is not above {listed(view.titles(outside), 3)}"
-        view.add("gltf.skin.skeleton-not-above", place, f"{pointer}/skeleton", text)
+        skin.add("gltf.skin.skeleton-not-above", text, "skeleton")
 
 
 def _topmost(view: View) -> list[int]:
@@ -77,21 +55,17 @@ def _topmost(view: View) -> list[int]:
     return top
 
 
-def _check_binds(
-    view: View, skin: dict[str, Any], joints: list[int | None], place: str, pointer: str
-) -> None:
-    where = f"{pointer}/inverseBindMatrices"
-    if "inverseBindMatrices" not in skin:
-        text = "has no inverse bind matrices; they count as identity"
-        view.add("gltf.skin.inverse-bind-missing", place, pointer, text)
+def _check_binds(view: View, skin: Item, joints: list[int | None]) -> None:
+    key = "inverseBindMatrices"
+    if key not in skin.raw:
+        skin.add("gltf.skin.inverse-bind-missing", "has no inverse bind matrices; they count as identity")
         return
-    numbers = view.read(skin["inverseBindMatrices"], place, where)
+    numbers = skin.read(key)
     if numbers is None:
         return
-    component = view.raw_accessor(skin["inverseBindMatrices"]).get("componentType")
-    for violation in bind_violations(numbers, component, len(joints)):
-        at = place
+    for violation in bind_violations(numbers, skin.accessor(key).get("componentType"), len(joints)):
+        place = skin.place
         if violation.rule in OF_ONE_JOINT:
             joint = joints[violation.item]
-            at = f"{place}, {f'joint {violation.item}' if joint is None else view.title(joint)}"
-        view.add_violation(violation, at, where)
+            place += f", {f'joint {violation.item}' if joint is None else view.title(joint)}"
+        view.add(violation.rule, place, f"{skin.pointer}/{key}", violation.text)

@@ -16,7 +16,6 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container
-from rigtri.formats.gltf.node_reader import title
 from rigtri.formats.gltf.structure import LISTS
 from rigtri.formats.gltf.uris import file_of, is_data
 from rigtri.formats.json_values import Value, short_repr
@@ -30,13 +29,99 @@ _BLOCK = 1 << 16
 FOREIGN = ("MAT2", "MAT3")
 
 
+class Item:
+    """An object of the JSON, what to call it in findings, and where it stands.
+
+    What in it is not as it should be becomes a finding, and is read as if it were not there.
+    """
+
+    __slots__ = ("place", "pointer", "raw", "view")
+
+    def __init__(self, view: View, raw: dict[str, Any], place: str, pointer: str) -> None:
+        self.view, self.raw, self.place, self.pointer = view, raw, place, pointer
+
+    def add(self, rule: str, message: str, key: str = "") -> None:
+        """Note what is wrong with it, or with what stands under a key."""
+        self.view.add(rule, self.place, f"{self.pointer}/{key}" if key else self.pointer, message)
+
+    def add_violation(self, violation: Violation | None, key: str = "") -> bool:
+        """Note what a rule has found; whether it has found anything."""
+        if violation is not None:
+            self.add(violation.rule, violation.text, key)
+        return violation is not None
+
+    def object(self, key: str, place: str = "") -> Item:
+        """The object under a key; an empty one where there is none. place: what to call it."""
+        return self._object(self.raw.get(key, {}), key, place)
+
+    def objects(self, key: str, place: str = "") -> list[Item]:
+        """The objects of a list; an empty one in place of each that is none."""
+        return [self._object(raw, f"{key}/{k}", place) for k, raw in enumerate(self.items(key, place))]
+
+    def _object(self, raw: Any, key: str, place: str) -> Item:
+        found = Item(self.view, raw, place or self.place, f"{self.pointer}/{key}")
+        if not isinstance(raw, dict):
+            found.add("gltf.json.value", f"{found.pointer} should be an object, not {short_repr(raw)}")
+            found.raw = {}
+        return found
+
+    def items(self, key: str, place: str = "") -> list[Any]:
+        """The list under a key; nothing where there is none."""
+        found = self.raw.get(key, [])
+        if isinstance(found, list):
+            return found
+        pointer = f"{self.pointer}/{key}"
+        text = f"{pointer} should be a list, not {short_repr(found)}"
+        self.view.add("gltf.json.value", place or self.place, pointer, text)
+        return []
+
+    def index(
+        self, key: str, kind: str, rule: str = "gltf.reference", among: int | None = None
+    ) -> int | None:
+        """The index under a key of one of the file's things of a kind, or of ``among`` things.
+
+        None, with a finding, for anything else.
+        """
+        count = self.view.count(kind) if among is None else among
+        return self.view.index(self.raw.get(key), count, kind, self.place, f"{self.pointer}/{key}", rule)
+
+    def indices(
+        self, key: str, kind: str, rule: str = "gltf.reference", among: int | None = None
+    ) -> list[int | None]:
+        """As `index`, of all items of a list."""
+        count, pointer = self.view.count(kind) if among is None else among, f"{self.pointer}/{key}"
+        return [
+            self.view.index(raw, count, kind, self.place, f"{pointer}/{k}", rule)
+            for k, raw in enumerate(self.items(key))
+        ]
+
+    def reference(self, key: str, kind: str) -> int | None:
+        """As `index`; None, without a finding, where nothing stands there."""
+        return self.index(key, kind) if key in self.raw else None
+
+    def numbers(self, key: str, count: int) -> list[float] | None:
+        """Exactly ``count`` numbers under a key; None, with a finding, for anything else."""
+        return self.view.numbers(self.raw[key], count, self.place, f"{self.pointer}/{key}")
+
+    def read(self, key: str) -> Floats | None:
+        """The numbers of the accessor under a key, (count, width); None, with a finding, without."""
+        return self.view.read(self.raw.get(key), self.place, f"{self.pointer}/{key}")
+
+    def accessor(self, key: str) -> dict[str, Any]:
+        """The JSON of the accessor under a key, which could be read."""
+        return self.view.raw_accessor(self.raw[key])
+
+
 class View:
     """The JSON of a file as lists of objects, its accessors, and where findings go."""
 
     def __init__(self, container: Container, findings: Findings, *, allow_external: bool) -> None:
         self.container, self.findings = container, findings
         self.raw = container.gltf
-        self.lists = {key: self.objects(self.raw, key, "") for key in (*LISTS, "materials")}
+        self.file = Item(self, self.raw, "file", "")
+        self.lists = {
+            key: [item.raw for item in self.file.objects(key, key)] for key in (*LISTS, "materials")
+        }
         self.nodes = self.lists["nodes"]
         self.above = [-1] * len(self.nodes)
         self.joints: dict[int, str] = {}  # node → the skin that lists it first
@@ -59,54 +144,25 @@ class View:
     def add(self, rule: str, place: str, pointer: str, message: str) -> None:
         self.findings.add(rule, place, pointer, message)
 
-    def add_violation(self, violation: Violation | None, place: str, pointer: str) -> bool:
-        """Note what a rule has found; whether it has found anything."""
-        if violation is not None:
-            self.add(violation.rule, place, pointer, violation.text)
-        return violation is not None
+    def item(self, section: str, number: int) -> Item:
+        """An object of one of the file's lists."""
+        raw = self.lists[section][number]
+        return Item(self, raw, titled(one(section), raw, number), f"/{section}/{number}")
+
+    def each(self, section: str) -> Iterator[Item]:
+        """The objects of one of the file's lists."""
+        return (self.item(section, number) for number in range(len(self.lists[section])))
 
     def title(self, node: int) -> str:
         """What to call a node."""
-        return title(self.nodes, node)
+        return titled("node", self.nodes[node], node)
 
     def titles(self, nodes: Iterable[int]) -> Iterator[str]:
         return (self.title(node) for node in nodes)
 
-    def objects(
-        self, holder: dict[str, Any], key: str, place: str, pointer: str = ""
-    ) -> list[dict[str, Any]]:
-        """The objects of a list; an empty one in place of each that is none."""
-        found = []
-        for number, item in enumerate(self.items(holder, key, place, pointer)):
-            if not isinstance(item, dict):
-                where = f"{pointer}/{key}/{number}"
-                self.add(
-                    "gltf.json.value",
-                    place or key,
-                    where,
-                    f"{where} should be an object, not {short_repr(item)}",
-                )
-                item = {}
-            found.append(item)
-        return found
-
-    def items(self, holder: dict[str, Any], key: str, place: str, pointer: str = "") -> list[Any]:
-        """The list under a key; nothing where there is none."""
-        found = holder.get(key, [])
-        if isinstance(found, list):
-            return found
-        where = f"{pointer}/{key}"
-        self.add("gltf.json.value", place or key, where, f"{where} should be a list, not {short_repr(found)}")
-        return []
-
-    def object(self, holder: dict[str, Any], key: str, place: str, pointer: str) -> dict[str, Any]:
-        """The object under a key; an empty one where there is none."""
-        found = holder.get(key, {})
-        if isinstance(found, dict):
-            return found
-        where = f"{pointer}/{key}"
-        self.add("gltf.json.value", place, where, f"{where} should be an object, not {short_repr(found)}")
-        return {}
+    def count(self, kind: str) -> int:
+        """How many things of a kind the file has."""
+        return len(self.lists["meshes" if kind == "mesh" else f"{kind}s"])
 
     def index(
         self, raw: Any, among: int, kind: str, place: str, pointer: str, rule: str = "gltf.reference"
@@ -124,13 +180,6 @@ class View:
             self.add(rule, place, pointer, f"there is no {kind} {number}, the file has {among}")
             return None
         return number
-
-    def reference(self, holder: dict[str, Any], key: str, kind: str, place: str, pointer: str) -> int | None:
-        """An index under a key into one of the file's lists; None where there is none."""
-        if key not in holder:
-            return None
-        among = self.lists["meshes" if kind == "mesh" else f"{kind}s"]
-        return self.index(holder[key], len(among), kind, place, f"{pointer}/{key}")
 
     def numbers(self, raw: Any, count: int, place: str, pointer: str) -> list[float] | None:
         """Exactly ``count`` numbers; None, with a finding, for anything else."""
@@ -288,6 +337,17 @@ class View:
             {key: value for key, value in raw.items() if key != "uri"} if index in self._broken else raw
             for index, raw in enumerate(self.lists["buffers"])
         ]
+
+
+def one(section: str) -> str:
+    """What to call an item of a list of the file."""
+    return {"meshes": "mesh", "bufferViews": "buffer view"}.get(section, section.removesuffix("s"))
+
+
+def titled(kind: str, raw: Any, number: int) -> str:
+    """What to call a thing of the file in a message."""
+    name = raw.get("name") if isinstance(raw, dict) else None
+    return f"{kind} '{name}' (#{number})" if isinstance(name, str) and name else f"{kind} #{number}"
 
 
 def _exists(path: Path) -> bool:

@@ -6,14 +6,13 @@ Source: VRM 0.0 README; VRMC_vrm 1.0; VRMC_vrm_animation 1.0.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
-from rigtri.verification.checks.gltf import humanoid_bones
-from rigtri.verification.checks.gltf.tolerant_reader import View
+from rigtri.verification.checks.gltf.humanoid_bones import ABOVE, ABOVE_0, REQUIRED, REQUIRED_0, needs_parent
+from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
 TURNED = 1e-4
@@ -23,77 +22,51 @@ _PERSON_0 = ("Auto", "Both", "ThirdPersonOnly", "FirstPersonOnly")
 
 def check(view: View) -> None:
     """What the extensions of the file state about its humanoid."""
-    extensions = view.object(view.raw, "extensions", "file", "")
-    if "VRM" in extensions:
-        _check_0(view, view.object(extensions, "VRM", "VRM", "/extensions"), "/extensions/VRM")
-    if "VRMC_vrm" in extensions:
-        _check_1(view, view.object(extensions, "VRMC_vrm", "VRM", "/extensions"), "/extensions/VRMC_vrm")
-    if "VRMC_vrm_animation" in extensions:
-        pointer = "/extensions/VRMC_vrm_animation"
-        _check_animation(view, view.object(extensions, "VRMC_vrm_animation", "VRMA", "/extensions"), pointer)
+    extensions = view.file.object("extensions")
+    for name, place, check_extension in (
+        ("VRM", "VRM", _check_0),
+        ("VRMC_vrm", "VRM", _check_1),
+        ("VRMC_vrm_animation", "VRMA", _check_animation),
+    ):
+        if name in extensions.raw:
+            check_extension(view, extensions.object(name, place))
 
 
 # --- the humanoid
 
 
-def _check_1(view: View, vrm: dict[str, Any], pointer: str) -> None:
-    found = _human_bones(view, vrm, pointer, "vrm.humanoid.bone-unknown")
-    _check_humanoid(
-        view, found, humanoid_bones.REQUIRED, humanoid_bones.ABOVE, f"{pointer}/humanoid/humanBones"
-    )
+def _check_1(view: View, vrm: Item) -> None:
+    bones = vrm.object("humanoid", "humanoid").object("humanBones")
+    found = _human_bones(bones, "vrm.humanoid.bone-unknown")
+    _check_humanoid(view, found, REQUIRED, ABOVE, bones.pointer)
     for bone, node in found.items():
-        if (
-            bone not in humanoid_bones.ABOVE
-            or humanoid_bones.ABOVE[bone] in found
-            or not humanoid_bones.needs_parent(bone)
-        ):
-            continue
-        text = f"is assigned to {view.title(node)}, but {humanoid_bones.ABOVE[bone]} is not assigned"
-        view.add("vrm.humanoid.parent-missing", f"bone {bone}", f"{pointer}/humanoid/humanBones/{bone}", text)
+        if bone in ABOVE and ABOVE[bone] not in found and needs_parent(bone):
+            text = f"is assigned to {view.title(node)}, but {ABOVE[bone]} is not assigned"
+            view.add("vrm.humanoid.parent-missing", f"bone {bone}", f"{bones.pointer}/{bone}", text)
     _check_scales(view, found)
-    expressions = view.object(vrm, "expressions", "expressions", pointer)
-    for kind in ("preset", "custom"):
-        group = view.object(expressions, kind, "expressions", f"{pointer}/expressions")
-        for name in group:
-            where = f"{pointer}/expressions/{kind}"
-            item = view.object(group, name, f"expression '{name}'", where)
-            _check_expression(view, item, f"expression '{name}'", f"{where}/{name}")
-    person = view.object(vrm, "firstPerson", "firstPerson", pointer)
-    where = f"{pointer}/firstPerson"
-    for k, item in enumerate(view.objects(person, "meshAnnotations", "firstPerson", where)):
-        place, at = f"first-person annotation {k}", f"{where}/meshAnnotations/{k}"
-        shown = view.index(item.get("node"), len(view.nodes), "node", place, f"{at}/node", "vrm.first-person")
+    for expression in _expressions(vrm):
+        _check_expression(view, expression)
+    person = vrm.object("firstPerson", "firstPerson")
+    for k, item in enumerate(person.objects("meshAnnotations")):
+        item.place = f"first-person annotation {k}"
+        shown = item.index("node", "node", "vrm.first-person")
         if shown is not None and "mesh" not in view.nodes[shown]:
-            view.add("vrm.first-person", place, f"{at}/node", f"{view.title(shown)} shows no mesh")
-        if item.get("type", "auto") not in _PERSON:
-            view.add("vrm.first-person", place, f"{at}/type", f"its type is {short_repr(item.get('type'))}")
+            item.add("vrm.first-person", f"{view.title(shown)} shows no mesh", "node")
+        if item.raw.get("type", "auto") not in _PERSON:
+            item.add("vrm.first-person", f"its type is {short_repr(item.raw.get('type'))}", "type")
 
 
-def _human_bones(view: View, vrm: dict[str, Any], pointer: str, unknown: str) -> dict[str, int]:
+def _human_bones(bones: Item, unknown: str) -> dict[str, int]:
     """bone → node, of the bones whose node is there."""
-    humanoid = view.object(vrm, "humanoid", "humanoid", pointer)
-    given = view.object(humanoid, "humanBones", "humanoid", f"{pointer}/humanoid")
     found = {}
-    for bone in given:
-        where = f"{pointer}/humanoid/humanBones"
-        item = view.object(given, bone, f"bone {bone}", where)
-        node = _bone_node(view, item, bone, f"{where}/{bone}")
-        if bone not in humanoid_bones.ABOVE:
-            view.add(unknown, f"bone {bone}", f"{where}/{bone}", "VRM knows no such bone")
+    for bone in bones.raw:
+        item = bones.object(bone, f"bone {bone}")
+        node = item.index("node", "node", "vrm.humanoid.node-missing")
+        if bone not in ABOVE:
+            item.add(unknown, "VRM knows no such bone")
         if node is not None:
             found[bone] = node
     return found
-
-
-def _bone_node(view: View, item: dict[str, Any], bone: str, where: str) -> int | None:
-    return view.index(
-        item.get("node"),
-        len(view.nodes),
-        "node",
-        f"bone {bone}",
-        f"{where}/node",
-        "vrm.humanoid.node-missing",
-    )
 
 
 def _check_humanoid(
@@ -108,10 +81,6 @@ def _check_humanoid(
             text = f"{view.title(node)} is {holders[node]} and {bone}"
             view.add("vrm.humanoid.node-twice", f"bone {bone}", where, text)
         holders.setdefault(node, bone)
-    _check_order(view, found, above, where)
-
-
-def _check_order(view: View, found: Mapping[str, int], above: Mapping[str, str], where: str) -> None:
     for bone, node in found.items():
         parent = above.get(bone, "")
         while parent and parent not in found:
@@ -128,126 +97,116 @@ def is_above(view: View, ancestor: int, node: int) -> bool:
     return node == ancestor
 
 
+def _numbers(view: View, node: int, key: str, count: int) -> list[float] | None:
+    """The numbers of a node; None where there are none, or wrong ones, which are reported already."""
+    raw = view.nodes[node].get(key)
+    if isinstance(raw, list) and len(raw) == count and all(type(x) in (int, float) for x in raw):
+        return raw
+    return None
+
+
 def _check_scales(view: View, found: Mapping[str, int]) -> None:
     for bone, node in found.items():
-        raw = view.nodes[node].get("scale", [1, 1, 1])
-        if not isinstance(raw, list) or len(raw) != 3 or not all(type(x) in (int, float) for x in raw):
-            continue  # reported already
-        place, where, numbers = f"bone {bone}", f"/nodes/{node}/scale", " ".join(f"{x:g}" for x in raw)
-        if min(raw) <= 0:
-            view.add("vrm.humanoid.scale", place, where, f"the scale of {view.title(node)} is {numbers}")
-        elif max(raw) - min(raw) > SAME_SCALE * max(raw):
-            text = f"the scale of {view.title(node)} is {numbers}"
-            view.add("vrm.humanoid.scale-nonuniform", place, where, text)
+        scale = _numbers(view, node, "scale", 3)
+        if scale is None:
+            continue
+        text = f"the scale of {view.title(node)} is {' '.join(f'{x:g}' for x in scale)}"
+        if min(scale) <= 0:
+            view.add("vrm.humanoid.scale", f"bone {bone}", f"/nodes/{node}/scale", text)
+        elif max(scale) - min(scale) > SAME_SCALE * max(scale):
+            view.add("vrm.humanoid.scale-nonuniform", f"bone {bone}", f"/nodes/{node}/scale", text)
 
 
 # --- expressions
 
 
-def _check_expression(view: View, item: dict[str, Any], place: str, pointer: str) -> None:
-    for k, bind in enumerate(view.objects(item, "morphTargetBinds", place, pointer)):
-        where = f"{pointer}/morphTargetBinds/{k}"
-        node = view.index(
-            bind.get("node"), len(view.nodes), "node", place, f"{where}/node", "vrm.expression.node"
-        )
+def _expressions(extension: Item) -> list[Item]:
+    """The expressions of VRM 1.0 and of VRMA."""
+    groups = extension.object("expressions", "expressions")
+    found = []
+    for group in map(groups.object, ("preset", "custom")):
+        found += [group.object(name, f"expression '{name}'") for name in group.raw]
+    return found
+
+
+def _check_expression(view: View, item: Item) -> None:
+    for bind in item.objects("morphTargetBinds"):
+        node = bind.index("node", "node", "vrm.expression.node")
         if node is None:
             continue
         mesh = view.nodes[node].get("mesh")
-        if type(mesh) is not int or not 0 <= mesh < len(view.lists["meshes"]):
-            view.add("vrm.expression.node", place, f"{where}/node", f"{view.title(node)} shows no mesh")
+        if type(mesh) is not int or not 0 <= mesh < view.count("mesh"):
+            bind.add("vrm.expression.node", f"{view.title(node)} shows no mesh", "node")
         else:
-            _check_morph(view, bind, mesh, place, where)
+            _check_morph(view, bind, mesh)
     for key in ("materialColorBinds", "textureTransformBinds"):
-        for k, bind in enumerate(view.objects(item, key, place, pointer)):
-            count, where = len(view.lists["materials"]), f"{pointer}/{key}/{k}/material"
-            view.index(bind.get("material"), count, "material", place, where, "vrm.expression.material")
+        for bind in item.objects(key):
+            bind.index("material", "material", "vrm.expression.material")
 
 
-def _check_morph(view: View, bind: dict[str, Any], mesh: int, place: str, where: str) -> None:
-    primitives = view.objects(view.lists["meshes"][mesh], "primitives", f"mesh #{mesh}", f"/meshes/{mesh}")
-    count = max((len(view.items(p, "targets", f"mesh #{mesh}")) for p in primitives), default=0)
-    view.index(bind.get("index"), count, "morph target", place, f"{where}/index", "vrm.expression.morph")
+def _check_morph(view: View, bind: Item, number: int) -> None:
+    mesh = Item(view, view.lists["meshes"][number], f"mesh #{number}", f"/meshes/{number}")
+    count = max((len(primitive.items("targets")) for primitive in mesh.objects("primitives")), default=0)
+    bind.index("index", "morph target", "vrm.expression.morph", count)
 
 
 # --- VRM 0.x
 
 
-def _check_0(view: View, vrm: dict[str, Any], pointer: str) -> None:
+def _check_0(view: View, vrm: Item) -> None:
     found: dict[str, int] = {}
-    humanoid, where = view.object(vrm, "humanoid", "humanoid", pointer), f"{pointer}/humanoid/humanBones"
-    for k, item in enumerate(view.objects(humanoid, "humanBones", "humanoid", f"{pointer}/humanoid")):
-        bone = str(item.get("bone"))
-        if item.get("node", -1) == -1:
+    humanoid = vrm.object("humanoid", "humanoid")
+    for item in humanoid.objects("humanBones"):
+        bone = str(item.raw.get("bone"))
+        if item.raw.get("node", -1) == -1:
             continue  # how VRM 0 marks a bone that is missing
-        node = _bone_node(view, item, bone, f"{where}/{k}")
-        if bone not in humanoid_bones.ABOVE_0:
-            view.add("vrm.humanoid.bone-unknown", f"bone {bone}", f"{where}/{k}", "VRM knows no such bone")
+        item.place = f"bone {bone}"
+        node = item.index("node", "node", "vrm.humanoid.node-missing")
+        if bone not in ABOVE_0:
+            item.add("vrm.humanoid.bone-unknown", "VRM knows no such bone")
         if bone in found:
-            view.add("vrm.humanoid.node-twice", f"bone {bone}", f"{where}/{k}", "is assigned twice")
+            item.add("vrm.humanoid.node-twice", "is assigned twice")
         if node is not None:
             found[bone] = node
-    _check_humanoid(view, found, humanoid_bones.REQUIRED_0, humanoid_bones.ABOVE_0, where)
+    _check_humanoid(view, found, REQUIRED_0, ABOVE_0, f"{humanoid.pointer}/humanBones")
     _check_scales(view, found)
     _check_turns(view, found)
-    _check_expressions_0(view, vrm, pointer)
-    person = view.object(vrm, "firstPerson", "firstPerson", pointer)
-    for k, item in enumerate(
-        view.objects(person, "meshAnnotations", "firstPerson", f"{pointer}/firstPerson")
-    ):
-        place, at = f"first-person annotation {k}", f"{pointer}/firstPerson/meshAnnotations/{k}"
-        view.index(
-            item.get("mesh"), len(view.lists["meshes"]), "mesh", place, f"{at}/mesh", "vrm.first-person"
-        )
-        kind = item.get("firstPersonFlag", "Auto")
+    for group in vrm.object("blendShapeMaster", "expressions").objects("blendShapeGroups"):
+        group.place = f"expression '{group.raw.get('name')}'"
+        for bind in group.objects("binds"):
+            mesh = bind.index("mesh", "mesh", "vrm.expression.node")
+            if mesh is not None:
+                _check_morph(view, bind, mesh)
+    for k, item in enumerate(vrm.object("firstPerson", "firstPerson").objects("meshAnnotations")):
+        item.place = f"first-person annotation {k}"
+        item.index("mesh", "mesh", "vrm.first-person")
+        kind = item.raw.get("firstPersonFlag", "Auto")
         if kind not in _PERSON_0:
-            view.add("vrm.first-person", place, f"{at}/firstPersonFlag", f"its type is {short_repr(kind)}")
+            item.add("vrm.first-person", f"its type is {short_repr(kind)}", "firstPersonFlag")
 
 
 def _check_turns(view: View, found: Mapping[str, int]) -> None:
     for bone, node in found.items():
-        raw = view.nodes[node].get("rotation")
-        if not isinstance(raw, list) or len(raw) != 4 or not all(type(x) in (int, float) for x in raw):
-            continue
-        if np.abs(raw[:3]).max() > TURNED:
-            numbers = " ".join(f"{x:g}" for x in raw)
+        rotation = _numbers(view, node, "rotation", 4)
+        if rotation is not None and np.abs(rotation[:3]).max() > TURNED:
+            numbers = " ".join(f"{x:g}" for x in rotation)
             text = f"{view.title(node)} has the rest rotation {numbers}"
             view.add("vrm.rest-rotation", f"bone {bone}", f"/nodes/{node}/rotation", text)
-
-
-def _check_expressions_0(view: View, vrm: dict[str, Any], pointer: str) -> None:
-    master, where = (
-        view.object(vrm, "blendShapeMaster", "expressions", pointer),
-        f"{pointer}/blendShapeMaster",
-    )
-    for k, group in enumerate(view.objects(master, "blendShapeGroups", "expressions", where)):
-        place, at = f"expression '{group.get('name')}'", f"{where}/blendShapeGroups/{k}"
-        for n, bind in enumerate(view.objects(group, "binds", place, at)):
-            count, there = len(view.lists["meshes"]), f"{at}/binds/{n}"
-            mesh = view.index(bind.get("mesh"), count, "mesh", place, f"{there}/mesh", "vrm.expression.node")
-            if mesh is not None:
-                _check_morph(view, bind, mesh, place, there)
 
 
 # --- VRMA
 
 
-def _check_animation(view: View, vrma: dict[str, Any], pointer: str) -> None:
-    found = _human_bones(view, vrma, pointer, "vrma.bone-unknown")
-    _check_humanoid(view, found, (), humanoid_bones.ABOVE, f"{pointer}/humanoid/humanBones")
-    expressions = view.object(vrma, "expressions", "expressions", pointer)
-    places = [("look-at", view.object(vrma, "lookAt", "look-at", pointer), f"{pointer}/lookAt")]
-    for kind in ("preset", "custom"):
-        group = view.object(expressions, kind, "expressions", f"{pointer}/expressions")
-        for name in group:
-            where = f"{pointer}/expressions/{kind}"
-            place = f"expression '{name}'"
-            places.append((place, view.object(group, name, place, where), f"{where}/{name}"))
+def _check_animation(view: View, vrma: Item) -> None:
+    bones = vrma.object("humanoid", "humanoid").object("humanBones")
+    found = _human_bones(bones, "vrma.bone-unknown")
+    _check_humanoid(view, found, (), ABOVE, bones.pointer)
     taken = dict.fromkeys(found.values(), "a bone")
-    for place, item, where in places:
-        if place == "look-at" and "node" not in item:
+    for item in (vrma.object("lookAt", "look-at"), *_expressions(vrma)):
+        if item.place == "look-at" and "node" not in item.raw:
             continue
-        node = view.index(item.get("node"), len(view.nodes), "node", place, f"{where}/node", "vrma.node")
+        node = item.index("node", "node", "vrma.node")
         if node is not None and node in taken:
-            view.add("vrma.node", place, f"{where}/node", f"{view.title(node)} is {taken[node]} already")
+            item.add("vrma.node", f"{view.title(node)} is {taken[node]} already", "node")
         elif node is not None:
-            taken[node] = place
+            taken[node] = item.place
