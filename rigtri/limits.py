@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from numbers import Real
 
 from rigtri.errors import UsageError
@@ -19,12 +18,6 @@ def refuse_unworkable(flag: str, *numbers: float | None) -> None:
             raise UsageError(f"{flag}: {unfit(number)}")
 
 
-def refuse_single_name(flag: str, names: object) -> None:
-    """UsageError where one string stands for a list of names: its letters would be taken for them."""
-    if isinstance(names, str):
-        raise UsageError(f"{flag}: give a list of names, e.g. ({names!r},), not {names!r}")
-
-
 def fits(number: float) -> bool:
     """Whether something is a number, finite and not too large."""
     return isinstance(number, Real) and math.isfinite(number) and abs(number) <= LARGEST
@@ -33,13 +26,7 @@ def fits(number: float) -> bool:
 def unfit(number: float) -> str:
     """What is wrong with a number."""
     if not isinstance(number, Real):
-        return f"{number!r} is no number"
+        return f"{number!r} is not a number"
     if not math.isfinite(number):
         return f"{number:g} is not a finite number"
     return f"{number:g} is more than files can hold to work with; {LARGEST:g} is the most"
-
-
-def refuse_points(flag: str, points: Iterable[Iterable[float]]) -> None:
-    """The same for all coordinates of points."""
-    for point in points:
-        refuse_unworkable(flag, *point)

@@ -29,7 +29,8 @@ from rigtri.maths.quaternions import average, between, conjugate, from_axes, rot
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
-from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Constraint
+from rigtri.model.constraints import Constraint
+from rigtri.model.metadata import ROTATION, SCALE, TRANSLATION
 
 # Sine of the angle between aim and up below which up gives no direction (rounding of float32 positions).
 PARALLEL = 1e-6

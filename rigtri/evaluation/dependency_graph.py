@@ -12,8 +12,8 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Protocol, TypeVar
 
 from rigtri.errors import GeometryError
-from rigtri.model.constraints import ROTATION, TRANSLATION, Constraint, constraints_of
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord
+from rigtri.model.constraints import Constraint, constraints_of
+from rigtri.model.metadata import ROTATION, TRANSLATION, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 
 Dependencies = dict[int, set[int]]

@@ -17,20 +17,17 @@ import numpy as np
 from rigtri.maths.euler import Order
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.metadata import ConstraintKind, ConstraintRecord, ConstraintSpace, WorldUp
+from rigtri.model.metadata import (
+    CHANNELS,
+    ROTATION,
+    ConstraintKind,
+    ConstraintRecord,
+    ConstraintSpace,
+    WorldUp,
+)
 from rigtri.model.rig import Rig
 
 KINDS: tuple[ConstraintKind, ...] = get_args(ConstraintKind)
-TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
-# What each kind sets on its child.
-CHANNELS: dict[ConstraintKind, tuple[str, ...]] = {
-    "parent": TRANSLATION + ROTATION + SCALE,
-    "point": TRANSLATION,
-    "orient": ROTATION,
-    "scale": SCALE,
-    "aim": ROTATION,
-    "polevector": (),
-}
 _WORLD_Y = (0.0, 1.0, 0.0)
 
 

@@ -13,6 +13,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 VERSION = 1
+TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # What the script of export-blender puts below an IK end, as Blender numbers its names.
 SWITCH = re.compile(r"rigtri_ik([._]\d+)?")
 
@@ -27,6 +28,15 @@ NodeConstraintKind = Literal["rotation", "roll", "aim"]
 ReaderKind = Literal["dot", "cone", "rbf"]
 Kernel = Literal["linear", "gaussian"]
 ReaderMode = Literal["swing", "twist", "both"]
+# The channels that each kind of constraint sets on its child.
+CHANNELS: Mapping[ConstraintKind, tuple[str, ...]] = {
+    "parent": TRANSLATION + ROTATION + SCALE,
+    "point": TRANSLATION,
+    "orient": ROTATION,
+    "scale": SCALE,
+    "aim": ROTATION,
+    "polevector": (),
+}
 
 
 @dataclass(frozen=True, kw_only=True)

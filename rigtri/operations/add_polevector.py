@@ -14,7 +14,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
-from rigtri.limits import refuse_unworkable
 from rigtri.maths.triangle import bend_angle, bend_direction, frame, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, normalise, project
@@ -41,8 +40,6 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
     to ``report.limbs``. Raises NameNotFoundError, UsageError, and GeometryError for a
     straight limb of which nothing tells the side.
     """
-    for flag, number in (("--reach", options.reach), ("--distance", options.distance)):
-        refuse_unworkable(flag, number)
     limbs = _limbs(rig, options, report)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")

@@ -8,9 +8,13 @@ Source: measured or read in each program; docs/presets.md has the list.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from rigtri.errors import UsageError
+
+# The options that say a style's axes.
+AXES = ("aim", "up", "up_from")
 
 
 @dataclass(frozen=True)
@@ -21,6 +25,11 @@ class AxisStyle:
     up: str = "y"
     up_from: str = "plane"
     world: bool = False
+
+    def with_axes(self, options: Any) -> AxisStyle:
+        """This style, with what options name of `AXES`."""
+        given = {name: getattr(options, name) for name in AXES if getattr(options, name) is not None}
+        return replace(self, **given)
 
     def checked(self) -> AxisStyle:
         """This style, or UsageError for letters that make no frame."""
@@ -49,3 +58,8 @@ PRESETS: dict[str, AxisStyle] = {
     "three-ik": AxisStyle("z", "y", "plane"),
     "vrm": AxisStyle(world=True),
 }
+
+
+def preset_style(preset: str | None) -> AxisStyle:
+    """The axes of a preset; without any, x aims and y goes up."""
+    return PRESETS[preset] if preset else AxisStyle()

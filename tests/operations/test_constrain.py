@@ -416,7 +416,7 @@ def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
         (
             rule("parent", "child", (("driver", float("nan")),)),
             UsageError,
-            "weight nan",
+            "nan is not",
         ),
         (options("point", "driver", skip=("rx",)), UsageError, "does not set"),
         (options("point", "driver", skip=("t",)), UsageError, "leaves nothing"),

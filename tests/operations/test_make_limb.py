@@ -326,7 +326,7 @@ def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
     ("words", "code", "told"),
     [
         (["--points", "0,0,0", "1,0,0"], 2, "here are 2"),
-        (["--points", "0,0,0", "1,1,0", "2,0,zero"], 2, "no point"),
+        (["--points", "0,0,0", "1,1,0", "2,0,zero"], 2, "not a valid point"),
         (["--points", "0,0,0", "1,1,0", "nan,0,0"], 2, "not a finite number"),
         (["--locators", "a", "b", "c"], 2, "give IN"),
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--no-pole", "--reach", "2"], 2, "--reach is for the pole"),

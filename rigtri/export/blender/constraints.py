@@ -17,7 +17,8 @@ from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross
-from rigtri.model.constraints import ROTATION, SCALE, TRANSLATION, Constraint
+from rigtri.model.constraints import Constraint
+from rigtri.model.metadata import ROTATION, SCALE, TRANSLATION
 from rigtri.report import Report
 
 _GROUPS = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}

@@ -12,12 +12,15 @@ import inspect
 import math
 import types
 import typing
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
+from numbers import Real
 from typing import Annotated, Any, Literal, TypeVar, Union
 
 from rigtri.errors import UsageError
+from rigtri.limits import refuse_unworkable
 from rigtri.model.limb import Limb
 
 T = TypeVar("T")
@@ -36,6 +39,7 @@ class Kind:
     name: by which specs know how it is written there. metavar: for help. parse: one word of a command line
     as the value, ValueError for any other. read: the words of a command line or spec, with the flag for
     messages, as the whole value; UsageError. low, high: bounds of a number, open ones without the bound.
+    help: of options that do not say their own.
     """
 
     name: str
@@ -46,6 +50,20 @@ class Kind:
     high: float | None = None
     low_open: bool = False
     high_open: bool = False
+    help: str = ""
+
+    @property
+    def range(self) -> str:
+        """The bounds of a number in words."""
+        low = "" if self.low is None else f"{'above' if self.low_open else 'at least'} {self.low:g}"
+        high = "" if self.high is None else f"{'below' if self.high_open else 'at most'} {self.high:g}"
+        return " and ".join(filter(None, (low, high)))
+
+    def allows(self, number: float) -> bool:
+        """Whether a number is within the bounds."""
+        above = self.low is None or (number > self.low if self.low_open else number >= self.low)
+        below = self.high is None or (number < self.high if self.high_open else number <= self.high)
+        return above and below
 
 
 @dataclass(frozen=True)
@@ -152,7 +170,8 @@ def _option(one: Any, hint: Any) -> Option:
         hint, kind = typing.get_args(hint)[:2]
     about: dict[str, Any] = {"help": "", "metavar": "", "choices": (), "where": "all", "excludes": ()}
     about |= one.metadata.get(_META, {})
-    about["metavar"] = about["metavar"] or (kind.metavar if kind else "")
+    for word in ("metavar", "help"):
+        about[word] = about[word] or (getattr(kind, word) if kind else "")
     return Option(one.name, hint, kind, optional, default_of(one), **about)
 
 
@@ -202,14 +221,47 @@ def check(options: Any, given: Collection[str] | None = None) -> None:
     if given is None:
         given = [name for name, one in declared.items() if getattr(options, name) != one.default]
     for name, one in declared.items():
-        value = getattr(options, name)
-        if one.choices and value is not None and value not in one.choices:
-            raise UsageError(f"{name}={value!r}: give one of {', '.join(map(repr, one.choices))}")
+        _check_value(one, getattr(options, name))
         for other in one.excludes if name in given else ():
             if other in given:
                 raise UsageError(f"give {one.flag} or {declared[other].flag}, not both")
     if hasattr(options, "check"):
         options.check(given)
+
+
+def _check_value(one: Option, value: Any) -> None:
+    """UsageError for what an option cannot be, whatever the others are."""
+    if value is None:
+        return
+    choices = one.choices or (typing.get_args(one.hint) if typing.get_origin(one.hint) is Literal else ())
+    if choices and value not in choices:
+        raise UsageError(f"{one.name}={value!r}: give one of {', '.join(map(repr, choices))}")
+    if one.hint is bool and not isinstance(value, bool):
+        raise UsageError(f"{one.name}={value!r}: give True or False")
+    if typing.get_origin(one.hint) is tuple and isinstance(value, str):
+        raise UsageError(f"{one.flag}: give a list of names, e.g. ({value!r},), not {value!r}")
+    refuse_unworkable(one.flag, *([value] if one.hint in (int, float) else _numbers(value)))
+    if one.kind is not None and isinstance(value, Real) and not one.kind.allows(float(value)):
+        raise UsageError(f"{one.flag} {value:g}: give a number {one.kind.range}")
+    if one.kind is not None and one.kind.name == "direction" and not any(value):
+        raise UsageError(f"{one.flag} is not a valid direction: use numbers that are not all 0")
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    """The numbers of a value, also of points and lists of them."""
+    if isinstance(value, Real):
+        yield float(value)
+    for each in value if isinstance(value, tuple) else ():
+        yield from _numbers(each)
+
+
+def check_tokens(name: str, tokens: Collection[str]) -> None:
+    """UsageError for a rule for names that has other tokens."""
+    try:
+        name.format(**dict.fromkeys(tokens, "x"))
+    except (KeyError, IndexError, ValueError, AttributeError) as error:
+        known = ", ".join(f"{{{token}}}" for token in tokens)
+        raise UsageError(f"--name {name}: the tokens of a name are {known}") from error
 
 
 def refuse(given: Collection[str], names: Collection[str], why: str) -> None:
@@ -231,22 +283,25 @@ def direction(text: str) -> Vector:
 
 def vector(text: str) -> Vector:
     """Three numbers with commas between. ValueError for anything else, and for all zeros."""
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-        if any((x, y, z)) and all(map(math.isfinite, (x, y, z))):
-            return x, y, z
-    except ValueError:
-        pass
-    raise ValueError(f"'{text}' is no direction: give three numbers, e.g. 0,0,1")
+    with suppress(ValueError):
+        found = three(text)
+        if any(found) and all(map(math.isfinite, found)):
+            return found
+    raise ValueError(f"'{text}' is not a valid direction: use three numbers, e.g. 0,0,1")
+
+
+def three(text: str) -> Vector:
+    """Three numbers with commas between. ValueError, in Python's words, for anything else."""
+    x, y, z = (float(part) for part in text.split(","))
+    return x, y, z
 
 
 def point(text: str) -> Vector:
-    """Three numbers with commas between. ValueError for anything else."""
+    """The same; ValueError in the user's words."""
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        return three(text)
     except ValueError:
-        raise ValueError(f"'{text}' is no point: give x,y,z") from None
-    return x, y, z
+        raise ValueError(f"'{text}' is not a valid point: use x,y,z") from None
 
 
 def _bends(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
@@ -289,8 +344,44 @@ Axis = Annotated[str, Kind("axis", "AXIS")]
 Number = Annotated[float, Kind("number")]
 Above = Annotated[float, Kind("number", low=0, low_open=True)]
 Tolerance = Annotated[float, Kind("tolerance", low=0)]
-Share = Annotated[float, Kind("number", low=0, high=1, high_open=True)]
+SoftIk = Annotated[
+    float,
+    Kind(
+        "number",
+        "SHARE",
+        low=0,
+        high=1,
+        high_open=True,
+        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
+        "[as stored, or 0]",
+    ),
+]
 Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
+Facing = Annotated[
+    Vector,
+    Kind(
+        "direction",
+        "AXIS|X,Y,Z",
+        parse=direction,
+        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
+    ),
+]
+OnNonuniformScale = Annotated[
+    Literal["snap", "skip", "split", "error"],
+    Kind(
+        "choice",
+        help="A joint whose scale would shear: use the nearest exact axes, skip it, hold its axes in "
+        "a new parent node (split; USD: with --allow-rename), or stop.",
+    ),
+]
+OnConstraint = Annotated[
+    Literal["freeze", "error"],
+    Kind(
+        "choice",
+        help="A joint whose new axes would change what a VRM node constraint does: rotate it as the "
+        "constraint allows or not at all, with a warning; or stop.",
+    ),
+]
 Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]
 Points = Annotated[tuple[Vector, ...], Kind("points", "X,Y,Z", parse=point)]
 Integers = Annotated[tuple[int, ...], Kind("integers", "N")]

@@ -8,20 +8,20 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 from rigtri.errors import UsageError
-from rigtri.limits import refuse_unworkable
 from rigtri.model.control_shapes import KINDS
 from rigtri.operations.declaration.option import (
     Above,
     Auto,
     Bends,
     Chains,
-    Direction,
     EndKind,
+    Facing,
     Kind,
     Limbs,
     Nodes,
-    Share,
+    SoftIk,
     Vector,
+    check_tokens,
     option,
     vector,
 )
@@ -106,17 +106,9 @@ class AddControlsOptions:
         None,
         help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
     )
-    soft: Share | None = option(
-        None,
-        metavar="SHARE",
-        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
-        "[as stored, or 0]",
-    )
+    soft: SoftIk | None = option(None)
     stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
-    facing: Direction | None = option(
-        None,
-        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
-    )
+    facing: Facing | None = option(None)
     root: str | None = option(None, where="shared")
     bend: Bends = option({}, where="python")
 
@@ -136,18 +128,9 @@ class AddControlsOptions:
             raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
         if unknown := [side for side in self.color if side not in _SIDES.values()]:
             raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
-        refuse_unworkable("--size", self.size)
-        if self.size is not None and not self.size > 0:
-            raise UsageError(f"--size {self.size:g}: a size is a number above 0")
         if self.as_ is not None and not (self.ik or self.limbs or self.whole_character):
             raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
-        try:
-            (self.name or NAME).format(**dict.fromkeys(TOKENS, "x"))
-        except (KeyError, IndexError, ValueError, AttributeError) as error:
-            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
-            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
-        if self.soft is not None and not 0 <= self.soft < 1:
-            raise UsageError("--soft is a share of the limb, from 0 to below 1")
+        check_tokens(self.name or NAME, TOKENS)
         named = self.joints or self.chain or self.below or self.ik or self.limbs
         if not (named or self.whole_character or self.root_control):
             raise UsageError(

@@ -12,8 +12,8 @@ from rigtri.operations.declaration.option import (
     Auto,
     Bends,
     Chains,
-    Direction,
     EndKind,
+    Facing,
     Limbs,
     Node,
     option,
@@ -66,10 +66,7 @@ class AddPolevectorOptions(PlacementOptions):
         None, help="Find arms and legs automatically, as rigtri recognise shows them."
     )
     bend: Bends = option({}, help="Bend direction of that joint's limb; required if it is straight.")
-    facing: Direction | None = option(
-        None,
-        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
-    )
+    facing: Facing | None = option(None)
     name: str | None = option(None, help="Name of the locator. [MIDDLE_pole]")
     as_: EndKind | None = option(
         None, help="A plain node, or a joint of the limb's skin, which engines import. [locator]"

@@ -6,7 +6,6 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from rigtri.errors import UsageError
-from rigtri.limits import refuse_points, refuse_unworkable
 from rigtri.operations.declaration.option import Above, Integers, Name, Names, Points, Tolerance, option
 
 
@@ -66,11 +65,9 @@ class AddRivetOptions:
             if not all(0 <= w <= 1 for w in weights) or abs(weights[0] + weights[1] + weights[2] - 1) > 1e-6:
                 words = ",".join(f"{w:g}" for w in weights)
                 raise UsageError(f"--barycentric {words}: three weights from 0 to 1 that sum to 1")
-        refuse_points("--at", self.at)
-        refuse_unworkable("--fps", self.fps)
         if len(self.name) > 1 and len(self.name) != self.count:
             raise UsageError(f"{len(self.name)} names for {self.count} rivets; give one for each, or one")
         if len(set(self.name)) < len(self.name):
             raise UsageError("each rivet needs a name of its own")
-        if not self.within > 0 or (self.fps is not None and not self.fps > 0):
-            raise UsageError("--within and --fps are numbers above 0")
+        if not self.within > 0:
+            raise UsageError("--within is a number above 0")

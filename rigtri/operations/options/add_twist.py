@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Annotated
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import Auto, Direction, Kind, Limbs, Nodes, option
+from rigtri.operations.declaration.option import Auto, Direction, Kind, Limbs, Nodes, check_tokens, option
 
 MOST = 64
 NAME = "{joint}_twist_{number}"
@@ -75,18 +74,10 @@ class AddTwistOptions:
             raise UsageError(
                 "name the bones: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto"
             )
-        if not 1 <= self.count <= MOST:
-            raise UsageError(f"--count {self.count}: a bone takes 1 to {MOST} twist joints")
         if self.weights and len(self.weights) != self.count:
             raise UsageError(f"--weights: {len(self.weights)} weights for {self.count} twist joints")
         if not all(-1.0 <= weight <= 1.0 for weight in self.weights):
             raise UsageError("--weights: each lies between -1 and 1")
         if self.weights and (self.limb or self.limbs) and self.upper == self.lower:
             raise UsageError("--weights: choose the bone of the limbs, --upper or --lower")
-        if self.axis is not None and not (all(map(math.isfinite, self.axis)) and any(self.axis)):
-            raise UsageError("--axis is not a valid direction: use numbers that are not all 0")
-        try:
-            self.name.format(joint="x", number=1)
-        except (KeyError, IndexError, ValueError, AttributeError) as error:
-            tokens = ", ".join(f"{{{token}}}" for token in TOKENS)
-            raise UsageError(f"--name {self.name}: the tokens of a name are {tokens}") from error
+        check_tokens(self.name, TOKENS)

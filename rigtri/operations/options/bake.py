@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
-from rigtri.errors import UsageError
-from rigtri.limits import refuse_single_name, refuse_unworkable
 from rigtri.operations.declaration.option import (
     Above,
     ClipNames,
     Names,
     RigFile,
-    Share,
+    SoftIk,
     Tolerance,
     option,
     refuse,
 )
 
 Direction = Literal["joints", "controls"]
-DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
 # How far what lies between samples may be off unless another share of the size is given: less than what
 # thirty frames a second leave, and few keys for animators; a hundredth of it takes ten times as many.
 BETWEEN = 1e-3
@@ -53,12 +50,7 @@ class BakeOptions:
         None, help="Samples per second besides the keys, and no others. [as many as --between needs]"
     )
     between: Tolerance = option(BETWEEN, help="Largest error between samples, as a share of the rig's size.")
-    soft: Share | None = option(
-        None,
-        metavar="SHARE",
-        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
-        "[as stored, or 0]",
-    )
+    soft: SoftIk | None = option(None)
     stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
     tolerance: Tolerance = option(1e-5, where="shared")
 
@@ -66,19 +58,3 @@ class BakeOptions:
         """UsageError for what cannot be."""
         if self.rig_ is None:
             refuse(given, ["as_"], "names clips of another file: give that file with --rig")
-        if self.to not in DIRECTIONS:
-            raise UsageError(f"--to {self.to}: use {', '.join(DIRECTIONS)}")
-        refuse_single_name("--clip", self.clip)
-        numbers = (("--fps", self.fps), ("--tolerance", self.tolerance), ("--soft", self.soft))
-        for flag, number in (*numbers, ("--between", self.between)):
-            refuse_unworkable(flag, number)
-        if self.fps is not None and not self.fps > 0:
-            raise UsageError("--fps is a number above 0, e.g. 30")
-        if not self.between >= 0:
-            raise UsageError("--between is a share of the rig's size, 0 or more")
-        if not self.tolerance >= 0:
-            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
-        if self.soft is not None and not 0 <= self.soft < 1:
-            raise UsageError("--soft is a share of the limb, from 0 to below 1")
-        if self.stretch is not None and not isinstance(self.stretch, bool):
-            raise UsageError(f"stretch={self.stretch!r}: True, False or None (as stored)")

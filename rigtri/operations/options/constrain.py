@@ -9,19 +9,19 @@ from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
-from rigtri.operations.declaration.option import Direction, Kind, LimbNames, Node, Vector, option, refuse
+from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION
+from rigtri.operations.declaration.option import (
+    Direction,
+    Kind,
+    LimbNames,
+    Node,
+    Vector,
+    option,
+    refuse,
+    three,
+)
 
-_TRANSLATION, _ROTATION, _SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
-# The channels that each type sets on its child.
-_CHANNELS: dict[str, tuple[str, ...]] = {
-    "parent": _TRANSLATION + _ROTATION + _SCALE,
-    "point": _TRANSLATION,
-    "orient": _ROTATION,
-    "scale": _SCALE,
-    "aim": _ROTATION,
-    "polevector": (),
-}
-_THREE = {"t": _TRANSLATION, "r": _ROTATION, "s": _SCALE}
+_THREE = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
 _AIM_ONLY = ("aim_axis", "up_axis", "world_up", "up_vector", "up_object")
 _ROTATION_ONLY = ("rotate_order", "joint_orient")
 # Axes whose cross product is shorter lie on one line.
@@ -39,12 +39,12 @@ def joint_orient(text: str) -> Literal["rest", "none"] | Vector:
     if text == "none":
         return "none"
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        angles = three(text)
     except ValueError:
         raise ValueError(f"'{text}': give rest, none or X,Y,Z in degrees") from None
-    if not all(abs(part) < 1e6 for part in (x, y, z)):
+    if not all(abs(part) < 1e6 for part in angles):
         raise ValueError(f"'{text}': angles are degrees below a million")
-    return x, y, z
+    return angles
 
 
 # NODE=WEIGHT, of which the name may hold ``=`` itself, so that the rig must be asked; Python may give pairs.
@@ -133,9 +133,9 @@ class ConstrainOptions:
             raise UsageError("name the node that follows: --child NODE")
 
     def _check_skip(self) -> None:
-        known = _CHANNELS[self.type]
+        known = CHANNELS[self.type]
         for channel in sorted(self.skipped):
-            if channel not in _CHANNELS["parent"]:
+            if channel not in CHANNELS["parent"]:
                 raise UsageError(f"--skip {channel}: the channels are tx, ty, tz, rx … sz, or t, r, s")
             if channel not in known:
                 raise UsageError(f"--skip {channel}: a {self.type} constraint does not set it")
@@ -155,8 +155,6 @@ class ConstrainOptions:
     def _check_aim(self) -> None:
         if self.up_vector is not None and self.world_up not in ("vector", "objectrotation"):
             raise UsageError(f"--up-vector means nothing with --world-up {self.world_up}")
-        if not (any(self.aim_axis) and any(self.up_axis)):
-            raise UsageError("--aim-axis and --up-axis are directions; they cannot be zero")
         if self.world_up != "none" and _on_one_line(self.aim_axis, self.up_axis):
             raise UsageError("--aim-axis and --up-axis lie on one line; name two different axes")
         if (self.world_up in ("object", "objectrotation")) != (self.up_object is not None):

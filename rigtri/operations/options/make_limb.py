@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
-from rigtri.limits import refuse_points
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
 from rigtri.operations.declaration.option import (
     Axis,
     EndKind,
@@ -22,20 +21,19 @@ from rigtri.operations.declaration.option import (
     key_of,
     option,
     refuse,
+    three,
 )
 from rigtri.operations.options.add_polevector import AddPolevectorOptions, PlacementOptions
 
 _PLACEMENT = ("method", "from_", "reach", "distance", "reach_of", "orientation")
-_AXES = ("aim", "up", "up_from")
 
 
 def _node_or_point(_flag: str, text: str) -> str | Vector:
     """Coordinates as three numbers, anything else as the name of a node."""
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        return three(text)
     except ValueError:
         return text
-    return x, y, z
 
 
 @dataclass(frozen=True)
@@ -89,19 +87,14 @@ class MakeLimbOptions(PlacementOptions):
                 [*_PLACEMENT, "pole_name", "as_"],
                 "is for the pole vector, and --no-pole leaves it out",
             )
-        if self.preset == "vrm" and any(getattr(self, name) is not None for name in _AXES):
-            flags = ", ".join(f"--{key_of(name)}" for name in _AXES)
+        if self.preset == "vrm" and any(getattr(self, name) is not None for name in AXES):
+            flags = ", ".join(f"--{key_of(name)}" for name in AXES)
             raise UsageError(f"--preset vrm: its frames are parallel to the world; leave out {flags}")
-        if self.side not in (None, "left", "right"):
-            raise UsageError(f"--side {self.side}: give left or right")
         if bool(self.locators) == bool(self.points):
             raise UsageError(
                 "give the positions of the joints: --locators A B C, or --points x,y,z x,y,z x,y,z"
             )
         self._check_count(len(self.locators or self.points))
-        refuse_points("--points", self.points)
-        refuse_points("--end-aim", [self.end_aim] if isinstance(self.end_aim, tuple) else [])
-        refuse_points("--bend", [self.bend] if self.bend is not None else [])
         if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
             raise UsageError("--pose is for locators; points have fixed positions")
         self.style.checked()
@@ -119,9 +112,7 @@ class MakeLimbOptions(PlacementOptions):
     @cached_property
     def style(self) -> AxisStyle:
         """The axes of the joints."""
-        base = PRESETS[self.preset] if self.preset else AxisStyle()
-        own = {name: getattr(self, name) for name in _AXES if getattr(self, name) is not None}
-        return replace(base, **own)
+        return preset_style(self.preset).with_axes(self)
 
     @property
     def placement(self) -> AddPolevectorOptions:

@@ -8,8 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from rigtri.errors import UsageError
-from rigtri.limits import refuse_unworkable
-from rigtri.operations.declaration.option import Nodes, Number, option
+from rigtri.operations.declaration.option import Nodes, Number, OnConstraint, OnNonuniformScale, option
 
 if TYPE_CHECKING:
     from rigtri.operations.joint_selection import Selection
@@ -55,16 +54,8 @@ class MirrorOptions:
     pose: str | None = option(
         None, metavar="POSE", help="The pose that axes are read from: bind, nodes or CLIP@TIME.  [bind]"
     )
-    on_nonuniform_scale: Literal["snap", "skip", "split", "error"] = option(
-        "snap",
-        help="A joint whose scale would shear: use the nearest exact axes, skip it, hold its axes in "
-        "a new parent node (split; USD: with --allow-rename), or stop.",
-    )
-    on_constraint: Literal["freeze", "error"] = option(
-        "freeze",
-        help="A joint whose new axes would change what a VRM node constraint does: rotate it as the "
-        "constraint allows or not at all, with a warning; or stop.",
-    )
+    on_nonuniform_scale: OnNonuniformScale = option("snap")
+    on_constraint: OnConstraint = option("freeze")
     root: str | None = option(None, where="shared")
     tolerance: Number = option(1e-5, where="shared")
     across: Any = option(None, where="python")
@@ -73,7 +64,6 @@ class MirrorOptions:
         """UsageError for what cannot be mirrored."""
         if not set(self.what) <= set(WHAT):
             raise UsageError(f"choose what to mirror: {', '.join(WHAT)}")
-        refuse_unworkable("--plane-at", self.plane_at)
 
     @cached_property
     def selection(self) -> Selection:

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.axis_presets import PRESETS, AxisStyle
+from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
 from rigtri.operations.declaration.option import (
     Above,
     Axis,
-    Direction,
+    Facing,
     JsonFile,
     Kind,
     Limbs,
     Names,
     Node,
     Nodes,
+    OnConstraint,
+    OnNonuniformScale,
     RigFile,
     Vector,
     option,
     refuse,
+    three,
 )
 
 if TYPE_CHECKING:
@@ -30,20 +34,16 @@ if TYPE_CHECKING:
     from rigtri.operations.joint_selection import Selection
 
 BRANCHES = ("chain", "first", "average", "longest", "incoming", "keep")
-Policy = Literal["snap", "skip", "split", "error"]
-_AXES = ("aim", "up", "up_from")
 # Options that say where axes go, which frames from elsewhere have said already.
-_GEOMETRY = ("preset", *_AXES, "aim_at", "branch", "end", "per_joint_plane", "facing", "world")
+_GEOMETRY = ("preset", *AXES, "aim_at", "branch", "end", "per_joint_plane", "facing", "world")
 
 
 def _degrees(text: str) -> Vector:
     """Three angles with commas between. ValueError for anything else."""
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-        if all(abs(angle) <= 360 for angle in (x, y, z)):
-            return x, y, z
-    except ValueError:
-        pass
+    with suppress(ValueError):
+        angles = three(text)
+        if all(abs(angle) <= 360 for angle in angles):
+            return angles
     raise ValueError("give three angles in degrees, e.g. 0,0,90")
 
 
@@ -59,13 +59,12 @@ class StyledChain:
 
     def style(self, base: AxisStyle) -> AxisStyle:
         """The chain's axes over those of all joints."""
-        own = {name: getattr(self, name) for name in _AXES if getattr(self, name) is not None}
-        return replace(base, **own)
+        return base.with_axes(self)
 
 
 def _chains(_flag: str, chains: Iterable[Any]) -> tuple[StyledChain, ...]:
     """Chains from pairs of names, mappings, or what has the fields of one."""
-    names = ("start", "end", *_AXES)
+    names = ("start", "end", *AXES)
     return tuple(
         StyledChain(*chain)
         if isinstance(chain, tuple)
@@ -116,26 +115,15 @@ class OrientJointsOptions:
         "tip", help="What a joint without child aims at."
     )
     per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).")
-    facing: Direction | None = option(
-        None,
-        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
-    )
+    facing: Facing | None = option(None)
     pose: str | None = option(
         None,
         metavar="bind|nodes|CLIP@TIME",
         help="The pose that positions are read from. [bind where one skin holds the chain, else nodes]",
     )
     world: bool = option(False, help="Make every frame parallel to the world.")
-    on_nonuniform_scale: Policy = option(
-        "snap",
-        help="A joint whose scale would shear: use the nearest exact axes, skip it, hold its axes in "
-        "a new parent node (split; USD: with --allow-rename), or stop.",
-    )
-    on_constraint: Literal["freeze", "error"] = option(
-        "freeze",
-        help="A joint whose new axes would change what a VRM node constraint does: rotate it as the "
-        "constraint allows or not at all, with a warning; or stop.",
-    )
+    on_nonuniform_scale: OnNonuniformScale = option("snap")
+    on_constraint: OnConstraint = option("freeze")
     snap: bool = option(False, help="Rotate only to the nearest cardinal axes.")
     offset: Annotated[Vector, Kind("point", "X,Y,Z", parse=_degrees)] = option(
         (0.0, 0.0, 0.0), help="Afterwards rotate about the new axes, in degrees: X, then Y, then Z."
@@ -171,7 +159,7 @@ class OrientJointsOptions:
         if self.like is not None:
             refuse(given, _GEOMETRY, "does not go with --like")
         if self.world or self.preset == "vrm":
-            refuse(given, _AXES, "does not go with axes parallel to the world")
+            refuse(given, AXES, "does not go with axes parallel to the world")
         if self.world and self.preset not in (None, "vrm"):
             raise UsageError("give --preset or --world, not both")
         if sum(word in BRANCHES for word in self.branch) > 1:
@@ -182,9 +170,8 @@ class OrientJointsOptions:
     @cached_property
     def style(self) -> AxisStyle:
         """The axes of all joints that have none of their own."""
-        base = PRESETS[self.preset] if self.preset else AxisStyle()
-        own = {name: getattr(self, name) for name in _AXES if getattr(self, name) is not None}
-        return replace(base, **own, world=base.world or self.world)
+        base = preset_style(self.preset).with_axes(self)
+        return replace(base, world=base.world or self.world)
 
     @cached_property
     def chain_styles(self) -> tuple[tuple[str, str, AxisStyle], ...]:

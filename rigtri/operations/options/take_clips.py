@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 
-from rigtri.errors import UsageError
-from rigtri.limits import refuse_single_name, refuse_unworkable
-from rigtri.operations.declaration.option import ClipNames, EditedFile, Names, option
+from rigtri.operations.declaration.option import ClipNames, EditedFile, Names, Tolerance, option
 
 
 @dataclass(frozen=True)
@@ -27,11 +24,4 @@ class TakeClipsOptions:
         help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "
         "number, and NAME= the one without a name. Repeatable.",
     )
-    tolerance: float = option(1e-5, where="shared")
-
-    def check(self, given: Collection[str]) -> None:
-        """UsageError for what cannot be."""
-        refuse_single_name("--clip", self.clip)
-        refuse_unworkable("--tolerance", self.tolerance)
-        if not self.tolerance >= 0:
-            raise UsageError("--tolerance is a share of the rig's size, 0 or more")
+    tolerance: Tolerance = option(1e-5, where="shared")

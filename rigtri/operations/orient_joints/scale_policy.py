@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,9 +35,9 @@ from rigtri.maths.vectors import angle, cross, dot
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.options.orient_joints import Policy as Policy
 from rigtri.report import Report
 
+Policy = Literal["snap", "skip", "split", "error"]
 # A delta and its nearest exact one are the same below this (radians).
 EXACT = 1e-9
 # Aims whose cosines differ by less are equally near.
