@@ -599,7 +599,7 @@ class _Spoilt:
 
 
 def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
-    from rigtri.formats.usd.composition.overrides import overridden_file
+    from rigtri.formats.usd.composition.stage import overridden_file
 
     with pytest.raises(FileError, match=r"in\.usdc: USD cannot read it: .*enum value 239"):
         overridden_file(_Spoilt(), Path("in.usdc"))

@@ -12,9 +12,8 @@ import numpy as np
 
 from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
-from rigtri.formats.usd.composition import dependencies
-from rigtri.formats.usd.composition.overrides import open_file
-from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.composition import external_paths
+from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.edit_stage import edit_stage
 from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
@@ -103,7 +102,7 @@ class UsdDocument:
         if self._output.is_new_layer:
             yield source.path, "the file that the override is for"
         with quiet(f"{source.path}: USD cannot read what it refers to"):
-            files = list(dependencies.files(source.stage, source.path))
+            files = list(external_paths.files(source.stage, source.path))
         # To edit a file in place is no loss, whoever refers to it.
         yield from (entry for entry in files if not same_file(entry[0], source.path))
 

@@ -15,7 +15,7 @@ from rigtri.errors import FileError, UsageError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition import layers
-from rigtri.formats.usd.composition.overrides import MARK, is_override, open_over, overridden_file
+from rigtri.formats.usd.composition.stage import MARK, is_override, open_over, overridden_file
 from rigtri.formats.usd.opinions.drop_redundant_opinions import drop_redundant_opinions
 from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.formats.usd.opinions.instance_edits import apply_edits

@@ -14,7 +14,7 @@ from places import slow
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
 from rigtri.errors import FileError
-from rigtri.formats.usd.composition.stderr_silence import silent
+from rigtri.formats.usd.composition.stage import silent
 from rigtri.formats.usd.crate import lz4, tables
 
 VERSIONS = [f"0.{minor}.0" for minor in range(4, 14)]

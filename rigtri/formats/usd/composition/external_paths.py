@@ -1,4 +1,4 @@
-"""Which files a USD file makes USD open, looked through before any stage is composed.
+"""Which files a USD file refers to, and which of them USD may open: known before any stage is composed.
 
 Sublayers, references, payloads (of every variant) and value clips are followed from
 layer to layer. What lies outside the folder of the file is opened only if the
@@ -17,13 +17,9 @@ from typing import Any
 from pxr import Ar, Sdf, Tf
 
 from rigtri.errors import FileError
-from rigtri.formats.usd import usdz
-from rigtri.formats.usd.composition import nesting_limit
+from rigtri.formats.usd.composition import layer_content, layers
 from rigtri.formats.usd.composition.variable_expressions import Variables, evaluated, variables_of
-from rigtri.formats.usd.crate import tables
 
-# How deep packages may stand in each other.
-NESTED = 4
 # In how many ways one layer may be referred to, by the variables that are set above it.
 SETTINGS = 64
 # A scheme, of two letters at least: C:/hero.usd is a Windows path.
@@ -38,7 +34,7 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
     in no plain file, naming the layer and the prim that refer to it.
     """
     root = Sdf.Layer.FindOrOpen(str(path))
-    layers: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     # A layer is looked at again where other variables are set, which its expressions may name.
     waiting: list[tuple[Any, Variables]] = []
     if root:
@@ -55,9 +51,9 @@ def check(path: Path, *, allow_external: bool, variables: Variables | None = Non
                 "expressionVariables. Write the asset paths without expressions"
             )
         seen.append(given)
-        layers[layer.identifier] = layer
+        found[layer.identifier] = layer
         waiting += _below(layer, given, path, allow_external, sound)
-    return list(layers.values())
+    return list(found.values())
 
 
 def _below(
@@ -72,43 +68,12 @@ def _below(
         if not identifier:
             continue
         if identifier not in sound:
-            check_content(identifier)
+            layer_content.check(identifier)
             sound.add(identifier)
         # Layers of value clips are not composed, and opened one by one when needed.
         if arc != "clip" and (found := _opened(identifier)) is not None:
             # A sublayer is of the same layer stack; the variables of another stack are weaker.
             yield found, variables if arc == "sublayer" else {**variables_of(found), **variables}
-
-
-def check_content(identifier: str) -> None:
-    """FileError for binary layers whose tables are damaged, in a package those of all its entries."""
-    file = Path(Sdf.Layer.SplitIdentifier(identifier)[0].partition("[")[0])
-    if not file.is_file():
-        return
-    if file.suffix.lower() != ".usdz":
-        tables.check_file(file)
-        nesting_limit.check_file(file)
-        return
-    _check_entries(usdz.read(file), str(file), NESTED)
-
-
-def _check_entries(whole: usdz.Package, name: str, deeper: int) -> None:
-    """The same for the entries of a package, and of packages in it."""
-    for entry in whole.entries:
-        content = memoryview(whole.content)[entry.start : entry.start + entry.size]
-        title = f"{name}[{entry.name}]"
-        if content[: len(tables.MAGIC)] == tables.MAGIC:
-            tables.check(content, title)
-        elif entry.name.lower().endswith((".usd", ".usda")):
-            nesting_limit.check(content, title)
-        elif entry.name.lower().endswith(".usdz") and not entry.method:
-            if not deeper:
-                raise FileError(f"{title}: packages stand in each other more than {NESTED} deep. Unpack them")
-            try:
-                inner = usdz.parse(bytes(content), title)
-            except FileError:
-                continue  # USD cannot open it either, which is reported where it is needed
-            _check_entries(inner, title, deeper - 1)
 
 
 def _opened(identifier: str) -> Any:
@@ -210,3 +175,41 @@ def _matching(template: str, layer: Any) -> Iterator[str]:
     pattern = re.compile(re.sub(r"(?:\\#)+", "-?[0-9]+", re.escape(name)))
     if folder.is_dir():
         yield from (f"{inner}{slash}{item}" for item in sorted(os.listdir(folder)) if pattern.fullmatch(item))
+
+
+def files(stage: Any, path: Path) -> Iterator[tuple[Path, str]]:
+    """Every file that the layers of a file read or name, in all variants, each with who names it."""
+    opened = check(path, allow_external=True)
+    # What a clip has opened, no walk through the layers finds.
+    used = [layer for layer in stage.GetUsedLayers(True) if layer not in opened]
+    for layer in (*opened, *used):
+        if layer.realPath:
+            yield _outer(layer.realPath), f"a layer of {path}"
+    for layer in (*opened, *used):
+        if layer.realPath:
+            yield from ((file, f"a file that {layer.identifier} refers to") for file in _named(layer))
+
+
+def _named(layer: Any) -> list[Path]:
+    """The files that one layer names, there or not; a package for all that is in it."""
+    found: set[str] = set()
+    variables = variables_of(layer)
+
+    def collect(asset: str) -> str:
+        if named := evaluated(asset, variables):
+            found.add(_absolute(layer, named))
+        return asset
+
+    layers.rename_assets(layer, collect)
+    found.update(_absolute(layer, asset) for asset, _, _ in asset_paths(layer, variables))
+    return sorted(_outer(name) for name in found if name)
+
+
+def _absolute(layer: Any, asset: str) -> str:
+    """Where an asset path leads; one that leads nowhere may soon be there, beside the layer."""
+    name = str(layer.ComputeAbsolutePath(asset))
+    return name if Path(name).is_absolute() else str(_outer(layer.realPath).parent / asset)
+
+
+def _outer(name: str) -> Path:
+    return Path(name.partition("[")[0])

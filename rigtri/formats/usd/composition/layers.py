@@ -40,6 +40,7 @@ def empty() -> Any:
 def fresh(path: Path) -> Any:
     """The layer in a file, as the file is now."""
     known = Sdf.Layer.Find(str(path))
+    # pxr keeps layers that someone holds; the file may have been replaced since.
     if known is not None:
         known.Reload(True)
     return Sdf.Layer.FindOrOpen(str(path))

@@ -1,4 +1,4 @@
-"""Opening USD stages without output to stderr; what in them can be edited.
+"""Opening USD stages, overrides too, without output to stderr; what in them can be edited.
 
 pxr prints its diagnostics to stderr; here they are caught, and what matters
 becomes one notice or the text of a `FileError`.
@@ -6,7 +6,10 @@ becomes one notice or the text of a `FileError`.
 
 from __future__ import annotations
 
+import os
 import re
+import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, suppress
 from io import StringIO
@@ -14,19 +17,52 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdUtils
+from pxr import Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import codeless_schemas
-from rigtri.formats.usd.composition import composition_limits, external_paths
-from rigtri.formats.usd.composition.stderr_silence import silent
+from rigtri.formats.usd.composition import composition_limits, external_paths, layer_content, layers
 from rigtri.formats.usd.composition.value_types import demand
+from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.report import Notice
 from rigtri.text import listed
 
 DEFAULT = Usd.TimeCode.Default()
 # Letters of a message of pxr that are shown.
 LONGEST = 240
+# Custom data of overrides, in a bare one with the file it is for; editing an override again edits its layer.
+MARK = "rigtri"
+
+_STDERR, _LOCK = 2, threading.Lock()
+# A number for each block of `silent` that runs: for the first, where standard error led, or −1.
+_SILENT: list[int] = []
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Let the standard error to which C++ code prints lead nowhere; blocks may nest, also over threads."""
+    with _LOCK:
+        _SILENT.append(-1 if _SILENT else _silence())
+    try:
+        yield
+    finally:
+        with _LOCK:
+            if (saved := _SILENT.pop()) >= 0:
+                os.dup2(saved, _STDERR)
+                os.close(saved)
+
+
+def _silence() -> int:
+    if sys.stderr is not None:
+        sys.stderr.flush()
+    try:
+        saved = os.dup(_STDERR)
+    except OSError:  # a program without standard error
+        return -1
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, _STDERR)
+    os.close(nowhere)
+    return saved
 
 
 @contextmanager
@@ -63,20 +99,62 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     if path.stat().st_size == 0:
         raise FileError(f"{path}: the file is empty.")
     with quiet(f"{path}: no USD file, or a damaged one") as texts:
-        external_paths.check_content(str(path))
-        known = Sdf.Layer.Find(str(path))
-        if known is not None:
-            # pxr keeps layers that someone holds; the file may have been replaced since.
-            known.Reload(True)
-        layers = external_paths.check(path, allow_external=allow_external)
-        composition_limits.check(path, layers)
+        layer_content.check(str(path))
+        held = [layers.fresh(path), *external_paths.check(path, allow_external=allow_external)]
+        composition_limits.check(path, held[1:])
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
-        del layers  # they had to stay open until the stage has them
+        del held  # they had to stay open until the stage has them
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
     codeless_schemas.check_known()
     external_paths.check_used(stage, path, allow_external=allow_external)
     return stage, _unresolved(texts, path.parent)
+
+
+def open_file(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]:
+    """The stage of a file (bare opinions over what they are for), the layer of the file, and notices."""
+    stage, warnings = open_stage(path, allow_external=allow_external)
+    layer = stage.GetRootLayer()
+    if (below := overridden_file(layer, path)) is not None:
+        stage, warnings = open_over(layer, below, path, allow_external=allow_external)
+    return stage, layer, warnings
+
+
+def is_override(layer: Any) -> bool:
+    """Whether rigtri wrote a layer as an override, bare or over its source."""
+    return "override" in dict(layer.customLayerData.get(MARK, {}))
+
+
+def overridden_file(layer: Any, path: Path) -> Path | None:
+    """The file that bare opinions of rigtri are for; None for any other layer, or one put above it."""
+    with quiet(f"{path}: USD cannot read it"):
+        mark = dict(layer.customLayerData.get(MARK, {}))
+    if mark.get("override") != "layer" or list(layer.subLayerPaths):
+        return None
+    if "source" not in mark:
+        raise FileError(
+            f"{path}: bare opinions, written with --override for a file that came from standard "
+            "input. Make a layer that has this one and that file as sublayers, and give it instead."
+        )
+    source = Path(layer.ComputeAbsolutePath(mark["source"].path))
+    if not source.is_file():
+        raise FileError(
+            f"{path}: bare opinions, written with --override for {mark['source'].path}, which is not there."
+        )
+    return source
+
+
+def open_over(layer: Any, below: Path, path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
+    """The stage of bare opinions in ``path`` over the file ``below``, and what was noticed about that."""
+    external_paths.check_file(below, path, allow_external=allow_external)
+    stage, warnings = open_stage(below, allow_external=allow_external)
+    with quiet(f"{below}: USD cannot read it"):
+        # What their expressions name is known only with the variables of that file.
+        variables = variables_of(stage.GetRootLayer())
+        held = external_paths.check(path, allow_external=allow_external, variables=variables)
+        both = layers.over(layer, stage.GetRootLayer())
+        del held  # they had to stay open until the stage has them
+    return both, warnings
 
 
 def first_line(error: Exception) -> str:

@@ -10,10 +10,8 @@ Source: OpenUSD, pxr/usd/usd: crateFile.h, crateFile.cpp, integerCoding.cpp, cra
 
 from __future__ import annotations
 
-import mmap
 import struct
 from collections.abc import Callable
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -34,15 +32,6 @@ _MOST_INTEGERS = 4 * lz4.MOST
 
 T = TypeVar("T")
 Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
-
-
-def check_file(path: Path) -> None:
-    """FileError for a file that starts like a crate and is damaged; other files pass."""
-    with path.open("rb") as file:
-        if file.read(len(MAGIC)) != MAGIC:
-            return
-        # Not closed by hand: the traceback of an error may still hold a part of it.
-        check(memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)), str(path))
 
 
 def check(content: memoryview, name: str) -> None:

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.formats.usd import usdz
-from rigtri.formats.usd.composition.overrides import open_file
-from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.verification.checks import metadata_check

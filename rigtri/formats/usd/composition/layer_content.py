@@ -1,0 +1,109 @@
+"""Whether the bytes of a layer are sound, before USD reads them: tables of crates, brackets of texts.
+
+USD's parser of texts calls itself for each bracket in another: some ten thousand take gigabytes, or the
+end of the stack.
+"""
+
+from __future__ import annotations
+
+import mmap
+import re
+from pathlib import Path
+
+import numpy as np
+from pxr import Sdf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd import usdz
+from rigtri.formats.usd.crate import tables
+from rigtri.formats.usd.text.statements import COMMENTS, STRINGS
+
+# How deep packages may stand in each other.
+NESTED = 4
+# Tuples, arrays and metadata are some ten deep at most; prims and dictionaries stand in braces.
+MOST_BRACKETS, MOST_BRACES = 1000, 5000
+
+# Bytes that are counted at a time.
+_CHUNK = 1 << 20
+_MARKS = re.compile(rb"[\"'@#/]")
+_SKIPPED = re.compile(STRINGS + rb"|" + COMMENTS)
+_KINDS = (("brackets", b"([", b")]", MOST_BRACKETS), ("braces", b"{", b"}", MOST_BRACES))
+
+
+def check(identifier: str) -> None:
+    """FileError for a damaged crate, and a text with too deep brackets; of a package, for all its entries."""
+    file = Path(Sdf.Layer.SplitIdentifier(identifier)[0].partition("[")[0])
+    if not file.is_file() or not file.stat().st_size:
+        return
+    if file.suffix.lower() == ".usdz":
+        _check_entries(usdz.read(file), str(file), NESTED)
+        return
+    with file.open("rb") as stream:
+        # Not closed by hand: the traceback of an error may still hold a part of it.
+        content = memoryview(mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ))
+    (tables.check if _is_crate(content) else _check_brackets)(content, str(file))
+
+
+def _is_crate(content: memoryview) -> bool:
+    return content[: len(tables.MAGIC)] == tables.MAGIC
+
+
+def _check_entries(whole: usdz.Package, name: str, deeper: int) -> None:
+    """The same for the entries of a package, and of packages in it."""
+    for entry in whole.entries:
+        content = memoryview(whole.content)[entry.start : entry.start + entry.size]
+        title = f"{name}[{entry.name}]"
+        if _is_crate(content):
+            tables.check(content, title)
+        elif entry.name.lower().endswith((".usd", ".usda")):
+            _check_brackets(content, title)
+        elif entry.name.lower().endswith(".usdz") and not entry.method:
+            if not deeper:
+                raise FileError(f"{title}: packages stand in each other more than {NESTED} deep. Unpack them")
+            try:
+                inner = usdz.parse(bytes(content), title)
+            except FileError:
+                continue  # USD cannot open it either, which is reported where it is needed
+            _check_entries(inner, title, deeper - 1)
+
+
+def _check_brackets(text: memoryview, name: str) -> None:
+    """FileError, with the line, for a text whose brackets USD's parser may not survive."""
+    content, plain = bytes(text), b""
+    for what, opening, closing, most in _KINDS:
+        # As many as there are stand in each other at worst; many files end here.
+        if sum(map(content.count, opening)) <= most:
+            continue
+        plain = plain or _without_words(content)
+        if (place := _too_deep(plain, opening, closing, most)) >= 0:
+            line = plain.count(b"\n", 0, place) + 1
+            raise FileError(
+                f"{name}: more than {most} {what} stand in each other in line {line}, which USD cannot read. "
+                "The file is damaged; export it again"
+            )
+
+
+def _too_deep(plain: bytes, opening: bytes, closing: bytes, most: int) -> int:
+    """Where more than ``most`` brackets of a kind are open; −1 where they never are."""
+    step = np.zeros(256, np.int32)
+    step[list(opening)], step[list(closing)] = 1, -1
+    marks, depth = np.frombuffer(plain, np.uint8), 0
+    for start in range(0, len(marks), _CHUNK):
+        open_there = depth + np.cumsum(step[marks[start : start + _CHUNK]])
+        deep = np.flatnonzero(open_there > most)
+        if len(deep):
+            return start + int(deep[0])
+        depth = int(open_there[-1])
+    return -1
+
+
+def _without_words(content: bytes) -> bytes:
+    """The text with strings, asset paths and comments blank, but for their line ends."""
+    parts, at, start = [], 0, 0
+    while mark := _MARKS.search(content, at):
+        word = _SKIPPED.match(content, mark.start())
+        at = word.end() if word else mark.end()
+        if word:
+            parts += [content[start : mark.start()], b"\n" * word[0].count(b"\n")]
+            start = at
+    return b"".join([*parts, content[start:]])
