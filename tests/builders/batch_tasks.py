@@ -7,7 +7,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,7 +114,7 @@ def go_wrong(source: Path, report: Report) -> None:
     if name.startswith("warn"):
         report.warn("test", "look out", joint="hips")
     if name.startswith("slow"):
-        time.sleep(0.05)  # as a large file: nobody waits for it to be over, a kill is more likely to hit it
+        sum(range(3_000_000))  # the work of a large file: an interrupt is more likely to hit it
 
 
 if __name__ == "__main__":
