@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from textwrap import wrap
 
 # Longer names end in …: no row, nor any picture, is wider for the sake of one name.
@@ -43,6 +43,16 @@ def listed(names: Sequence[object], most: int = 3) -> str:
     ('a, b, c', 'leg …')
     """
     return ", ".join(map(str, names[:most])) + (" …" if len(names) > most else "")
+
+
+def and_more(names: Iterable[object], most: int = 6) -> str:
+    """The first of some names, and how many more there are.
+
+    >>> and_more("abc", 2)
+    'a, b and 1 more'
+    """
+    known = list(map(str, names))
+    return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")
 
 
 def a(thing: str) -> str:

@@ -31,7 +31,7 @@ TOLERANCE = 1e-5
 _BLOCK = 1 << 20
 
 
-def lever_arms(rig: Rig) -> Floats:
+class LeverArm:
     """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
 
     As a share of the size of what is seen; bones below it as if they were all in one line, at rest and
@@ -39,11 +39,6 @@ def lever_arms(rig: Rig) -> Floats:
     What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
     is judged. Meshes that cannot be read count for nothing more.
     """
-    return LeverArm(rig).exact
-
-
-class LeverArm:
-    """What `lever_arms` finds, when it is asked for, and before that a bound of it that poses nothing."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -54,7 +49,7 @@ class LeverArm:
 
     @cached_property
     def exact(self) -> Floats:
-        """As `lever_arms`, (n,)."""
+        """As far as it gets, (n,)."""
         rig, world, size = self._rig, self._world, size_of(self._rig, self._meshes, self._world)
         own = self._own(size, self._of_points)
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]

@@ -21,7 +21,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.control_drawing import KEYS
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
-from rigtri.operations.rigtri_nodes import add, find, free_name, home, noted, plain_name, renamed, stand
+from rigtri.operations.rigtri_nodes import add, find, home, noted, plain_name, refuse_taken, renamed, stand
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.bend_direction import SOURCE_TEXT, Bend, bend, crossings
 from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
@@ -43,7 +43,9 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
     limbs = _limbs(rig, options, report)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
-    _check_name(rig, limbs, options)
+    if options.name is not None:
+        chain = [rig.address(node) for node in limbs[0].triple]
+        refuse_taken(rig, options.name, find(rig, type="poleVector", chain=chain))
     ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
     others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
@@ -57,16 +59,6 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
     if unsaid:
         raise GeometryError(_straight_message(rig, unsaid, ref))
     return rig
-
-
-def _check_name(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> None:
-    """UsageError for a name that another node has."""
-    if options.name is None:
-        return
-    chain = [rig.address(node) for node in limbs[0].triple]
-    own = find(rig, type="poleVector", chain=chain)
-    if free_name(rig, options.name, own) != plain_name(options.name):
-        raise UsageError(f"--name {options.name}: another node is called so")
 
 
 def _limbs(rig: Rig, options: AddPolevectorOptions, report: Report) -> list[Limb]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -60,10 +60,14 @@ def noted(rig: Rig, node: int, note: Mapping[str, Any]) -> Rig:
 
 def find(rig: Rig, **fields: Any) -> int | None:
     """The first node whose record has all of ``fields``; None where there is none."""
+    return next(find_all(rig, **fields), None)
+
+
+def find_all(rig: Rig, **fields: Any) -> Iterator[int]:
+    """The nodes whose records have all of ``fields``."""
     for node, note in rig.metadata.items():
         if all(note.get(key) == value for key, value in fields.items()):
-            return node
-    return None
+            yield node
 
 
 def renamed(rig: Rig, node: int, name: str) -> Rig:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +18,9 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.operations.declaration.option import EndKind
 from rigtri.operations.rigtri_nodes import add, stand
 
-# What a pole vector or an IK end can be: a loose node, or a joint of the skin that it is for.
-Kind = Literal["locator", "joint"]
 # Inverse binds that differ by less, as a share of the largest number, differ by float32 rounding.
 _SAME_BIND = 1e-6
 # Places and axes, too: of the distances from the origin and the parent, and absolute.
@@ -76,9 +75,9 @@ def beside(rig: Rig, joint: int) -> tuple[int, int]:
     return int(rig.parents[joint]), joint
 
 
-def is_joint_kind(rig: Rig, node: int, kind: Kind | None) -> bool:
+def is_joint_kind(rig: Rig, node: int, kind: EndKind | None) -> bool:
     """Whether a node of ours is a joint; UsageError where another kind is wanted than it is."""
-    found: Kind = "joint" if rig.is_joint[node] else "locator"
+    found: EndKind = "joint" if rig.is_joint[node] else "locator"
     if kind not in (None, found):
         raise UsageError(
             f"'{rig.title(node)}' is a {found} since an earlier run; take it out with rigtri strip, then add "

@@ -92,16 +92,16 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
     mirrored = np.count_nonzero(scale < 0, axis=1) % 2 == 1  # two are half a turn
     if most.min() == 0:
         text = f"'{name}' is scaled to zero in {at(int(most.argmin()))}: so is its joint, with all below it"
-        yield Notice("control-scale", text, name)
     elif uneven.max() > 0:
         text = (
             f"'{name}' is scaled unevenly in {at(int(uneven.argmax()))}: "
             "so is its joint, and what turns below it is sheared"
         )
-        yield Notice("control-scale", text, name)
     elif mirrored.any():
         text = f"'{name}' is mirrored in {at(int(mirrored.argmax()))}: so is its joint, with all below it"
-        yield Notice("control-scale", text, name)
+    else:
+        return
+    yield Notice("control-scale", text, name)
 
 
 def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
@@ -170,14 +170,11 @@ def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[F
     sure, why = _faces(draft, body, named)
     share = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
     return [
-        Found(
-            each.kind,
-            _side(draft, each),
-            each.joints,
-            each.before,
-            each.confidence * share,
-            each.evidence if named else (*each.evidence, *(f"faces so that: {w}" for w in why[:1])),
-            each.pair,
+        replace(
+            each,
+            side=_side(draft, each),
+            confidence=each.confidence * share,
+            evidence=each.evidence if named else (*each.evidence, *(f"faces so that: {w}" for w in why[:1])),
         )
         for each in shaped
     ]
@@ -235,14 +232,13 @@ def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
     elif same is not None and same.kind != each.kind and same.confidence >= CONFIDENT:
         if _names_human(draft):
             words.append(f"though its shape could be that of {a(same.kind)}")
-            return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words))
+            return replace(each, confidence=sure, evidence=tuple(words))
         if draft.shape.body is not None and draft.shape.body.form == "quadruped":
             words.append("its shape: one of four that carry the body")
-            return Found("leg", each.side, each.joints, each.before, sure, tuple(words), same.pair)
+            return replace(each, kind="leg", confidence=sure, evidence=tuple(words), pair=same.pair)
         sure *= _CONTRADICTED
         words.append(f"but its shape is that of {a(same.kind)}")
-    pair = same.pair if same else None
-    return Found(each.kind, each.side, each.joints, each.before, sure, tuple(words), pair)
+    return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair if same else None)
 
 
 def _names_human(draft: Draft) -> bool:
@@ -270,12 +266,11 @@ def _left_over(draft: Draft, each: Found, named: list[Found]) -> Found:
     if twin is not None and twin.side:
         side: Side = "right" if twin.side == "left" else "left"
         words = (f"the twin of the {twin.side} {twin.kind}", *each.evidence)
-        return Found(each.kind, side, each.joints, each.before, 0.9, words, each.pair)
+        return replace(each, side=side, confidence=0.9, evidence=words)
     names = [parse_name(draft.tree.rig.names[joint]).plain for joint in each.joints]
     other: LimbKind = "leg" if each.kind == "arm" else "arm"
     kind = other if all(name.endswith(other) for name in names) else each.kind
     if any(name.endswith(kind) for name in names):
         first = f"{NAMES}: common words"
-        return Found(kind, each.side, each.joints, each.before, 0.9, (first, *each.evidence), each.pair)
-    sure = each.confidence * (0.75 if named else 1.0)
-    return Found(each.kind, each.side, each.joints, each.before, sure, each.evidence, each.pair)
+        return replace(each, kind=kind, confidence=0.9, evidence=(first, *each.evidence))
+    return replace(each, confidence=each.confidence * (0.75 if named else 1.0))

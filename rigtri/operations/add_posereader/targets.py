@@ -116,12 +116,8 @@ class ReaderFrame:
 class MorphDrive:
     """Which weights go to which morph targets of one node: columns (morph) by columns (target)."""
 
-    meshes: Sequence[Mesh]
+    mesh: Mesh
     columns: dict[int, int] = field(default_factory=dict)
-
-    @property
-    def mesh(self) -> Mesh:
-        return self.meshes[0]
 
 
 def morph_drives(
@@ -133,15 +129,15 @@ def morph_drives(
     """
     found: dict[int, MorphDrive] = {}
     for target, name, morph in morphs:
-        meshes = [mesh for mesh in meshes_named(rig, name) if len(mesh.morphs)]
-        if not meshes:
+        mesh = next((mesh for mesh in meshes_named(rig, name) if len(mesh.morphs)), None)
+        if mesh is None:
             raise GeometryError(f"Mesh '{name}' has no morph targets{_with_morphs(rig)}")
-        drive = found.setdefault(meshes[0].node, MorphDrive(meshes))
-        column = _column(meshes[0], morph)
+        drive = found.setdefault(mesh.node, MorphDrive(mesh))
+        column = _column(mesh, morph)
         if column in drive.columns:
             raise UsageError(f"morph target '{morph}' of '{name}' can follow one target, not two")
         drive.columns[column] = targets.index(target)
-        _warn_driven_twice(rig, meshes[0], column, morph, reader, report)
+        _warn_driven_twice(rig, mesh, column, morph, reader, report)
     return list(found.values())
 
 

@@ -7,9 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.sampling import Motion
+from rigtri.evaluation.timelines import as_float32, just_before
 from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.quaternions import angle_between, conjugate, multiply, rotation_angle, slerp
+from rigtri.maths.quaternions import (
+    angle_between,
+    conjugate,
+    make_continuous,
+    multiply,
+    rotation_angle,
+    slerp,
+)
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
@@ -56,11 +64,7 @@ class _Follower:
 
     def at(self, times: Floats) -> Floats:
         """Rotations at times, (f, 4), each on the side of the one before."""
-        turns = self.twist.rotations(self.motion.locals_at(times))
-        products = turns[1:] * turns[:-1]
-        cosine = products[:, 0] + products[:, 1] + products[:, 2] + products[:, 3]
-        flips = np.concatenate([[1.0], np.where(cosine < 0, -1.0, 1.0)]).cumprod()
-        return np.asarray(turns * flips[:, np.newaxis])
+        return make_continuous(self.twist.rotations(self.motion.locals_at(times)))
 
     def track(self, driving: list[Track], *, fixed: bool) -> tuple[Track, float]:
         """The track, and the largest angle off it between keys."""
@@ -90,26 +94,21 @@ class _Follower:
         for share, true in zip(_SHARES, trues, strict=True):
             shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
             off = np.maximum(off, angle_between(shown, true))
-        middle = _single(times[:-1] + 0.5 * span)
+        middle = as_float32(times[:-1] + 0.5 * span)
         return np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
 
 
 def _before_steps(times: Floats, driving: list[Track]) -> Floats:
     """Key times with one just before each step of a joint that is keyed so."""
     steps = np.concatenate([t.times for t in driving if t.interpolation == "STEP"])
-    single = np.asarray(steps, dtype=np.float32)
-    before = np.nextafter(single, np.float32(-np.inf)).astype(np.float64)
+    before = just_before(steps)
     return np.unique(np.concatenate([times, before[before > times[0]]]))
 
 
 def _halved(times: Floats, bad: Booleans) -> Floats:
     """Key times with one in the middle of each interval that is bad, as float32 can hold it."""
     middle = (times[:-1] + 0.5 * np.diff(times))[bad]
-    return np.unique(np.concatenate([times, _single(middle)]))
-
-
-def _single(times: Floats) -> Floats:
-    return times.astype(np.float32).astype(np.float64)
+    return np.unique(np.concatenate([times, as_float32(middle)]))
 
 
 def _with(clip: Clip, track: Track, old: list[Track]) -> Clip:

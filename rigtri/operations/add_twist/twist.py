@@ -26,7 +26,7 @@ from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
-from rigtri.operations.rigtri_nodes import find, noted, plain_name, refuse_taken
+from rigtri.operations.rigtri_nodes import find, find_all, noted, plain_name, refuse_taken
 from rigtri.operations.skin_joints import add_joint, move_joint
 from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report
@@ -153,14 +153,11 @@ def _roomy(mesh: Mesh) -> bool:
 
 
 def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
-    known = _record(rig, of)
-    numbers = [
-        int(n["number"]) for n in rig.metadata.values() if all(n.get(k) == v for k, v in known.items())
-    ]
-    if numbers and max(numbers) > options.count:
+    most = max((int(rig.metadata[node]["number"]) for node in find_all(rig, **_record(rig, of))), default=0)
+    if most > options.count:
         raise UsageError(
-            f"'{rig.title(of.joint)}' has {max(numbers)} twist joints already; give --count "
-            f"{max(numbers)} or more, or strip the file first"
+            f"'{rig.title(of.joint)}' has {most} twist joints already; give --count {most} or more, or strip "
+            "the file first"
         )
 
 
@@ -236,11 +233,8 @@ def _spreads(
     rig: Rig, of: _Bone, line: Floats, options: AddTwistOptions, report: Report
 ) -> list[WeightRedistribution]:
     """How each skin that holds the bone's joint shares its weight."""
-    known = _record(rig, of)
     places = {of.joint: 1.0 if of.upper else 0.0}
-    for node, note in rig.metadata.items():
-        if all(note.get(key) == value for key, value in known.items()):
-            places[node] = float(note["at"])
+    places |= {node: float(rig.metadata[node]["at"]) for node in find_all(rig, **_record(rig, of))}
     found = []
     for number, skin in enumerate(rig.skins):
         rows = {node: row for row, node in enumerate(skin.joints.tolist()) if node in places}

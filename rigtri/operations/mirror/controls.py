@@ -16,6 +16,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import NO_PLANE
 from rigtri.operations.control_drawing import KEYS
+from rigtri.operations.declaration.option import EndKind
 from rigtri.operations.mirror.mirrored_metadata import (
     MirrorOptions,
     lone,
@@ -35,7 +36,7 @@ from rigtri.operations.rigtri_nodes import (
     stand_local,
     unposed,
 )
-from rigtri.operations.skin_joints import Kind, add_joint, beside, move_joint
+from rigtri.operations.skin_joints import add_joint, beside, move_joint
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -77,7 +78,7 @@ def _one_control(
     else:
         limb = given(rig, *there["chain"])
         bend = _bends(rig, note, there, options)
-        end_kind: Kind = "joint" if joint else "locator"
+        end_kind: EndKind = "joint" if joint else "locator"
         ends = end_kind if before is None else None
         soft, stretch = float(note.get("soft", 0.0)), bool(note.get("stretch", False))
         made = AddControlsOptions(ik=(limb,), shape=shapes, bend=bend, as_=ends, soft=soft, stretch=stretch)

@@ -25,6 +25,7 @@ from rigtri.operations.joint_selection import STEADFAST
 from rigtri.operations.orient_joints.dead_band import UNCHANGED, DeadBand
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
+from rigtri.text import and_more
 
 Policy = Literal["freeze", "error"]
 
@@ -137,18 +138,13 @@ def apply_constraint_policy(
 def _report(
     rig: Rig, bond: Bond, leader: int, gave_way: list[int], why: str, policy: Policy, report: Report
 ) -> None:
-    names, because = _names(rig, gave_way), _names_of_constraints(rig, bond)
+    names, because = [f"'{rig.title(node)}'" for node in gave_way], _names_of_constraints(rig, bond)
     lead = f"can only be re-oriented as '{rig.title(leader)}' is ({because})"
-    text = f"{names} {f'cannot be re-oriented: {why} ({because})' if why else lead}"
+    text = f"{and_more(names, 4)} {f'cannot be re-oriented: {why} ({because})' if why else lead}"
     if policy == "error":
         raise GeometryError(f"{text}. Leave it out with --exclude, or take --on-constraint freeze.")
     code = "constraint" if any(c.kind != "length" for c in bond.constraints) else "rotation-not-unit"
     report.warn(code, f"{text}.", joint=rig.title(gave_way[0]))
-
-
-def _names(rig: Rig, nodes: Sequence[int]) -> str:
-    more = f" and {len(nodes) - 4} more" if len(nodes) > 4 else ""
-    return ", ".join(f"'{rig.title(node)}'" for node in nodes[:4]) + more
 
 
 def _names_of_constraints(rig: Rig, bond: Bond) -> str:

@@ -28,6 +28,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.joint_frames import set_world_axes
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
+from rigtri.text import listed
 
 # A common rotation smaller than this (radians) is what float32 positions leave over.
 NO_ROTATION = 2e-6
@@ -52,8 +53,8 @@ def like_deltas(targets: Targets, like: Rig, report: Report) -> tuple[list[int],
     delta = unit(multiply(conjugate(now), multiply(common, target)))
     missing = [tree.rig.title(joint) for joint in targets.joints if joint not in pairs]
     if missing:
-        shown = ", ".join(missing[:10]) + (" …" if len(missing) > 10 else "")
-        report.warn("like-unmatched", f"{len(missing)} joints have no namesake: skipped: {shown}")
+        text = f"{len(missing)} joints have no namesake: skipped: {listed(missing, 10)}"
+        report.warn("like-unmatched", text)
     place = {joint: k for k, joint in enumerate(pairs)}
     return joints, delta[[place[joint] for joint in joints]]
 
@@ -254,11 +255,10 @@ def _warn_shared(rig: Rig, known: Mapping[str, Sequence[int]], report: Report) -
         return
     (name, joints), more = next(iter(shared.items())), len(shared) - 1
     skins = [skin.name for skin in rig.skins if set(joints).intersection(skin.joints.tolist())]
-    shown = ", ".join(skins[:6]) + (" …" if len(skins) > 6 else "")
     report.warn(
         "frames-shared",
-        f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {shown}: all of them get the "
-        "stored frames. To re-orient those of one, name it with --skin, e.g. --skin "
+        f"--frames: '{name}'{f' and {more} more' if more else ''} is a joint of {listed(skins, 6)}: all of "
+        "them get the stored frames. To re-orient those of one, name it with --skin, e.g. --skin "
         f"{skins[0]}.",
     )
 

@@ -22,6 +22,7 @@ from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, fir
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.report import Report
+from rigtri.text import and_more, listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +56,7 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
         if rig.rules.fixed.get(joint) == reason:
             reasons.setdefault(reason, []).append(rig.title(joint))
     for reason, names in reasons.items():
-        more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-        report.warn("fixed", f"skipped: {', '.join(names[:3])}{more}: {reason}")
+        report.warn("fixed", f"skipped: {and_more(names, 3)}: {reason}")
 
 
 def warn_straight(outcome: Outcome, report: Report) -> None:
@@ -101,8 +101,8 @@ def check(outcome: Outcome, report: Report) -> None:
     short = [rig.title(joint) for joint, aim in aimed.items() if aim.how == "descendant"]
     _check_sheared(rig, moves)
     if short:
-        names = ", ".join(short[:6]) + (" …" if len(short) > 6 else "")
-        report.warn("zero-length", f"bones of length 0 aim at the next joint that lies elsewhere: {names}")
+        text = "bones of length 0 aim at the next joint that lies elsewhere"
+        report.warn("zero-length", f"{text}: {listed(short, 6)}")
     sources = {styles[joint].up_from for joint in targets.aims}
     for source in sorted(text for text in sources if text.startswith("noderot:")):
         node = rig.find(source.split(":", 2)[2], "node")
@@ -145,11 +145,8 @@ def record(outcome: Outcome, report: Report) -> None:
         report.joints.extend(_records(outcome, mirrored))
     named = [tree.rig.title(joint) for joint in tree.joints if mirrored[joint] and moves[joint]]
     if named:
-        report.warn(
-            "mirrored",
-            f"{len(named)} joints are mirrored (left-handed axes) and stay mirrored: "
-            f"{', '.join(named[:8])}{' …' if len(named) > 8 else ''}",
-        )
+        text = f"{len(named)} joints are mirrored (left-handed axes) and stay mirrored"
+        report.warn("mirrored", f"{text}: {listed(named, 8)}")
 
 
 def _records(outcome: Outcome, mirrored: Booleans) -> list[dict[str, Any]]:

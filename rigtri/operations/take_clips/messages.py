@@ -11,6 +11,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.node_matching import why_apart
 from rigtri.report import Report
+from rigtri.text import and_more
 
 # Keys that differ by less are one value; only for notices.
 _MOVED = 1e-4
@@ -102,6 +103,4 @@ def moves(track: Track) -> bool:
 
 
 def list_names(names: Iterable[str]) -> str:
-    listed = list(dict.fromkeys(name for name in names if name))
-    more = f" and {len(listed) - 4} more" if len(listed) > 4 else ""
-    return ", ".join(f"'{name}'" for name in listed[:4]) + more if listed else "no names"
+    return and_more([f"'{name}'" for name in dict.fromkeys(names) if name], 4) or "no names"

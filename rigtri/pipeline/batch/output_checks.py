@@ -16,6 +16,7 @@ from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.hashes import no_file
 from rigtri.pipeline.batch.inputs import MOST, Entry, at_line, located
 from rigtri.pipeline.batch.remote_files import is_elsewhere
+from rigtri.text import and_more
 
 
 def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", relink: bool = False) -> None:
@@ -66,8 +67,7 @@ def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequ
 
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:
     if names:
-        more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
-        raise kind(f"{why}: {', '.join(names[:MOST])}{more}")
+        raise kind(f"{why}: {and_more(names, MOST)}")
 
 
 def _strange(entries: Sequence[Entry]) -> list[str]:

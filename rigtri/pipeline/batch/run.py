@@ -24,6 +24,7 @@ from rigtri.pipeline.batch.local_engine import Engine
 from rigtri.pipeline.batch.manifest_lookup import Known, look_up, name_of
 from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.work import Assignment, Record, Task, faults, missing, reason
+from rigtri.text import and_more
 
 Tasks = Callable[[tuple[tuple[str, str], ...]], Task]
 
@@ -95,10 +96,9 @@ class Run:
             looks = list(pool.map(lambda entry: None if stopped() else self._look(entry, appeared), entries))
         lost = [entry.target for entry, look in zip(entries, looks, strict=True) if look == "lost"]
         if lost:
-            more = f" and {len(lost) - MOST} more" if len(lost) > MOST else ""
             raise UsageError(
                 "outputs that exist and that this batch has not written, or that were changed since, are "
-                f"replaced only with --overwrite: {', '.join(lost[:MOST])}{more}"
+                f"replaced only with --overwrite: {and_more(lost, MOST)}"
             )
         pairs = [(entry, look) for entry, look in zip(entries, looks, strict=True) if look is not None]
         return Plan(

@@ -56,9 +56,3 @@ def counts(findings: Iterable[Finding]) -> dict[str, int]:
     """How many errors, warnings and infos there are."""
     found = Counter(finding.severity for finding in findings)
     return {"errors": found["error"], "warnings": found["warning"], "infos": found["info"]}
-
-
-def listed(names: Iterable[str], most: int = 6) -> str:
-    """Some names as words; of many only the first."""
-    known = list(names)
-    return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.frames.error_bounds import lever_arms
+from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
@@ -70,7 +70,7 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     if not off.any():
         return []
     try:
-        effect = off * lever_arms(before)
+        effect = off * LeverArm(before).exact
     except FileError:
         return []
     # A reach is that of bones in one line; in a pose they are not.
@@ -83,7 +83,7 @@ def nearly_uniform(before: Rig, after: Rig, tolerance: float) -> list[int]:
     scales = ScaleTable.of(before)
     spread = np.where(scales.uneven | (scales.spread <= ROUNDING), 0.0, scales.spread)
     try:
-        effect = spread * lever_arms(before)
+        effect = spread * LeverArm(before).exact
     except FileError:
         return []
     there = {key: node for node, key in enumerate(after.keys) if key is not None}

@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.formats.gltf.accessors import FLOAT
 from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.maths.trigonometry import Floats
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, Item, View
 
 _SET = re.compile(r"(JOINTS|WEIGHTS)_(\d+)")
@@ -129,7 +129,7 @@ def _influences(attributes: Item) -> Primitive | None:
             for kind in ("JOINTS", "WEIGHTS")}  # fmt: skip
     every = sets["JOINTS"] | sets["WEIGHTS"]
     if sets["JOINTS"] != sets["WEIGHTS"] or (every and every != set(range(len(every)))):
-        text = f"has {listed(sorted(name for name in attributes.raw if _SET.fullmatch(name)))}"
+        text = f"has {and_more(sorted(name for name in attributes.raw if _SET.fullmatch(name)))}"
         attributes.add("gltf.mesh.joints-without-weights", text)
     parts: list[tuple[Floats, Floats]] = []
     allowed = 0.0
@@ -169,7 +169,7 @@ def _counts_fit(attributes: Item, parts: list[tuple[Floats, Floats]]) -> bool:
     count = known[index].get("count") if type(index) is int and 0 <= index < len(known) else None
     counts = own | ({count} if type(count) is int else set())
     if len(counts) > 1:
-        text = f"positions, joints and weights are {listed(map(str, sorted(counts)))}"
+        text = f"positions, joints and weights are {and_more(map(str, sorted(counts)))}"
         attributes.add("gltf.mesh.influence-count", text)
     return len(own) == 1
 

@@ -16,7 +16,7 @@ from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import View
 
 
@@ -52,7 +52,7 @@ def _check_tree(view: View) -> None:
             )
             text += often
         else:
-            text = f"is below two parents, {listed(view.titles((first, parent)))}{often}"
+            text = f"is below two parents, {and_more(view.titles((first, parent)))}{often}"
         view.add(rule, view.title(child), where, text)
 
 
@@ -88,7 +88,7 @@ def _cut_cycles(view: View) -> None:
             node = view.above[node]
         if node in line:
             members = list(line)[list(line).index(node) :]
-            text = f"is below itself: {listed(view.titles(members[::-1]))}"
+            text = f"is below itself: {and_more(view.titles(members[::-1]))}"
             view.add("gltf.node.cycle", view.title(node), f"/nodes/{node}", text)
             view.above[node] = -1
         for member in line:
@@ -171,7 +171,7 @@ def _check_names(view: View) -> None:
     for name, count in known.items():
         if count > 1:
             same = [node for node, other in names.items() if other == name]
-            text = f"{count} joints are named '{name}': {listed(f'#{node}' for node in same)}"
+            text = f"{count} joints are named '{name}': {and_more(f'#{node}' for node in same)}"
             view.add("gltf.joint.name-twice", f"joint '{name}'", f"/nodes/{same[1]}/name", text)
     for node, own in names.items():
         if not isinstance(own, str) or not own:

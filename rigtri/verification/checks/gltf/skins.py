@@ -8,7 +8,7 @@ Source: glTF 2.0 §3.7.3.
 from __future__ import annotations
 
 from rigtri.formats.gltf.rules import OF_ONE_JOINT, bind_violations, joint_violations, joints_outside
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 
@@ -32,12 +32,12 @@ def _check_tree(view: View, skin: Item, joints: list[int]) -> None:
     top = _topmost(view)
     roots = sorted({top[joint] for joint in joints})
     if len(roots) > 1:
-        text = f"its joints hang in {len(roots)} trees, below {listed(view.titles(roots))}"
+        text = f"its joints hang in {len(roots)} trees, below {and_more(view.titles(roots))}"
         skin.add("gltf.skin.no-common-root", text, "joints")
     pivot = skin.reference("skeleton", "node")
     outside = [] if pivot is None else joints_outside(joints, pivot, view.above)
     if pivot is not None and outside:
-        text = f"its skeleton, {view.title(pivot)}, is not above {listed(view.titles(outside), 3)}"
+        text = f"its skeleton, {view.title(pivot)}, is not above {and_more(view.titles(outside), 3)}"
         skin.add("gltf.skin.skeleton-not-above", text, "skeleton")
 
 

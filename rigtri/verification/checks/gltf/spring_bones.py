@@ -10,7 +10,7 @@ from itertools import pairwise
 from rigtri.formats.json_values import short_repr
 from rigtri.formats.vrm.node_constraints import CONSTRAINT
 from rigtri.formats.vrm.vrm1 import EXTENDED
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View, titled
 from rigtri.verification.checks.gltf.vrm import is_above
 
@@ -66,9 +66,9 @@ def _check_shape(collider: Item) -> None:
     shape, wider = collider.object("shape"), extended.object("shape")
     kinds = [kind for kind in _SHAPES if kind in shape.raw]
     if len(kinds) != 1 or kinds == ["plane"]:
-        shape.add("vrm.spring.shape", f"its shapes are {listed(shape.raw) or 'none'}")
+        shape.add("vrm.spring.shape", f"its shapes are {and_more(shape.raw) or 'none'}")
     elif extended.raw and len([kind for kind in _SHAPES if kind in wider.raw]) != 1:
-        text = f"its extended shapes are {listed(wider.raw) or 'none'}"
+        text = f"its extended shapes are {and_more(wider.raw) or 'none'}"
         collider.add("vrm.spring.shape", text, "extensions")
     for holder, kind in ((shape, kinds[0] if kinds else ""), *((wider, kind) for kind in wider.raw)):
         # Where shapes stand in an extension is of no use to a reader: the collider names the place.
@@ -138,7 +138,7 @@ def _check_constraints(view: View) -> None:
         constraint = extensions.object(CONSTRAINT).object("constraint")
         kinds = [kind for kind in _KINDS if kind in constraint.raw]
         if len(kinds) != 1:
-            constraint.add("vrm.constraint.kind", f"its constraints are {listed(kinds) or 'none'}")
+            constraint.add("vrm.constraint.kind", f"its constraints are {and_more(kinds) or 'none'}")
         for kind in kinds:
             source = _check_constraint(constraint.object(kind), kind)
             if source is not None:
@@ -170,5 +170,5 @@ def _check_cycles(view: View, sources: dict[int, int]) -> None:
         if node in line and node not in reported:
             members = list(line)[list(line).index(node) :]
             reported.update(members)
-            text = f"takes from itself, by {listed(view.titles([*members[1:], node]))}"
+            text = f"takes from itself, by {and_more(view.titles([*members[1:], node]))}"
             view.item("nodes", node).add("vrm.constraint.cycle", text, f"extensions/{CONSTRAINT}")

@@ -15,7 +15,7 @@ from rigtri.formats.usd.composition.time_samples import array_edits
 from rigtri.formats.usd.reading.animation_reader import NON_UNIT, PROPERTIES
 from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.quaternions import norm
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.usd.scene import Scene, at_time
 
 
@@ -28,7 +28,7 @@ def check(scene: Scene, prim: Any) -> None:
     # Empty and blocked values are none.
     present = [name for name in PROPERTIES if scene.keys(prim, name)]
     if not tokens and present and not scene.has_other(prim, "joints"):
-        text = f"it has {listed(present)} and names no joints"
+        text = f"it has {and_more(present)} and names no joints"
         scene.add("usd.anim.no-joints", prim, "joints", text)
     if tokens:
         _check_tokens(scene, prim, tokens, users)
@@ -49,7 +49,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...], users: list[
     known = {token for user in users for token in scene.tokens.get(user, ())}
     unknown = [token for token in tokens if token not in known]
     if users and unknown:
-        text = f"{len(unknown)} of its joints are none of <{users[0]}>: {listed(unknown, 3)}"
+        text = f"{len(unknown)} of its joints are none of <{users[0]}>: {and_more(unknown, 3)}"
         scene.add("usd.anim.joint-unknown", prim, "joints", text)
 
 

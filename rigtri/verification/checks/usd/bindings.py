@@ -15,7 +15,7 @@ from rigtri.formats.usd.composition.animation_binding import idle_above
 from rigtri.formats.usd.composition.value_types import BIND, INDICES, WEIGHTS
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.skeleton_reader import singular
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.usd.scene import BINDING, Scene
 
 NAMES, TARGETS = "skel:blendShapes", "skel:blendShapeTargets"
@@ -51,7 +51,7 @@ def _check_api(scene: Scene, prim: Any) -> None:
     applied = prim.GetPrimTypeInfo().GetAppliedAPISchemas()
     if "SkelBindingAPI" not in applied:
         names = [p.GetName() for space in BINDING for p in prim.GetAuthoredPropertiesInNamespace(space)]
-        scene.add("usd.binding.api", prim, names[0], f"it has {listed(names, 2)} without SkelBindingAPI")
+        scene.add("usd.binding.api", prim, names[0], f"it has {and_more(names, 2)} without SkelBindingAPI")
 
 
 def _check_target(scene: Scene, prim: Any, name: str, kind: str, rule: str) -> None:
@@ -60,7 +60,7 @@ def _check_target(scene: Scene, prim: Any, name: str, kind: str, rule: str) -> N
         return
     targets = relation.GetForwardedTargets()
     if len(targets) > 1:
-        text = f"{name} has {len(targets)} targets: {listed(f'<{path}>' for path in targets)}"
+        text = f"{name} has {len(targets)} targets: {and_more(f'<{path}>' for path in targets)}"
         scene.add("usd.binding.many-targets", prim, name, text)
     for path in targets[:1]:
         found = scene.stage.GetPrimAtPath(path)
@@ -132,7 +132,7 @@ def _joints(scene: Scene, prim: Any) -> tuple[str, ...] | None:
         return known
     unknown = [token for token in own if known is not None and token not in known]
     if unknown:
-        text = f"{listed(unknown, 3)}: no such joint in <{skeleton.GetPath()}>"
+        text = f"{and_more(unknown, 3)}: no such joint in <{skeleton.GetPath()}>"
         scene.add("usd.binding.joint-unknown", above, "skel:joints", text)
     return own
 

@@ -23,7 +23,7 @@ from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import SKEW, determinant, identity, skew
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.verification.checks.findings import listed
+from rigtri.text import and_more
 from rigtri.verification.checks.usd.scene import Scene
 
 
@@ -77,7 +77,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...]) -> None:
     parents = nearest_listed(tokens)
     early = np.flatnonzero(parents > np.arange(len(tokens)))
     if len(early) and len(set(tokens)) == len(tokens):
-        names = listed((f"'{tokens[k]}'" for k in early.tolist()), 3)
+        names = and_more((f"'{tokens[k]}'" for k in early.tolist()), 3)
         above = tokens[int(parents[early[0]])]
         text = f"it lists {names} before the parent, '{above}'"
         scene.add("usd.skel.joint-order", prim, "joints", text)
@@ -119,7 +119,7 @@ def _note(
     """One finding for all joints of a skeleton of which something is true."""
     found = np.flatnonzero(wrong).tolist()
     if found:
-        joints = listed((f"'{tokens[k]}'" for k in found), 4)
+        joints = and_more((f"'{tokens[k]}'" for k in found), 4)
         scene.add(rule, prim, name, f"the matrix of {joints} {what}")
 
 
@@ -146,7 +146,7 @@ def _check_missing(scene: Scene, prim: Any, tokens: tuple[str, ...], animation: 
     driven = set(scene.words(animation, "joints")) if animation else set(tokens)
     idle = [token for token in tokens if token not in driven]
     if idle:
-        text = f"it has no restTransforms, and <{animation.GetPath()}> does not drive {listed(idle, 3)}"
+        text = f"it has no restTransforms, and <{animation.GetPath()}> does not drive {and_more(idle, 3)}"
         scene.add("usd.skel.rest-needed", prim, "restTransforms", text)
     else:
         scene.add("usd.skel.rest-missing", prim, "restTransforms", "it has no restTransforms")
