@@ -13,7 +13,7 @@ from typing import Any
 from rigtri.errors import FileError
 from rigtri.formats.gltf.buffer_writer import OWN_NAME, Storage
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
-from rigtri.formats.gltf.references import compressed_spans, recounted, used_accessors, used_views
+from rigtri.formats.gltf.references import compressed_spans, take_out, used_accessors, used_views
 
 _Span = tuple[int, int]
 
@@ -33,8 +33,8 @@ def collect_garbage(draft: CopyOnWrite, storage: Storage, *, renumber: bool) -> 
     if not renumber:
         views = _last(len(gltf["bufferViews"]), views)
     _drop_bytes(draft, storage, accessors, views)
-    _drop(draft, "accessors", "accessor", accessors)
-    storage.count_anew(_drop(draft, "bufferViews", "bufferView", views))
+    take_out(draft, "accessors", accessors)
+    storage.count_anew(take_out(draft, "bufferViews", views))
     last = gltf["buffers"][-1]
     if last.get("name") == OWN_NAME and not last["byteLength"] and not storage.grows:
         draft.edit("buffers").pop()
@@ -72,26 +72,6 @@ def _emptied(gltf: dict[str, Any], accessors: Collection[int]) -> set[int]:
     views = {gltf["accessors"][index]["bufferView"] for index in accessors}
     others = {a.get("bufferView") for k, a in enumerate(gltf["accessors"]) if k not in accessors}
     return views - others - used_views(gltf)
-
-
-def _drop(draft: CopyOnWrite, section: str, kind: str, gone: Collection[int]) -> dict[int, int]:
-    """Take entries out of a list and count references to the others anew: old number → new."""
-    if not gone:
-        return {}
-    entries = draft.gltf[section]
-    kept = [number for number in range(len(entries)) if number not in gone]
-    moved = {old: new for new, old in enumerate(kept)}
-    draft.edit(section)[:] = [entries[number] for number in kept]
-    if all(old == new for old, new in moved.items()):
-        return moved
-    for place in draft.gltf:
-        if place in ("buffers", section) or (kind == "accessor" and place == "bufferViews"):
-            continue
-        new = recounted(draft.gltf[place], kind, moved)
-        if new is not draft.gltf[place]:
-            draft.edit(place)  # so that the whole counts as changed
-            draft.gltf[place] = new
-    return moved
 
 
 def _drop_bytes(

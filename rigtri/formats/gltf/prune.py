@@ -4,13 +4,13 @@ What stands at the end of its list goes without any other number changing. What 
 stand between others goes where all that may count is known; else nodes are refused, and the rest
 stays, unused, in its place.
 
-Source: glTF 2.0 §5 (which properties hold indices); KHR_animation_pointer; VRM 0.0 and 1.0.
+Source: glTF 2.0 §5; KHR_animation_pointer; VRM 0.0 and 1.0.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from typing import Any
 
 from rigtri.errors import FileError
@@ -18,16 +18,10 @@ from rigtri.formats.gltf.animation_channels import drop_channels, drop_empty_ani
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.garbage_collect import collect_garbage
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
+from rigtri.formats.gltf.references import take_out
 
 # Meshes and materials that rigtri draws shapes with; others stay, whoever used them.
 _OURS = {"meshes": re.compile("rigtri_"), "materials": re.compile("rigtri_[0-9a-f]{6}$")}
-# Sections of the file that hold indices of a kind, and the words that they stand at there.
-_NODE_WORDS = "node nodes children joints skeleton source center bones ids firstPersonBone"
-_WORDS: dict[str, tuple[tuple[str, ...], frozenset[str]]] = {
-    "nodes": (("nodes", "scenes", "skins", "animations", "extensions"), frozenset(_NODE_WORDS.split())),
-    "meshes": (("nodes", "extensions"), frozenset({"mesh"})),
-    "materials": (("meshes", "extensions"), frozenset({"material"})),
-}
 # Extensions whose indices of these kinds all stand at those words, or that have none.
 _KNOWN = ("EXT_mesh", "EXT_texture", "GODOT_single_root", "KHR_", "MSFT_lod", "VRM")
 
@@ -87,11 +81,9 @@ def _unneeded(
 
 def _drop(draft: CopyOnWrite, kind: str, gone: Collection[int]) -> bool:
     """Take entries out of a list and count the others anew; False where they have to stay."""
-    entries = draft.gltf.get(kind, [])
     if not gone:
         return False
-    count = len(entries)
-    at_the_end = min(gone) == count - len(gone)
+    at_the_end = min(gone) == len(draft.gltf[kind]) - len(gone)
     if not at_the_end and (unknown := _unknown(draft.gltf)):
         if kind != "nodes":
             return False
@@ -99,9 +91,7 @@ def _drop(draft: CopyOnWrite, kind: str, gone: Collection[int]) -> bool:
             f"What rigtri added stands between other nodes, and {unknown} may count nodes in ways that "
             "rigtri does not know. Take that extension out first"
         )
-    draft.edit(kind)[:] = [entry for k, entry in enumerate(entries) if k not in gone]
-    if not at_the_end:
-        _renumber(draft, kind, _moves(count, gone))
+    take_out(draft, kind, gone)
     if not draft.gltf[kind]:
         draft.gltf.pop(kind)
     return True
@@ -111,48 +101,3 @@ def _unknown(gltf: dict[str, Any]) -> str:
     """An extension in use that may hold indices at words of its own, "" where there is none."""
     used = map(str, gltf.get("extensionsUsed", []))
     return next((name for name in used if not name.startswith(_KNOWN)), "")
-
-
-def _moves(count: int, gone: Collection[int]) -> dict[int, int]:
-    """Old index → new index of what stays."""
-    kept = [k for k in range(count) if k not in gone]
-    return {old: new for new, old in enumerate(kept)}
-
-
-def _renumber(draft: CopyOnWrite, kind: str, moved: dict[int, int]) -> None:
-    sections, words = _WORDS[kind]
-    pointer = re.compile(rf"/{kind}/(\d+)(?=/|$)")
-
-    def text(match: re.Match[str]) -> str:
-        old = int(match[1])
-        return f"/{kind}/{moved.get(old, old)}"
-
-    for section in sections:
-        if section in draft.gltf:
-            draft.edit(section)  # so that the whole counts as changed
-            draft.gltf[section] = _renumbered(
-                draft.gltf[section], words, moved, lambda value: pointer.sub(text, value)
-            )
-
-
-def _renumbered(value: Any, words: frozenset[str], moved: dict[int, int], point: Callable[[str], str]) -> Any:
-    """``value`` with its indices counted anew; the very object where nothing in it changes."""
-    if isinstance(value, list):
-        items = [_renumbered(item, words, moved, point) for item in value]
-        return value if all(new is old for new, old in zip(items, value, strict=True)) else items
-    if not isinstance(value, dict):
-        return value
-    members: dict[str, Any] = {}
-    for key, item in value.items():
-        if key == "extras":
-            members[key] = item
-        elif key in words and type(item) is int:
-            members[key] = moved.get(item, item)
-        elif key in words and isinstance(item, list) and item and type(item[0]) is int:
-            members[key] = [moved.get(k, k) for k in item]
-        elif key == "pointer" and isinstance(item, str):
-            members[key] = point(item)
-        else:
-            members[key] = _renumbered(item, words, moved, point)
-    same = all(members[key] is item or members[key] == item for key, item in value.items())
-    return value if same else members

@@ -1,12 +1,25 @@
-"""Who uses what: accessors and buffer views of a glTF file, whoever refers to them."""
+"""Who uses what in a glTF file, and entries taken out of its lists, with all indices counted anew.
+
+Source: glTF 2.0 §5 (which properties hold indices); KHR_animation_pointer; VRM 0.0 and 1.0.
+"""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
+from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
+
+# Sections of the file that hold indices of a list, and the words that they stand at there.
+_NODE_WORDS = "node nodes children joints skeleton source center bones ids firstPersonBone"
+_WORDS: dict[str, tuple[tuple[str, ...], frozenset[str]]] = {
+    "nodes": (("nodes", "scenes", "skins", "animations", "extensions"), frozenset(_NODE_WORDS.split())),
+    "meshes": (("nodes", "extensions"), frozenset({"mesh"})),
+    "materials": (("meshes", "extensions"), frozenset({"material"})),
+}
 # Names of properties that are indices of accessors without saying so.
 _NAMES = ("indices", "input", "output", "inverseBindMatrices")
 
@@ -20,7 +33,7 @@ def used_accessors(gltf: dict[str, Any]) -> Counter[int]:
                 named += sampler.get("input"), sampler.get("output")
     for key, value in gltf.items():
         if key not in ("skins", "animations", "accessors", "bufferViews", "buffers"):
-            named += _named(value, "accessor")
+            named += _named(value, "accessors")
     # 3.0 is the same number.
     return Counter(index for index in named if type(index) in (int, float))
 
@@ -35,10 +48,10 @@ def used_views(gltf: dict[str, Any]) -> set[int]:
             of_accessors.add(view)
         for part in ("sparse", "extensions"):
             if part in accessor:
-                others.update(_named(accessor[part], "bufferView"))
+                others.update(_named(accessor[part], "bufferViews"))
     for key, value in gltf.items():
         if key not in ("accessors", "bufferViews", "buffers", "animations"):
-            others.update(_named(value, "bufferView"))
+            others.update(_named(value, "bufferViews"))
     unnamed = set(range(len(gltf.get("bufferViews", [])))) - of_accessors
     return others | unnamed
 
@@ -56,8 +69,8 @@ def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:
                     yield buffer, start, start + length
 
 
-def _named(value: Any, kind: str) -> Iterator[int]:
-    """Every index below ``value`` that its key marks as one of ``kind``."""
+def _named(value: Any, section: str) -> Iterator[int]:
+    """Every index below ``value`` that its key marks as one of a list of the file."""
     left = [value]
     for item in left:  # it grows as it is walked
         if isinstance(item, list):
@@ -65,13 +78,13 @@ def _named(value: Any, kind: str) -> Iterator[int]:
             continue
         for key, below in item.items() if isinstance(item, dict) else ():
             if type(below) is int:
-                if _refers(key, kind):
+                if _refers(key, section):
                     yield below
             elif isinstance(below, list) and below and type(below[0]) in (int, float):
-                yield from below if type(below[0]) is int and _refers(key, kind) else ()
-            elif kind == "accessor" and key == "attributes" and isinstance(below, dict):
+                yield from below if type(below[0]) is int and _refers(key, section) else ()
+            elif section == "accessors" and key == "attributes" and isinstance(below, dict):
                 yield from (k for k in below.values() if type(k) is int)
-            elif kind == "accessor" and key == "targets" and isinstance(below, list):
+            elif section == "accessors" and key == "targets" and isinstance(below, list):
                 for target in below:
                     numbers = target.values() if isinstance(target, dict) else ()
                     yield from (k for k in numbers if type(k) is int)
@@ -80,35 +93,64 @@ def _named(value: Any, kind: str) -> Iterator[int]:
 
 
 @lru_cache
-def _refers(key: str, kind: str) -> bool:
+def _refers(key: str, section: str) -> bool:
+    if section in _WORDS:
+        return key in _WORDS[section][1]
     # 'bufferView', 'timesAccessor', 'accessors' ... and the one name the specification gives on its own.
-    return kind.lower() in key.lower() or (kind == "accessor" and key in _NAMES)
+    return section[:-1].lower() in key.lower() or (section == "accessors" and key in _NAMES)
 
 
-def recounted(value: Any, kind: str, moved: Mapping[int, int]) -> Any:
-    """``value`` with its indices of a kind counted anew; the very object where nothing in it changes."""
+def take_out(draft: CopyOnWrite, section: str, gone: Collection[int]) -> dict[int, int]:
+    """Take entries out of a list and count references to the others anew: old number → new."""
+    entries = draft.gltf[section]
+    kept = [number for number in range(len(entries)) if number not in gone]
+    moved = {old: new for new, old in enumerate(kept)}
+    draft.edit(section)[:] = [entries[number] for number in kept]
+    if any(old != new for old, new in moved.items()):
+        for place in draft.gltf:
+            new = _recounted(draft.gltf[place], section, moved) if _holds(place, section) else None
+            if new is not None and new is not draft.gltf[place]:
+                draft.edit(place)  # so that the whole counts as changed
+                draft.gltf[place] = new
+    return moved
+
+
+def _holds(place: str, section: str) -> bool:
+    """Whether a section of the file may refer to entries of a list."""
+    if section in _WORDS:
+        return place in _WORDS[section][0]
+    return place not in ("buffers", section) and (section, place) != ("accessors", "bufferViews")
+
+
+def _recounted(value: Any, section: str, moved: Mapping[int, int]) -> Any:
+    """``value`` with its indices of a list counted anew; the very object where nothing in it changes."""
     if isinstance(value, list):
-        items = [recounted(item, kind, moved) for item in value]
+        items = [_recounted(item, section, moved) for item in value]
         return value if all(new is old for new, old in zip(items, value, strict=True)) else items
     if not isinstance(value, dict):
         return value
-    members = {key: _member(key, item, kind, moved) for key, item in value.items()}
+    members = {key: _member(key, item, section, moved) for key, item in value.items()}
     return value if all(members[key] is item for key, item in value.items()) else members
 
 
-def _member(key: str, item: Any, kind: str, moved: Mapping[int, int]) -> Any:
+def _member(key: str, item: Any, section: str, moved: Mapping[int, int]) -> Any:
     if key == "extras":
         return item
     if type(item) is int:
-        return moved.get(item, item) if _refers(key, kind) else item
+        number = moved.get(item, item) if _refers(key, section) else item
+        return item if number == item else number
+    if key == "pointer" and isinstance(item, str):
+        pattern = rf"/{section}/(\d+)(?=/|$)"
+        pointer = re.sub(pattern, lambda m: f"/{section}/{moved.get(int(m[1]), m[1])}", item)
+        return item if pointer == item else pointer
     if isinstance(item, list) and item and type(item[0]) is int:
-        return _each(item, moved) if _refers(key, kind) else item
-    if kind == "accessor" and key == "attributes" and isinstance(item, dict):
+        return _each(item, moved) if _refers(key, section) else item
+    if section == "accessors" and key == "attributes" and isinstance(item, dict):
         return _each(item, moved)
-    if kind == "accessor" and key == "targets" and isinstance(item, list):
+    if section == "accessors" and key == "targets" and isinstance(item, list):
         targets = [_each(target, moved) for target in item]
         return item if all(new is old for new, old in zip(targets, item, strict=True)) else targets
-    return recounted(item, kind, moved)
+    return _recounted(item, section, moved)
 
 
 def _each(holder: Any, moved: Mapping[int, int]) -> Any:
