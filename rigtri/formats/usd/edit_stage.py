@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.passes.add_joints import add_joints
-from rigtri.formats.usd.passes.drop_columns import drop_columns
 from rigtri.formats.usd.passes.find_changes import find_changes
 from rigtri.formats.usd.passes.key_xforms import key_xforms
 from rigtri.formats.usd.passes.remove_joints import remove_joints
@@ -27,10 +26,6 @@ from rigtri.formats.usd.passes.write_skin_weights import write_skin_weights
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
 
-# The stage gets all joints, samples and clips of the rig, without a change to any value.
-PREPARE: tuple[Pass, ...] = (add_joints, split_joints, retime_samples, route_tracks)
-# What the rig has no longer goes last; until then the rig has it again.
-REMOVE: tuple[Pass, ...] = (remove_joints, drop_columns)
 # The values of the rig, in every selection of variants.
 VALUES: tuple[Pass, ...] = (
     unify_rounding,
@@ -43,7 +38,18 @@ VALUES: tuple[Pass, ...] = (
     write_rigtri_prims,
     write_joint_metadata,
 )
-PASSES: tuple[Pass, ...] = (*PREPARE, *REMOVE, *VALUES, write_skin_weights, route_variants)
+PASSES: tuple[Pass, ...] = (
+    # The stage gets all joints, samples and clips of the rig, without a change to any value.
+    add_joints,
+    split_joints,
+    retime_samples,
+    route_tracks,
+    # What the rig has no longer goes last; until then the rig has it again.
+    remove_joints,
+    *VALUES,
+    write_skin_weights,
+    route_variants,
+)
 
 
 def edit_stage(source: Source, rig: Rig, options: ReadOptions) -> UsdEdit:

@@ -81,6 +81,15 @@ class SkeletonVariants:
         self._authored = dict(chosen)
         self.stage.ExpandPopulationMask(lambda relation: relation.GetName() == SOURCE)
 
+    def refuse_dependent(self, paths: Iterable[Any], change: str) -> None:
+        """FileError where variants decide one of some attributes; change: what cannot be done to it."""
+        for path in sorted(self.depends.keys() & set(paths)):
+            prim, name = min(self.depends[path])
+            raise FileError(
+                f"{change}: <{path}> is another one in each variant of '{name}' on <{prim}>. "
+                "Give each variant a file of its own."
+            )
+
     def place_of(self, state: VariantState, path: Any) -> str:
         """The strongest opinion on a prim in a state: its path and its layer."""
         self.choose(state.chosen)

@@ -14,6 +14,7 @@ import numpy as np
 from pxr import Sdf, Vt
 
 from rigtri.formats.usd.composition.animation_binding import SOURCE
+from rigtri.formats.usd.reading.metadata_attributes import PREFIX
 from rigtri.maths.trigonometry import Floats
 
 
@@ -134,6 +135,14 @@ def set_matrices(prim: Any, name: str, matrices: Floats) -> Setting:
     """Set a uniform matrix array; matrices: (n, 4, 4)."""
     value = Vt.Matrix4dArray.FromNumpy(np.ascontiguousarray(matrices))
     return set_value(prim, name, Sdf.ValueTypeNames.Matrix4dArray, value, uniform=True)
+
+
+def set_attributes(prim: Any, attributes: Mapping[str, tuple[Any, Any]]) -> list[Edit]:
+    """Set custom attributes, each a type and a value; rigtri's own are uniform."""
+    return [
+        set_value(prim, name, type_name, value, custom=True, uniform=name.startswith(PREFIX))
+        for name, (type_name, value) in attributes.items()
+    ]
 
 
 def remove_prim(path: Any) -> Edit:

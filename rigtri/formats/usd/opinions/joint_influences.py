@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pxr import Sdf, Usd, UsdSkel
+from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced, why_locked
@@ -13,7 +13,7 @@ from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import choices
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.reading.joint_tokens import split_token
-from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS
+from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
 from rigtri.text import listed
@@ -85,17 +85,8 @@ def why_bound_otherwise(stage: Any, skeleton: str) -> str:
 
 def _bound(stage: Any, skeleton: str) -> dict[str, str]:
     """The places in layers that the influences of each mesh of a skeleton come from, by prim path."""
-    cache, found = UsdSkel.Cache(), {}
-    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
-        if not prim.IsA(UsdSkel.Root):
-            continue
-        root = UsdSkel.Root(prim)
-        cache.Populate(root, ALL_PRIMS)
-        for binding in cache.ComputeSkelBindings(root, ALL_PRIMS):
-            if str(binding.GetSkeleton().GetPath()) == skeleton:
-                prims = [query.GetPrim() for query in binding.GetSkinningTargets()]
-                found.update({str(prim.GetPath()): _places(prim) for prim in prims})
-    return found
+    prims = [query.GetPrim() for query in Bindings(stage).of({skeleton})]
+    return {str(prim.GetPath()): _places(prim) for prim in prims}
 
 
 def _places(prim: Any) -> str:

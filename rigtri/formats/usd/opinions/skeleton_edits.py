@@ -7,7 +7,6 @@ from typing import Any
 
 from pxr import Sdf
 
-from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.edits import Edit, set_matrices, set_tokens
@@ -41,11 +40,6 @@ def joint_names(stage: Any, skeleton: Skeleton) -> list[str] | None:
 def check_joints_editable(stage: Any, skeleton: Skeleton, change: str) -> None:
     """FileError where the joints of a skeleton cannot be edited; change: ``added`` or ``removed``."""
     refuse(why_instanced(stage.GetPrimAtPath(skeleton.path)), f"A joint cannot be {change}")
-    own = {Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS}
-    depends = SkeletonVariants(stage, skeleton.path, skeleton.animation).depends
-    for path in sorted(own.intersection(depends)):
-        prim, name = min(depends[path])
-        raise FileError(
-            f"A joint cannot be {change}: <{path}> is another one in each variant of '{name}' on <{prim}>. "
-            "Give each variant a file of its own."
-        )
+    own = [Sdf.Path(skeleton.path).AppendProperty(name) for name in _LISTS]
+    variants = SkeletonVariants(stage, skeleton.path, skeleton.animation)
+    variants.refuse_dependent(own, f"A joint cannot be {change}")

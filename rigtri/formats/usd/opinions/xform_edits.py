@@ -5,7 +5,7 @@ Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,17 +16,28 @@ from rigtri.formats.usd.reading.xform_hierarchy import OPS
 from rigtri.maths.matrices import decompose
 from rigtri.maths.quaternions import norm, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Track
+from rigtri.model.animation import Path, Track
 
+# The types of ops that are new, and how values of those that are there are made.
+OP_TYPES: Mapping[Path, Any] = {
+    "translation": Sdf.ValueTypeNames.Double3,
+    "rotation": Sdf.ValueTypeNames.Quatd,
+    "scale": Sdf.ValueTypeNames.Double3,
+}
+_VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
+_QUATERNIONS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
 # Two rotations that differ by less are one that went through a few products.
 SAME_ROTATION = 1e-12
 # What a division in float64 leaves of a length of 1.
 _ROUNDED = 1e-15
 
 
-def quaternion(q: Floats) -> Any:
-    """xyzw as a Gf quaternion of doubles."""
-    return Gf.Quatd(float(q[3]), Gf.Vec3d(*q[:3].tolist()))
+def op_value(type_name: Any, row: Floats) -> Any:
+    """A row as a value of an op's type, quaternions from xyzw."""
+    if str(type_name) in _VECTORS:
+        return _VECTORS[str(type_name)](*row.tolist())
+    quaternion, vector = _QUATERNIONS[str(type_name)]
+    return quaternion(float(row[3]), vector(*row[:3].tolist()))
 
 
 def transform_ops(local: Floats) -> list[str]:
@@ -37,18 +48,15 @@ def transform_ops(local: Floats) -> list[str]:
     return order + (["xformOp:scale"] if np.abs(scale - 1.0).max() > SAME_ROTATION else [])
 
 
-def _samples(track: Track | None) -> dict[float, Any]:
+def op_samples(track: Track | None, type_name: Any) -> dict[float, Any]:
     """The keys of a track as values of its op; none without a track."""
     if track is None:
         return {}
-    values = unit_rotations(track.values) if track.path == "rotation" else track.values
-    rows = zip(track.times.tolist(), values, strict=True)
-    return {
-        time: quaternion(row) if track.path == "rotation" else Gf.Vec3d(*row.tolist()) for time, row in rows
-    }
+    rows = _unit_rotations(track.values) if track.path == "rotation" else track.values
+    return {time: op_value(type_name, row) for time, row in zip(track.times.tolist(), rows, strict=True)}
 
 
-def unit_rotations(rotations: Floats) -> Floats:
+def _unit_rotations(rotations: Floats) -> Floats:
     """Rotations, (k, 4), that are unit; those that were keep their bits.
 
     USD takes the angle from w alone: in a small rotation, what float32 has rounded off a unit w is much.
@@ -59,16 +67,18 @@ def unit_rotations(rotations: Floats) -> Floats:
 
 def set_transform(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Setting]:
     """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks."""
-    translation, rotation, scale = decompose(local)
-    types = Sdf.ValueTypeNames
-    values = {
-        "xformOp:translate": (types.Double3, Gf.Vec3d(*translation.tolist())),
-        "xformOp:orient": (types.Quatd, quaternion(rotation)),
-        "xformOp:scale": (types.Double3, Gf.Vec3d(*scale.tolist())),
-    }
-    moved = {OPS[track.path]: track for track in tracks}
-    order = [name for name in values if name in moved or name in transform_ops(local)]
+    rows = dict(zip(OPS, decompose(local), strict=True))
+    moved = {track.path: track for track in tracks}
+    order = {path: name for path, name in OPS.items() if path in moved or name in transform_ops(local)}
     edits = [
-        set_value(path, name, *values[name], samples=_samples(moved.get(name)), alone=True) for name in order
+        set_value(
+            path,
+            name,
+            OP_TYPES[prop],
+            op_value(OP_TYPES[prop], rows[prop]),
+            samples=op_samples(moved.get(prop), OP_TYPES[prop]),
+            alone=True,
+        )
+        for prop, name in order.items()
     ]
-    return [*edits, set_tokens(path, "xformOpOrder", order)]
+    return [*edits, set_tokens(path, "xformOpOrder", list(order.values()))]

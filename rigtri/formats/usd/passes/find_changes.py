@@ -10,8 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.formats.usd.opinions.rigtri_prims import is_rigtri_prim, sets_transform
-from rigtri.formats.usd.passes.usd_edit import Changes, UsdEdit
+from rigtri.formats.usd.passes.usd_edit import Changes, UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.maths.arrays import Booleans
 from rigtri.model.animation import Clip, Track

@@ -10,14 +10,19 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from pxr import Gf, Sdf, UsdGeom
+from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, tokens_of, why_locked
 from rigtri.formats.usd.opinions.animation_edits import as_samples
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
-from rigtri.formats.usd.opinions.xform_edits import set_transform, transform_ops, unit_rotations
+from rigtri.formats.usd.opinions.xform_edits import (
+    OP_TYPES,
+    op_samples,
+    op_value,
+    set_transform,
+    transform_ops,
+)
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import NOTHING, OPS
@@ -27,10 +32,6 @@ from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
 
 _RESET = "!resetXformStack!"
-_TYPES = Sdf.ValueTypeNames
-_NEW = {"translation": _TYPES.Double3, "rotation": _TYPES.Quatd, "scale": _TYPES.Double3}
-_VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
-_TURNS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
 
 
 def key_xforms(edit: UsdEdit) -> None:
@@ -78,21 +79,9 @@ def _into_stack(
     for p, name in OPS.items():
         if name not in names or not (p in tracks or p in rest):
             continue
-        type_name = prim.GetAttribute(name).GetTypeName() if name in ops else _NEW[p]
-        track = tracks.get(p)
-        rows = np.zeros((0, 4)) if track is None else track.values
-        rows = unit_rotations(rows) if p == "rotation" else rows
-        times = [] if track is None else track.times.tolist()
-        values = {time: _value(type_name, row) for time, row in zip(times, rows, strict=True)}
+        type_name = prim.GetAttribute(name).GetTypeName() if name in ops else OP_TYPES[p]
+        values = op_samples(tracks.get(p), type_name)
         still = rest.get(p, None if name in ops else NOTHING[p])
-        default = None if still is None else _value(type_name, still)
-        found.append(set_value(path, name, type_name, default, samples=values, alone=track is not None))
+        default = None if still is None else op_value(type_name, still)
+        found.append(set_value(path, name, type_name, default, samples=values, alone=p in tracks))
     return found if names == ops else [*found, set_tokens(path, "xformOpOrder", [*resets, *names])]
-
-
-def _value(type_name: Any, row: Floats) -> Any:
-    """A row as a value of an op's type, quaternions from xyzw."""
-    if str(type_name) in _VECTORS:
-        return _VECTORS[str(type_name)](*row.tolist())
-    quaternion, vector = _TURNS[str(type_name)]
-    return quaternion(float(row[3]), vector(*row[:3].tolist()))

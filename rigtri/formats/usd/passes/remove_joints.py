@@ -1,14 +1,17 @@
-"""Remove the joints of rigtri that the rig has no longer from the lists of their skeletons."""
+"""Remove joints of rigtri that go: their rows in skeletons, and their columns in animations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties
+from rigtri.formats.usd.composition.stage import refuse, why_instanced
+from rigtri.formats.usd.opinions.animation_edits import set_array
+from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties, set_tokens
 from rigtri.formats.usd.opinions.skeleton_edits import (
     REST_ADDED,
     check_joints_editable,
@@ -16,19 +19,28 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     set_joints,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 
 
 def remove_joints(edit: UsdEdit) -> None:
-    """Give the rig all rows of its skins again; the last edits take the rows out.
+    """Give the rig all rows of its skins and all tracks again; the last edits take rows and columns out.
 
-    A skeleton that loses all its joints is removed. FileError where a skeleton cannot be edited.
+    A skeleton that loses all its joints is removed; columns of joints that stay, of any skeleton, stay.
+    FileError where a skeleton or an animation cannot be edited.
     """
+    _remove_rows(edit)
+    if edit.rig.pending.removed:
+        _drop_columns(edit)
+
+
+def _remove_rows(edit: UsdEdit) -> None:
     source, rig = edit.source, edit.rig
     skins, edits = list(rig.skins), []
     for number, old in enumerate(source.rig.skins):
@@ -65,3 +77,47 @@ def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterato
     yield from set_joints(path, [skeleton.tokens[k] for k in rows], skeleton.bind[rows], rest, names)
     if skeleton.has_rest and added:
         yield remove_properties(path, "restTransforms")
+
+
+def _drop_columns(edit: UsdEdit) -> None:
+    source, rig = edit.source, edit.rig
+    stay: set[str] = set()
+    gone: set[str] = set()
+    for node, (skeleton, token) in source.joints.items():
+        if skeleton not in source.animations:
+            (gone if node in rig.pending.removed else stay).add(token)
+    for path, animation in source.animations.items():
+        keep = np.array([token in stay or token not in gone for token in animation.tokens], dtype=bool)
+        if keep.all():
+            continue
+        refuse(why_instanced(source.stage.GetPrimAtPath(path)), "Keys cannot be removed")
+        edit.removals += _kept_columns(animation, keep)
+    clips = [
+        new
+        if all(track.node not in rig.pending.removed for track in old.tracks)
+        else replace(new, tracks=tuple(_all_tracks(old, new, rig)))
+        for old, new in zip(source.rig.clips, rig.clips, strict=True)
+    ]
+    edit.rig = replace(rig, clips=tuple(clips))
+
+
+def _all_tracks(old: Clip, new: Clip, rig: Rig) -> Iterator[Track]:
+    """The tracks of a clip with those of removed joints in their old places."""
+    left = iter(new.tracks)
+    for was in old.tracks:
+        if was.node in rig.pending.removed and kind(rig.keys[was.node]) == "joint":
+            yield was
+        elif was.node not in rig.pending.removed:
+            yield from islice(left, 1)
+    yield from left
+
+
+def _kept_columns(animation: Animation, keep: Booleans) -> Iterator[Edit]:
+    """The joints and arrays of an animation with those columns alone that are kept."""
+    tokens = [token for token, stays in zip(animation.tokens, keep, strict=True) if stays]
+    yield set_tokens(animation.path, "joints", tokens)
+    for name in PROPERTIES:
+        if (item := animation.properties.get(name)) is not None:
+            default = None if item.default is None else item.default[keep]
+            kept = replace(item, samples=item.samples[:, keep], default=default)
+            yield set_array(animation.path, name, kept)

@@ -18,11 +18,10 @@ from pxr import Sdf, UsdGeom
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
-from rigtri.formats.usd.opinions.rigtri_prims import sets_transform
-from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, quaternion, set_transform, transform_ops
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, op_value, set_transform, transform_ops
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.formats.usd.reading.xform_hierarchy import FRAME, PARENT_INVERSE
+from rigtri.formats.usd.reading.xform_hierarchy import FRAME, PARENT_INVERSE, value_numbers
 from rigtri.maths.matrices import (
     SKEW,
     compose,
@@ -37,6 +36,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
+_QUATD = Sdf.ValueTypeNames.Quatd
 # What a rotation may leave unexplained of a matrix, as a share of its largest number.
 SAME_PLACE = 1e-9
 
@@ -93,26 +93,17 @@ def _prim_edits(edit: UsdEdit, node: int, delta: Floats, above: Floats) -> list[
     order = list(tokens_of(prim, "xformOpOrder"))
     edits: list[Edit] = []
     for name, change, last in ((FRAME, delta, True), (PARENT_INVERSE, conjugate(above), False)):
-        old = _orient(prim, name) if name in order else IDENTITY
+        old = value_numbers(prim.GetAttribute(name).Get(DEFAULT)) if name in order else IDENTITY
         # Row matrices: what stands nearer to the points comes first, in Hamilton's product last.
         new = product(old, change) if last else product(change, old)
         order = [op for op in order if op != name]
         if np.abs(np.abs(new[3]) - 1.0) > SAME_ROTATION or np.abs(new[:3]).max() > SAME_ROTATION:
             place = len(order) if last else int(bool(order) and order[0] == "!resetXformStack!")
             order.insert(place, name)
-            edits.append(_set_orient(prim, name, new))
+            edits.append(set_value(prim.GetPath(), name, _QUATD, op_value(_QUATD, new)))
         elif not np.array_equal(old, IDENTITY):
             edits.append(remove_properties(prim.GetPath(), name))
     return [*edits, set_tokens(prim.GetPath(), "xformOpOrder", order)]
-
-
-def _orient(prim: Any, name: str) -> Floats:
-    value = prim.GetAttribute(name).Get(DEFAULT)
-    return np.array([*value.GetImaginary(), value.GetReal()], dtype=np.float64)
-
-
-def _set_orient(prim: Any, name: str, q: Floats) -> Edit:
-    return set_value(prim.GetPath(), name, Sdf.ValueTypeNames.Quatd, quaternion(q))
 
 
 def _baked(prim: Any, local: Floats) -> list[Edit]:

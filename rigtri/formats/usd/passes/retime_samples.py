@@ -213,15 +213,10 @@ class _Plan:
                 raise FileError(
                     f"<{path}.{name}> has blocked samples, so its keys cannot be changed. Export it again."
                 )
-        own = {Sdf.Path(path).AppendProperty(name) for name in ("joints", *PROPERTIES)}
+        own = [Sdf.Path(path).AppendProperty(name) for name in ("joints", *PROPERTIES)]
         for skeleton in self.users if not self.skeleton else ():
-            depends = SkeletonVariants(self.source.stage, skeleton.path, skeleton.animation).depends
-            for found in sorted(own.intersection(depends)):
-                above, variants = min(depends[found])
-                raise FileError(
-                    f"Keys cannot be changed: <{found}> is another one in each variant of '{variants}' on "
-                    f"<{above}>. Give each variant a file of its own."
-                )
+            variants = SkeletonVariants(self.source.stage, skeleton.path, skeleton.animation)
+            variants.refuse_dependent(own, "Keys cannot be changed")
 
     def _array(self, name: str, times: Floats) -> Edit:
         """An array at new times, as it was; new columns have what their joints are at rest."""

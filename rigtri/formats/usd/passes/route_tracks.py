@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from rigtri.evaluation.timelines import PLAYED
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
-from rigtri.formats.usd.reading.xform_sampling import KEY, NAME
-from rigtri.model.animation import Clip
+from rigtri.formats.usd.reading.xform_hierarchy import XFORMS
 
 
 def route_tracks(edit: UsdEdit) -> None:
@@ -23,12 +22,11 @@ def route_tracks(edit: UsdEdit) -> None:
     joints = {node for skin in rig.skins if skin.key is not None for node in skin.joints.tolist()}
     tracks = tuple(t for clip in unplaced for t in clip.tracks if t.path == "weights" or t.node not in joints)
     clips = tuple(clip for clip in rig.clips if clip.key != PLAYED)
-    if all(clip.key != KEY for clip in clips):
-        empty = Clip(NAME, (), KEY)
-        clips = (*clips, empty)
+    if all(clip.key != XFORMS.key for clip in clips):
+        clips = (*clips, XFORMS)
         source = edit.source
-        edit.source = replace(source, rig=replace(source.rig, clips=(*source.rig.clips, empty)))
+        edit.source = replace(source, rig=replace(source.rig, clips=(*source.rig.clips, XFORMS)))
     clips = tuple(
-        replace(clip, tracks=(*clip.tracks, *tracks)) if clip.key == KEY else clip for clip in clips
+        replace(clip, tracks=(*clip.tracks, *tracks)) if clip.key == XFORMS.key else clip for clip in clips
     )
     edit.rig = replace(rig, clips=clips)

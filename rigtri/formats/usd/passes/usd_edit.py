@@ -15,6 +15,7 @@ from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import ADDED
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
@@ -93,3 +94,14 @@ class UsdEdit:
 
 
 Pass = Callable[[UsdEdit], None]
+
+
+def is_rigtri_prim(rig: Rig, node: int) -> bool:
+    """Whether a prim was made by rigtri, so that its transform is rigtri's to set."""
+    return "type" in rig.metadata.get(node, {})
+
+
+def sets_transform(before: Rig, rig: Rig, node: int) -> bool:
+    """Whether rigtri may set the transform of a prim: its own, or one that gets back what it had lost."""
+    added = rig.type_of(node) in ADDED
+    return is_rigtri_prim(before, node) or (added and bool((before.local[node] != rig.local[node]).any()))

@@ -9,18 +9,22 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.formats.half_turn_keys import HALF_TURN, dots, keep_way_round
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
-from rigtri.formats.usd.opinions.half_rounding import put
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import HELD, Animation
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.formats.usd.reading.source import Source
+from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.report import Notice
+
+# Rotations this near to unit length were unit before they were rounded to float32.
+UNIT = 1e-6
 
 # (samples or default, property, column) → new samples (k, c), or the new default (1, c).
 Columns = dict[tuple[str, str, int], Floats]
@@ -132,11 +136,38 @@ def _array_edits(animation: Animation, path: str, columns: Columns) -> list[Edit
         default = None if default is None else default.copy()
         for (moment, _, column), values in mine.items():
             if moment == "samples":
-                put(samples, column, item.samples[:, column], values)
+                _put(samples, column, item.samples[:, column], values)
             elif default is not None and item.default is not None:
-                put(default[np.newaxis], column, item.default[np.newaxis, column], values)
+                _put(default[np.newaxis], column, item.default[np.newaxis, column], values)
         found.append(set_array(path, name, replace(item, samples=samples, default=default)))
     return found
+
+
+def _put(into: np.ndarray, column: int, stored: np.ndarray, values: Floats) -> None:
+    """Put one joint's values, (k, c), into an array (k, j, c); rows that did not change keep their bits.
+
+    stored: (k, c), what the file has. Rotations that were meant to be unit become unit.
+    """
+    changed = (values != stored.astype(np.float64)).any(axis=1)
+    rotations = values.shape[-1] == 4
+    if rotations:
+        size = norm(values)[:, np.newaxis]
+        meant = np.abs(size - 1.0) < UNIT
+        values = np.where(meant, values / np.where(meant, size, 1.0), values)
+    into[changed, column] = values[changed].astype(into.dtype)
+    if rotations:
+        _keep_ways_round(into[:, column], stored.astype(np.float64), changed)
+
+
+def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> None:
+    """Keep rounding from reversing the way from one key to the next, where it is half a turn.
+
+    USD takes the shorter arc, which the sign of a dot product decides; rows change in place.
+    """
+    near = np.abs(dots(rows[:-1].astype(np.float64), rows[1:].astype(np.float64))) < HALF_TURN
+    negative = dots(before[:-1], before[1:]) < 0
+    for k in np.flatnonzero(near & changed[1:]).tolist():
+        keep_way_round(rows, k, negative=bool(negative[k]))
 
 
 def _copy_of(source: Source, animation: Animation, number: int) -> tuple[str, list[Edit]]:

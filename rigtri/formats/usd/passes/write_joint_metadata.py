@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from rigtri.formats.usd.opinions.edits import remove_properties
-from rigtri.formats.usd.opinions.metadata_edits import set_joint_metadata
+from rigtri.formats.usd.opinions.edits import remove_properties, set_attributes
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.model.metadata import illegible
@@ -26,6 +25,6 @@ def write_joint_metadata(edit: UsdEdit) -> None:
             if illegible(metadata):
                 by_skeleton.setdefault(path, {})[token] = metadata
         if path in by_skeleton:
-            edit.values += set_joint_metadata(path, by_skeleton[path])
+            edit.values += set_attributes(path, metadata_attributes.joint_attributes(by_skeleton[path]))
         else:
             edit.values.append(remove_properties(path, *metadata_attributes.JOINT_NOTES))

@@ -6,33 +6,32 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf
+from pxr import Gf, Sdf, Tf, UsdGeom, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, why_locked
-from rigtri.formats.usd.opinions.control_shape_edits import define_curves
 from rigtri.formats.usd.opinions.edits import (
     Edit,
     apply_schema,
     define,
     free_path,
     remove_properties,
+    set_attributes,
     set_value,
 )
-from rigtri.formats.usd.opinions.metadata_edits import set_attributes, set_joint_metadata
-from rigtri.formats.usd.opinions.rigtri_prims import is_rigtri_prim, sets_transform
 from rigtri.formats.usd.opinions.skeleton_edits import set_joints
 from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, set_transform
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.control_shape_reader import NAME
 from rigtri.formats.usd.reading.joint_tokens import child_token
-from rigtri.formats.usd.reading.metadata_attributes import TWIN, api_name, attributes_of
+from rigtri.formats.usd.reading.metadata_attributes import TWIN, api_name, attributes_of, joint_attributes
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.reading.xform_hierarchy import OPS
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
+from rigtri.model.control_shapes import Shape
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -121,7 +120,7 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
         if not sets_transform(before, rig, node):
             continue
         if node in rig.pending.shapes:
-            found += define_curves(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
+            found += _define_curves(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
             refuse(why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",)))
             stands = set_transform(path, rig.local[node], _tracks(rig, node))
@@ -219,7 +218,7 @@ class _Additions:
             control = self.rig.find(str(metadata["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.pending.shapes:
-            found += define_curves(path.AppendChild(NAME), self.rig.pending.shapes[node])
+            found += _define_curves(path.AppendChild(NAME), self.rig.pending.shapes[node])
         return [*found, apply_schema(path, api_name(metadata["type"]))] if "type" in metadata else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:
@@ -273,6 +272,29 @@ class _Additions:
         return path, above
 
 
+def _define_curves(path: Any, shape: Shape) -> list[Edit]:
+    """Edits that define the BasisCurves of a shape at ``path``.
+
+    They alone are a guide: with that purpose on the control itself Blender's import would drop the
+    control with its attributes.
+    """
+    types = Sdf.ValueTypeNames
+    points = Vt.Vec3fArray.FromNumpy(np.concatenate(shape.strips).astype(np.float32))
+    counts = Vt.IntArray([len(strip) for strip in shape.strips])
+    wrap = "periodic" if shape.closed else "nonperiodic"
+    values: list[tuple[str, Any, Any, bool]] = [
+        ("type", types.Token, "linear", True),
+        ("wrap", types.Token, wrap, True),
+        ("purpose", types.Token, "guide", True),
+        ("curveVertexCounts", types.IntArray, counts, False),
+        ("points", types.Point3fArray, points, False),
+        ("extent", types.Float3Array, UsdGeom.PointBased.ComputeExtent(points), False),
+        ("primvars:displayColor", types.Color3fArray, Vt.Vec3fArray([Gf.Vec3f(*shape.color)]), False),
+    ]
+    edits = [set_value(path, name, kind, value, uniform=uniform) for name, kind, value, uniform in values]
+    return [define(path, "BasisCurves"), *edits]
+
+
 def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit]:
     """A Skeleton prim at ``path`` with the new joints of a skin.
 
@@ -285,7 +307,7 @@ def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit
     return [
         define(path, "Skeleton"),
         *set_joints(path, list(tokens.values()), inverse(skin.inverse_bind), rest),
-        *set_joint_metadata(path, by_token),
+        *set_attributes(path, joint_attributes(by_token)),
     ]
 
 

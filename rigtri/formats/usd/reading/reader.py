@@ -12,19 +12,23 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bound_animation
-from rigtri.formats.usd.composition.stage import quiet
-from rigtri.formats.usd.reading import (
-    animation_library,
-    mesh_reader,
-    xform_sampling,
+from rigtri.formats.usd.composition.stage import quiet, why_locked
+from rigtri.formats.usd.reading import mesh_reader
+from rigtri.formats.usd.reading.animation_reader import (
+    NOTHING,
+    Animation,
+    Property,
+    clips,
+    interpolation_of,
+    read_animation,
 )
-from rigtri.formats.usd.reading.animation_reader import Animation, clips, interpolation_of, read_animation
 from rigtri.formats.usd.reading.nodes import Nodes
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton, read_skeleton
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
 from rigtri.formats.usd.reading.source import Source
-from rigtri.formats.usd.reading.xform_hierarchy import read_transform, rooted
-from rigtri.maths.matrices import inverse
-from rigtri.maths.quaternions import from_axes, to_axes
+from rigtri.formats.usd.reading.xform_hierarchy import XFORMS, read_transform, rooted, xform_tracks
+from rigtri.maths.matrices import compose, inverse, multiply
+from rigtri.maths.quaternions import from_axes, to_axes, unit
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -86,13 +90,13 @@ class _Reader:
         prims = {node: prim for node, prim in self.nodes.animated.items() if node not in joints}
         mine = self._own_tracks(rig, prims)
         others = {node: prim for node, prim in prims.items() if node not in mine}
-        tracks = xform_sampling.tracks(others, self.interpolation, self.warnings)
+        tracks = xform_tracks(others, self.interpolation, self.warnings)
         tracks += [track for node in mine for track in mine[node]]
         if not tracks:
             return rig
-        clips = tuple(clip for clip in rig.clips if clip.key != xform_sampling.KEY)
-        known = [track for clip in rig.clips if clip.key == xform_sampling.KEY for track in clip.tracks]
-        return replace(rig, clips=(*clips, Clip(xform_sampling.NAME, (*known, *tracks), xform_sampling.KEY)))
+        clips = tuple(clip for clip in rig.clips if clip.key != XFORMS.key)
+        known = [track for clip in rig.clips if clip.key == XFORMS.key for track in clip.tracks]
+        return replace(rig, clips=(*clips, replace(XFORMS, tracks=(*known, *tracks))))
 
     def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, tuple[Track, ...]]:
         """The keys of rigtri's prims as they are in their ops; what is mirrored goes by its matrices."""
@@ -138,7 +142,7 @@ class _Reader:
         self.nodes.add_joints(self.skeletons.values())
 
     def _library(self, others: list[Any]) -> None:
-        """Animations without any skeleton, as skeletons of their own."""
+        """Animations without any skeleton, as skeletons of their own; only the animations are written."""
         world = self.nodes.rig().world
         for prim in (prim for prim in others if prim.GetTypeName() == "SkelAnimation"):
             path = str(prim.GetPath())
@@ -147,9 +151,15 @@ class _Reader:
                 owner = self.nodes.owner(path)
                 place = world[owner] if owner >= 0 else np.eye(4)
                 self.animations[path] = animation
-                self.skeletons[path] = animation_library.stand_in(prim, animation, place)
+                self.skeletons[path] = _stand_in(prim, animation, place)
         if self.skeletons:
-            self.warnings.append(animation_library.notice(list(self.skeletons)))
+            shown = listed([f"<{path}>" for path in self.skeletons])
+            text = (
+                f"There is no skeleton; joints stand as {shown} poses them first. To give them the axes "
+                "of the skeleton they are for, save its new axes with --save-frames and apply them with "
+                "--frames."
+            )
+            self.warnings.append(Notice("no-skeleton", text))
             self.nodes.add_joints(self.skeletons.values())
 
     def _animations(self, others: list[Any]) -> None:
@@ -203,6 +213,31 @@ class _Reader:
             weigh=weigh if real else None,
             key=("skeleton" if real else "library", skeleton.path),
         )
+
+
+def _stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
+    """The joints of an animation, by the hierarchy in their paths, as it poses them first below ``world``."""
+    # Animations may list their joints in any order; a rig needs parents first.
+    order = sorted(range(len(animation.tokens)), key=lambda k: animation.tokens[k].count("/"))
+    tokens = tuple(animation.tokens[k] for k in order)
+    parents = joint_parents(animation.path, tokens)
+    parts = {name: _first_row(animation.properties.get(name), name, order) for name in NOTHING}
+    rest = compose(parts["translations"], unit(parts["rotations"]), parts["scales"])
+    bind = rest.copy()
+    for joint, parent in enumerate(parents.tolist()):
+        bind[joint] = multiply(rest[joint], bind[parent] if parent >= 0 else world)
+    locked = why_locked(prim, ("joints", *NOTHING))
+    for name in ("translations", "rotations"):
+        if name not in animation.properties:
+            locked = locked or f"animation <{animation.path}> has no {name}, and no skeleton gives them"
+    return Skeleton(animation.path, tokens, parents, bind, rest, False, locked, animation.path)
+
+
+def _first_row(item: Property | None, name: str, order: list[int]) -> Floats:
+    if item is None:
+        return np.broadcast_to(NOTHING[name], (len(order), len(NOTHING[name])))
+    row = item.samples[0] if len(item.times) else item.default
+    return np.asarray(row, dtype=np.float64)[order]
 
 
 def _mirrored_as_keyed(rig: Rig) -> Rig:

@@ -12,19 +12,20 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, Vt
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.maths.matrices import inverse
+from rigtri.maths.matrices import SKEW, decompose, inverse, skew
 from rigtri.maths.quaternions import IDENTITY, multiply, rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
+from rigtri.text import listed
 
 # The ops that reorient a prim stand innermost and outermost.
 FRAME = "xformOp:orient:rigtriFrame"
@@ -37,6 +38,8 @@ OPS: Mapping[Path, str] = {
 }
 # What a property is without an op.
 NOTHING: Mapping[Path, Floats] = {"translation": np.zeros(3), "rotation": IDENTITY, "scale": np.ones(3)}
+# The clip of all prims that move, still without tracks.
+XFORMS = Clip("xforms", (), ("xforms", ""))
 _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
 # Scale components that differ by less are one number that was rounded to float32.
 _UNIFORM = 1e-6
@@ -77,7 +80,7 @@ def _animated(
         tracks += stand.tracks
     if not tracks:
         return rig
-    clip = Clip("xforms", tuple(tracks), ("xforms", ""))
+    clip = replace(XFORMS, tracks=tuple(tracks))
     return replace(rig, clips=(*rig.clips, clip), translation=translation, rotation=rotation, scale=scale)
 
 
@@ -184,7 +187,7 @@ def read_transform(prim: Any, node: int, interpolation: Interpolation) -> Transf
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
         keys = [(time, value) for time, value in keys if value is not None]
         if keys:
-            values = np.stack([_numbers(value) for _, value in keys])
+            values = np.stack([value_numbers(value) for _, value in keys])
             if not np.isfinite(values).all():
                 return None
             if path == "scale" and (inner != IDENTITY).any() and _uneven(values):
@@ -211,11 +214,65 @@ def _uneven(scale: Floats) -> bool:
 
 def _first(op: Any, nothing: Floats) -> Floats:
     value = None if op is None else at_start(op.GetAttr())
-    return nothing if value is None else _numbers(value)
+    return nothing if value is None else value_numbers(value)
 
 
-def _numbers(value: Any) -> Floats:
+def value_numbers(value: Any) -> Floats:
     """A Gf vector or quaternion as numbers, quaternions as xyzw."""
     if hasattr(value, "GetImaginary"):
         return np.array([*value.GetImaginary(), value.GetReal()], dtype=np.float64)
     return np.array(value, dtype=np.float64)
+
+
+def xform_tracks(
+    prims: Mapping[int, Any], interpolation: Interpolation, warnings: list[Notice]
+) -> list[Track]:
+    """Translation, rotation and scale of animated prims, by node, to measure: three tracks each.
+
+    Between samples Euler angles and pivots go ways that tracks do not; they go the same way in two files
+    that are compared. Nothing writes these tracks.
+    """
+    if not prims:
+        return []
+    shared: dict[tuple[float, ...], Floats] = {}
+    times, matrices = [], []
+    for prim in prims.values():
+        xformable = UsdGeom.Xformable(prim)
+        keys = tuple(xformable.GetTimeSamples())
+        times.append(shared.setdefault(keys, np.array(keys)))
+        matrices += [xformable.GetLocalTransformation(time) for time in keys]
+    ends = np.cumsum([len(keys) for keys in times])
+    local = np.array(Vt.Matrix4dArray(matrices), dtype=np.float64)
+    of = np.repeat(np.arange(len(times)), [len(keys) for keys in times])
+    paths = [str(prim.GetPath()) for prim in prims.values()]
+    values = _parts(local, [paths[k] for k in of.tolist()], warnings)
+    columns = [np.split(part, ends[:-1]) for part in values]
+    return [
+        Track(node, path, interpolation, times[row], columns[part][row])
+        for row, node in enumerate(prims)
+        for part, path in enumerate(PATHS)
+    ]
+
+
+def _parts(local: Floats, paths: list[str], warnings: list[Notice]) -> tuple[Floats, Floats, Floats]:
+    """Translation, rotation and scale of matrices as far as they have them, with a notice where not."""
+    finite = np.asarray(np.isfinite(local).all(axis=(1, 2)))
+    if not finite.all():
+        text = f"Samples of the ops of {_named(paths, ~finite)} give no finite matrix; they count as none."
+        warnings.append(Notice("no-place", text))
+        local = np.where(finite[:, np.newaxis, np.newaxis], local, np.eye(4))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        translation, rotation, scale = decompose(local)
+        whole = np.asarray(np.isfinite(rotation).all(axis=1))
+        odd = np.asarray(~whole | (skew(local) > SKEW))
+    # What is hidden by a scale of zero has no axes; there is nothing to measure about them.
+    odd &= (scale != 0).any(axis=1)
+    if odd.any():
+        text = f"{_named(paths, odd)}: sheared or flat samples are measured by their place and lengths alone."
+        warnings.append(Notice("xform-sheared", text))
+    return translation, np.where(whole[:, np.newaxis], rotation, IDENTITY), scale
+
+
+def _named(paths: list[str], which: np.ndarray) -> str:
+    names = sorted({paths[k] for k in np.flatnonzero(which).tolist()})
+    return listed([f"<{name}>" for name in names])
