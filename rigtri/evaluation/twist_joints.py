@@ -1,7 +1,7 @@
 """Twist joints: each takes a share of the twist of its driver about a bone.
 
 They are evaluated from their metadata alone (docs/file-description.md), all frames at once; the
-twist itself is in `rigtri.maths.swing_twist`.
+twist itself is in `rigtri.maths.quaternions`.
 
 Source: "Matrix parent constraint" (twist distribution, announced).
 """
@@ -22,9 +22,8 @@ from rigtri.maths.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, twist_angle
 from rigtri.maths.quaternions import multiply as product
-from rigtri.maths.swing_twist import twist_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.metadata import Triple, TwistRecord

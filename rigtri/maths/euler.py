@@ -9,7 +9,7 @@ after the last is undone, which keeps all digits where the middle axis is near a
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,6 @@ from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos
 
 Order = Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"]
-ORDERS: tuple[Order, ...] = get_args(Order)
 # Of a unit vector: less of it gives no direction, and the last angle is taken as 0.
 _NOTHING = 1e-15
 

@@ -14,8 +14,6 @@ Matrix" to "Inverse matrix"; "Matrix parent constraint" (article).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -112,16 +110,6 @@ def world(local: ArrayLike, parent_world: ArrayLike) -> Floats:
     Source: "Matrix parent constraint", childWorld = childLocal · childParent.
     """
     return multiply(local, parent_world)
-
-
-def in_space(m: ArrayLike, space: ArrayLike, operation: Callable[[Floats], ArrayLike]) -> Floats:
-    """Take ``m`` into another space, operate there, and bring it back, (..., 4, 4).
-
-    ``space`` is the world matrix of that space; ``operation`` maps matrices to matrices.
-
-    Source: GDC 2018, slide "Inverse matrix" (change an object's space, operate, return).
-    """
-    return multiply(as_matrices(operation(local(m, space))), space)
 
 
 def transform_points(points: ArrayLike, m: ArrayLike) -> Floats:
@@ -230,8 +218,7 @@ def skew(m: ArrayLike) -> Floats:
 def rotate_before(q: ArrayLike, m: ArrayLike) -> Floats:
     """C·M for the rotation C of ``q``: the same position, other axes, (..., 4), (..., 4, 4)."""
     m = as_matrices(m).copy()
-    axes = to_axes(q)
-    m[..., :3, :3] = _rows_times(axes, m[..., :3, :3])
+    m[..., :3, :3] = _row_times(to_axes(q), m[..., np.newaxis, :3, :3])
     return m
 
 
@@ -255,7 +242,3 @@ def _row_times(v: Floats, linear: Floats) -> Floats:
         + v[..., 1, np.newaxis] * linear[..., 1, :]
         + v[..., 2, np.newaxis] * linear[..., 2, :]
     )
-
-
-def _rows_times(a: Floats, b: Floats) -> Floats:
-    return _row_times(a, b[..., np.newaxis, :, :])

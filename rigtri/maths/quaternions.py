@@ -20,6 +20,8 @@ from rigtri.maths.vectors import as_vectors, by_component, cross, length
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 # Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
 NEARLY_UNIT = 1e-6
+# A rotation whose part about an axis is shorter than this swings by 180°: it has no twist.
+HALF_ROUND = 1e-9
 # Each step squares what is left for turns about one axis, and divides it by 10 or so at 60° apart.
 _MEAN_STEPS = 16
 
@@ -218,6 +220,27 @@ def make_continuous(q: ArrayLike) -> Floats:
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
     """How far unit quaternions are apart, (..., 4), (..., 4) → (...), in radians, 0 to π."""
     return rotation_angle(multiply(conjugate(a), b))
+
+
+def twist_angle(q: ArrayLike, axis: ArrayLike) -> Floats:
+    """How far unit quaternions, (..., 4), twist about a unit axis, (..., 3): (...), in radians, −π to π.
+
+    A rotation is ``multiply(swing, twist)``: first the twist about the axis, which leaves the axis where
+    it is, then the swing, which takes the axis to where q takes it. 0 for rotations that swing by 180°,
+    where every twist would do.
+
+    Source: P. Dobrowolski, "Swing-twist decomposition in Clifford algebra", 2015.
+
+    >>> q = multiply(from_axis_angle([0, 1, 0], 1.0), from_axis_angle([1, 0, 0], 0.5))
+    >>> float(twist_angle(q, [1.0, 0.0, 0.0]).round(12))
+    0.5
+    """
+    q = as_quaternions(q)
+    along, w = vectors.dot(q[..., :3], axis), q[..., 3]
+    # q and −q are one rotation: the one with w ≥ 0 has the shorter angle.
+    sign = np.where(w < 0, -1.0, 1.0)
+    angle = 2.0 * arc_tangent(along * sign, w * sign)
+    return np.where(along * along + w * w < HALF_ROUND * HALF_ROUND, 0.0, angle)
 
 
 def slerp(a: ArrayLike, b: ArrayLike, share: ArrayLike) -> Floats:

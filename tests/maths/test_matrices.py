@@ -65,20 +65,6 @@ def test_a_parent_constraint_keeps_its_offset(driver: Floats, driver_now: Floats
     assert_allclose(m.local(moved, driver_now), offset, atol=1e-8)
 
 
-@given(frames(), frames(), vectors)
-def test_an_operation_in_a_space_is_into_it_operate_and_back(a: Floats, space: Floats, move: Floats) -> None:
-    """GDC 2018: M = P.inverse() * A; move(M); A = P * M."""
-
-    def moved(local: Floats) -> Floats:
-        local = local.copy()
-        local[3, :3] += move
-        return local
-
-    columns = np.linalg.inv(space.T) @ a.T
-    columns[:3, 3] += move
-    assert_allclose(m.in_space(a, space, moved), (space.T @ columns).T, atol=1e-8)
-
-
 @given(st.lists(st.tuples(frames(), frames(), quaternions), min_size=1, max_size=4))
 def test_one_and_many_are_the_same_call(rows: list[tuple[Floats, Floats, Floats]]) -> None:
     a, b, turn = (np.stack(column) for column in zip(*rows, strict=True))

@@ -34,7 +34,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
-from rigtri.verification.diff.axis_diff import axis_words, turn, turns
+from rigtri.verification.diff.axis_diff import turns
 from rigtri.verification.diff.change import same_numbers, same_rows
 from rigtri.verification.diff.diff import Difference
 from rigtri.verification.diff.rig_diff import rig_changes
@@ -586,8 +586,6 @@ def test_rotations_of_many_frames_are_those_of_each_alone() -> None:
     assert np.allclose(degrees, np.degrees(angles), atol=1e-9)
     same_line = np.abs((normalise(lines) * axes).sum(axis=1))
     assert np.allclose(same_line, 1.0, atol=1e-9)
-    for k in range(40):
-        assert turn(frames[0][k], frames[1][k]) == (degrees[k], axis_words(lines[k]))
     assert np.isnan(turns(np.full((1, 3, 3), np.nan), np.eye(3)[np.newaxis])[0][0])
 
 

@@ -15,20 +15,15 @@ DERIVED = 1e-6
 _NEAR = 1e-4
 
 
-def turn(before: Floats, after: Floats) -> tuple[float, str]:
-    """Degrees from one rotation matrix (3, 3) to another, and the axis as the first frame sees it.
-
-    NaN where one is no frame.
-
-    >>> turn(np.eye(3), np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]))
-    (90.0, '+z')
-    """
-    degrees, axes = turns(before[np.newaxis], after[np.newaxis])
-    return float(degrees[0]), axis_words(axes[0])
-
-
 def turns(before: Floats, after: Floats) -> tuple[Floats, Floats]:
-    """The same for many, (k, 3, 3) twice: degrees, (k,), and lines of axes of any length, (k, 3)."""
+    """From rotation matrices, (k, 3, 3), to others: degrees, (k,), and axes of any length, (k, 3).
+
+    The axes are as the first frames see them. NaN where one is no frame.
+
+    >>> degrees, axes = turns(np.eye(3)[np.newaxis], np.array([[[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]]))
+    >>> degrees.tolist(), axis_words(axes[0])
+    ([90.0], '+z')
+    """
     rows, columns = after[:, :, np.newaxis], before[:, np.newaxis]
     with np.errstate(invalid="ignore", over="ignore"):
         change = (rows[..., 0] * columns[..., 0] + rows[..., 1] * columns[..., 1]) + (

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError
-from rigtri.formats import Document, ReadOptions, read
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, read
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare
 from rigtri.verification.diff.change import Change
-from rigtri.verification.diff.file_diff import file_changes
 from rigtri.verification.diff.rig_diff import rig_changes
 
 # Lines of a group that are shown unless all are asked for.
@@ -120,6 +119,14 @@ def diff(
 
 
 def _file_terms(before: Path, after: Path, options: ReadOptions, tolerance: float) -> list[Change] | None:
+    """How two files of one format differ as files; None where their formats are two."""
+    suffixes = {before.suffix.lower(), after.suffix.lower()}
+    if suffixes <= set(GLTF_SUFFIXES):
+        from rigtri.verification.diff.gltf_file_diff import file_changes
+    elif suffixes <= set(USD_SUFFIXES):
+        from rigtri.verification.diff.usd_file_diff import file_changes
+    else:
+        return None
     found = file_changes(before, after, options, tolerance)
     if found == [] and not tolerance and not filecmp.cmp(before, after, shallow=False):
         # Comments, blanks, layout: nothing that a reader of the format sees.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -13,42 +14,40 @@ from rigtri.errors import FileError
 from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.buffers import Buffers
-from rigtri.formats.gltf.container import open_container
+from rigtri.formats.gltf.container import BIN_CHUNK, JSON_CHUNK, Container, open_container
 from rigtri.formats.gltf.structure import check_lists
 from rigtri.formats.gltf.uris import decode_data, file_of, is_data
 from rigtri.formats.json_values import Value
-from rigtri.verification.diff.binary_diff import (
-    ALIGNMENT,
-    chunk_changes,
-    describe_bytes,
-    loose_changes,
-    same_bytes,
-)
-from rigtri.verification.diff.change import Change, furthest, same_numbers
+from rigtri.verification.diff.change import Change, arrow, furthest, same_numbers
 from rigtri.verification.diff.json_diff import json_changes, spelling_changes, tokens
 
+# Bytes compared at once.
+_BLOCK = 1 << 20
+# Fewer bytes than this that are zero are there to align what follows.
+_ALIGNMENT = 4
 
-def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float = 0.0) -> list[Change]:
+
+def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float) -> list[Change]:
     """Everything in which the second file is not the first. FileError where one is no glTF at all."""
     one, other = _Side(before, options), _Side(after, options)
-    pair = _Pair(one, other, tolerance)
+    contents = cache(partial(_contents, one, other, tolerance))
     found: list[Change] = []
     if one.text != other.text:
-        found += json_changes(one.json, other.json, pair.contents, tolerance)
+        found += json_changes(one.json, other.json, contents, tolerance)
         found += spelling_changes(one.text, other.text)
     if not found and not tolerance and one.text != other.text:
         at = next((k for k, (a, b) in enumerate(zip(one.text, other.text, strict=False)) if a != b), 0)
         found.append(Change("spelling", "changed", "text", f"blanks or escapes, from character {at} on"))
-    found += chunk_changes(one.container, other.container)
-    found += pair.accessors()
-    found += pair.views()
-    found += pair.loose_bytes()
-    found += pair.images()
+    found += _chunks(one.container, other.container)
+    found += _accessors(one, other, contents)
+    found += _views(one, other, tolerance)
+    found += _loose_bytes(one, other)
+    found += _images(one, other)
     return found
 
 
 class _Side:
-    """A file taken apart; what cannot be read of its data is None."""
+    """A file taken apart; what cannot be read of its data is None: the JSON shows what differs."""
 
     def __init__(self, path: Path, options: ReadOptions) -> None:
         self.path, self.options = path, options
@@ -57,15 +56,13 @@ class _Side:
         self.text = str(content, "utf-8")
         if self.container.is_glb:
             self.text = self.text.rstrip(" ")
-        self.gltf = Value(self.container.gltf, f"{path}:")
+        gltf = Value(self.container.gltf, f"{path}:")
         self.buffers: Buffers | None = None
         self.accessors: Accessors | None = None
-        try:
-            check_lists(self.gltf)
-            self.buffers = Buffers(self.gltf, self.container, allow_external=options.allow_external_paths)
-            self.accessors = Accessors(self.gltf, self.buffers)
-        except FileError:
-            pass  # the JSON shows what differs
+        with suppress(FileError):
+            check_lists(gltf)
+            self.buffers = Buffers(gltf, self.container, allow_external=options.allow_external_paths)
+            self.accessors = Accessors(gltf, self.buffers)
 
     @cached_property
     def json(self) -> Any:
@@ -79,32 +76,28 @@ class _Side:
 
     def view(self, index: int) -> memoryview | None:
         """The bytes of a buffer view."""
-        try:
-            if self.accessors is None or self.buffers is None:
-                return None
-            buffer, start, end = self.accessors.span(index)
-            return self.buffers.content(buffer)[start:end]
-        except FileError:
-            return None
+        with suppress(FileError):
+            if self.accessors is not None and self.buffers is not None:
+                buffer, start, end = self.accessors.span(index)
+                return self.buffers.content(buffer)[start:end]
+        return None
 
     def numbers(self, index: int) -> np.ndarray[Any, Any] | None:
         """The numbers of an accessor."""
-        try:
-            whole = self.accessors is not None and 0 <= index < len(self.accessors)
-            return self.accessors.read(index) if self.accessors is not None and whole else None
-        except FileError:
-            return None
+        with suppress(FileError):
+            if self.accessors is not None and 0 <= index < len(self.accessors):
+                return self.accessors.read(index)
+        return None
 
     def content(self, index: int) -> memoryview | None:
         """The bytes of a buffer."""
-        try:
-            there = self.buffers is not None and index < len(self.buffers)
-            return self.buffers.content(index) if self.buffers is not None and there else None
-        except FileError:
-            return None
+        with suppress(FileError):
+            if self.buffers is not None and index < len(self.buffers):
+                return self.buffers.content(index)
+        return None
 
     def image(self, image: Any) -> bytes | memoryview | None:
-        """The bytes of an image; None where they are not to be had."""
+        """The bytes of an image."""
         if not isinstance(image, dict):
             return None
         uri, view = image.get("uri"), image.get("bufferView")
@@ -122,92 +115,99 @@ class _Side:
             return None
 
 
-class _Pair:
-    def __init__(self, before: _Side, after: _Side, tolerance: float) -> None:
-        self.before, self.after, self.tolerance = before, after, tolerance
-        self._descriptions: dict[tuple[int, int], str] = {}
-
-    def contents(self, one: int, other: int) -> str:
-        """How the numbers of two accessors differ, "" where they do not."""
-        if (one, other) not in self._descriptions:
-            self._descriptions[one, other] = self._contents(one, other)
-        return self._descriptions[one, other]
-
-    def _contents(self, one: int, other: int) -> str:
-        mine, theirs = self.before.numbers(one), self.after.numbers(other)
-        if mine is None or theirs is None:
-            return "" if mine is None and theirs is None and one == other else "content cannot be compared"
-        if mine.shape != theirs.shape:
-            return f"{_shape(mine)} → {_shape(theirs)}"
-        return "" if same_numbers(mine, theirs, self.tolerance) else furthest(mine, theirs)
-
-    def accessors(self) -> Iterator[Change]:
-        """Accessors by index: content that differs, and content that only moved."""
-        pairs = zip(self.before.each("accessors"), self.after.each("accessors"), strict=False)
-        users = _users(self.before.container.gltf)
-        for index, (one, other) in enumerate(pairs):
-            same = one == other
-            if same and self._same_view(one):
-                continue
-            title = f"accessor {index}{users.get(index, '')}"
-            if text := self.contents(index, index):
-                yield Change("accessors", "changed", title, text)
-            elif not same and _place(one) != _place(other):
-                yield Change("accessors", "moved", title, "equal content")
-
-    def _same_view(self, accessor: Any) -> bool:
-        """Whether the view of an accessor that is the same in both has the same bytes."""
-        view = accessor.get("bufferView") if isinstance(accessor, dict) else None
-        if not isinstance(view, int) or "sparse" in accessor:
-            return False
-        return same_bytes(self.before.view(view), self.after.view(view))
-
-    def views(self) -> Iterator[Change]:
-        """Buffer views by index; with a tolerance only those whose numbers were not compared."""
-        known = _views_of_accessors(self.before.container.gltf) if self.tolerance else set()
-        for index in range(min(len(self.before.each("bufferViews")), len(self.after.each("bufferViews")))):
-            one, other = self.before.view(index), self.after.view(index)
-            if index not in known and not same_bytes(one, other):
-                yield Change("buffer views", "changed", f"bufferView {index}", describe_bytes(one, other))
-
-    def loose_bytes(self) -> Iterator[Change]:
-        """Bytes of buffers that no view covers, and buffers without any view."""
-        for index in range(len(self.before.each("buffers"))):
-            one, other = self.before.content(index), self.after.content(index)
-            if one is None or other is None:
-                if one is not None:
-                    yield Change("buffers", "removed", f"buffer {index}", "its data cannot be read any more")
-                elif other is not None:
-                    yield Change("buffers", "added", f"buffer {index}", "its data, which could not be read")
-                continue
-            if len(one) != len(other):
-                yield Change("buffers", "changed", f"buffer {index}", f"{len(one)} → {len(other)} bytes")
-            for start, end in _gaps(self.before, index, len(one)):
-                yield from loose_changes(index, start, one[start:end], other)
-            for start, end in _gaps(self.after, index, len(other)):
-                if start >= len(one) and (end - start >= ALIGNMENT or any(other[start:end])):
-                    where = f"buffer {index}, bytes {start} to {end}"
-                    yield Change("loose bytes", "added", where, "covered by no view")
-
-    def images(self) -> Iterator[Change]:
-        """Images by index."""
-        pairs = zip(self.before.each("images"), self.after.each("images"), strict=False)
-        for index, (one, other) in enumerate(pairs):
-            mine, theirs = self.before.image(one), self.after.image(other)
-            if not same_bytes(mine, theirs):
-                name = one.get("name") if isinstance(one, dict) else None
-                title = f"image {index}{f' {name}' if name else ''}"
-                yield Change("images", "changed", title, describe_bytes(mine, theirs))
+def _contents(before: _Side, after: _Side, tolerance: float, one: int, other: int) -> str:
+    """How the numbers of two accessors differ, "" where they do not."""
+    mine, theirs = before.numbers(one), after.numbers(other)
+    if mine is None or theirs is None:
+        return "" if mine is None and theirs is None and one == other else "content cannot be compared"
+    if mine.shape != theirs.shape:
+        return " → ".join(f"{rows} x {width} numbers" for rows, width in (mine.shape, theirs.shape))
+    return "" if same_numbers(mine, theirs, tolerance) else furthest(mine, theirs)
 
 
-def _views_of_accessors(gltf: dict[str, Any]) -> set[int]:
-    items = gltf.get("accessors")
-    raw = (
-        [item.get("bufferView") for item in items if isinstance(item, dict)]
-        if isinstance(items, list)
-        else []
-    )
-    return {view for view in raw if type(view) is int}
+def _chunks(before: Container, after: Container) -> Iterator[Change]:
+    """Chunks that are gone, new, other, or in another order."""
+    if before.is_glb != after.is_glb:
+        words = [".glb" if side.is_glb else ".gltf" for side in (before, after)]
+        yield Change("chunks", "changed", "container", arrow(*words))
+        return
+    names = [[_chunk_name(kind) for kind, _ in side.chunks] for side in (before, after)]
+    if names[0] != names[1]:
+        yield Change("chunks", "changed", "chunks", arrow(" ".join(names[0]), " ".join(names[1])))
+    left = list(after.chunks)
+    for kind, content in before.chunks:
+        place = next((k for k, (other, _) in enumerate(left) if other == kind), -1)
+        if place < 0:
+            yield Change("chunks", "removed", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
+            continue
+        _, now = left.pop(place)
+        # The data of JSON and BIN are compared by what they mean.
+        if kind not in (JSON_CHUNK, BIN_CHUNK) and not _same_bytes(content, now):
+            yield Change("chunks", "changed", f"chunk {_chunk_name(kind)}", _byte_differences(content, now))
+    for kind, content in left:
+        yield Change("chunks", "added", f"chunk {_chunk_name(kind)}", f"{len(content)} bytes")
+
+
+def _chunk_name(kind: int) -> str:
+    text = kind.to_bytes(4, "little").rstrip(b"\0")
+    return text.decode("ascii") if text.isascii() and text.decode("ascii").isprintable() else f"0x{kind:08x}"
+
+
+def _accessors(before: _Side, after: _Side, contents: Callable[[int, int], str]) -> Iterator[Change]:
+    """Accessors by index: content that differs, and content that only moved."""
+    users = _users(before.container.gltf)
+    pairs = zip(before.each("accessors"), after.each("accessors"), strict=False)
+    for index, (one, other) in enumerate(pairs):
+        if one == other and _same_view(before, after, one):
+            continue
+        title = f"accessor {index}{users.get(index, '')}"
+        if text := contents(index, index):
+            yield Change("accessors", "changed", title, text)
+        elif one != other and _place(one) != _place(other):
+            yield Change("accessors", "moved", title, "equal content")
+
+
+def _same_view(before: _Side, after: _Side, accessor: Any) -> bool:
+    """Whether the view of an accessor that is the same in both has the same bytes."""
+    view = accessor.get("bufferView") if isinstance(accessor, dict) else None
+    if not isinstance(view, int) or "sparse" in accessor:
+        return False
+    return _same_bytes(before.view(view), after.view(view))
+
+
+def _place(accessor: Any) -> Any:
+    found = accessor if isinstance(accessor, dict) else {}
+    return found.get("bufferView"), found.get("byteOffset", 0)
+
+
+def _views(before: _Side, after: _Side, tolerance: float) -> Iterator[Change]:
+    """Buffer views by index; with a tolerance only those whose numbers were not compared."""
+    accessors = [item for item in before.each("accessors") if isinstance(item, dict)] if tolerance else []
+    compared = {view for item in accessors if type(view := item.get("bufferView")) is int}
+    for index in range(min(len(before.each("bufferViews")), len(after.each("bufferViews")))):
+        one, other = before.view(index), after.view(index)
+        if index not in compared and not _same_bytes(one, other):
+            yield Change("buffer views", "changed", f"bufferView {index}", _byte_differences(one, other))
+
+
+def _loose_bytes(before: _Side, after: _Side) -> Iterator[Change]:
+    """Bytes of buffers that no view covers, and buffers without any view."""
+    for index in range(len(before.each("buffers"))):
+        one, other = before.content(index), after.content(index)
+        if one is None or other is None:
+            if one is not None:
+                yield Change("buffers", "removed", f"buffer {index}", "its data cannot be read any more")
+            elif other is not None:
+                yield Change("buffers", "added", f"buffer {index}", "its data, which could not be read")
+            continue
+        if len(one) != len(other):
+            yield Change("buffers", "changed", f"buffer {index}", f"{len(one)} → {len(other)} bytes")
+        for start, end in _gaps(before, index, len(one)):
+            yield from _loose_range(f"buffer {index}, bytes {start} to {end}", one[start:end], start, other)
+        for start, end in _gaps(after, index, len(other)):
+            if start >= len(one) and (end - start >= _ALIGNMENT or any(other[start:end])):
+                where = f"buffer {index}, bytes {start} to {end}"
+                yield Change("loose bytes", "added", where, "covered by no view")
 
 
 def _gaps(side: _Side, buffer: int, length: int) -> Iterator[tuple[int, int]]:
@@ -215,26 +215,63 @@ def _gaps(side: _Side, buffer: int, length: int) -> Iterator[tuple[int, int]]:
     spans = []
     for index, view in enumerate(side.each("bufferViews")):
         if isinstance(view, dict) and view.get("buffer") == buffer and side.accessors is not None:
-            try:
+            with suppress(FileError):
                 spans.append(side.accessors.span(index)[1:])
-            except FileError:
-                continue
     reach = 0
-    for start, end in sorted(spans):
+    for start, end in [*sorted(spans), (length, length)]:
         if start > reach:
             yield reach, start
         reach = max(reach, end)
-    if reach < length:
-        yield reach, length
 
 
-def _shape(numbers: np.ndarray[Any, Any]) -> str:
-    return f"{numbers.shape[0]} x {numbers.shape[1]} numbers"
+def _loose_range(where: str, content: memoryview, start: int, other: memoryview) -> Iterator[Change]:
+    """What became of bytes that no view covers. other: the whole other buffer."""
+    there = other[start : start + len(content)]
+    if _same_bytes(content, there) or (len(content) < _ALIGNMENT and not any(content)):
+        return
+    at = bytes(other).find(bytes(content))
+    if at >= 0:
+        yield Change("loose bytes", "moved", where, f"to {at}")
+    elif len(there) < len(content):
+        yield Change("loose bytes", "removed", where, f"{len(content)} bytes that no view covers")
+    else:
+        yield Change("loose bytes", "changed", where, _byte_differences(content, there))
 
 
-def _place(accessor: Any) -> Any:
-    found = accessor if isinstance(accessor, dict) else {}
-    return found.get("bufferView"), found.get("byteOffset", 0)
+def _images(before: _Side, after: _Side) -> Iterator[Change]:
+    """Images by index."""
+    pairs = zip(before.each("images"), after.each("images"), strict=False)
+    for index, (one, other) in enumerate(pairs):
+        mine, theirs = before.image(one), after.image(other)
+        if not _same_bytes(mine, theirs):
+            name = one.get("name") if isinstance(one, dict) else None
+            title = f"image {index}{f' {name}' if name else ''}"
+            yield Change("images", "changed", title, _byte_differences(mine, theirs))
+
+
+def _same_bytes(one: bytes | memoryview | None, other: bytes | memoryview | None) -> bool:
+    """Whether both are the same; two that cannot be read are."""
+    if one is None or other is None:
+        return one is other
+    return len(one) == len(other) and all(
+        bytes(one[at : at + _BLOCK]) == bytes(other[at : at + _BLOCK]) for at in range(0, len(one), _BLOCK)
+    )
+
+
+def _byte_differences(one: bytes | memoryview | None, other: bytes | memoryview | None) -> str:
+    """How two pieces of data differ."""
+    if one is None or other is None:
+        return "can be read only in one of the files"
+    if len(one) != len(other):
+        return f"{len(one)} → {len(other)} bytes"
+    count, first = 0, -1
+    for at in range(0, len(one), _BLOCK):
+        mine, theirs = (np.frombuffer(side[at : at + _BLOCK], np.uint8) for side in (one, other))
+        differ = np.flatnonzero(mine != theirs)
+        if len(differ) and first < 0:
+            first = at + int(differ[0])
+        count += len(differ)
+    return f"{count} of {len(one)} bytes differ, the first at {first}"
 
 
 def _users(gltf: dict[str, Any]) -> dict[int, str]:

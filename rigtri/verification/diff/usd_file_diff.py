@@ -22,7 +22,7 @@ from rigtri.verification.diff.change import Change, arrow, order_of
 from rigtri.verification.diff.usd_layer_diff import layer_changes
 
 
-def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float = 0.0) -> list[Change]:
+def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float) -> list[Change]:
     """Everything in which the second file is not the first. FileError where one is no USD at all."""
     allow = options.allow_external_paths
     stages = [open_stage(path, allow_external=allow)[0] for path in (before, after)]
