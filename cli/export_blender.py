@@ -45,7 +45,7 @@ def command(source: str, output: str, **values: Any) -> None:
         rigtri add-controls hero.glb -o rigged.glb --whole-character
         rigtri export-blender rigged.glb -o setup.py
     """
-    from rigtri.export.blender.export import setup_for
+    from rigtri.export.blender.script import setup_for
 
     report = Report()
     output_file.check_place(output, [source], values)

@@ -25,7 +25,7 @@ from .text import plain
 from .values import Number
 
 if TYPE_CHECKING:
-    from rigtri.export.viewer.page import Shown
+    from rigtri.export.viewer.view import Shown
 
 
 @click.command("view")

@@ -42,7 +42,7 @@ _WHERE = {
     "draw": "rigtri.export.drawing.picture",
     "explain": "rigtri.export.explain.explain",
     "view": "rigtri.export.viewer.view",
-    "export_blender": "rigtri.export.blender.export",
+    "export_blender": "rigtri.export.blender.script",
     "spec_init": "rigtri.pipeline.rigspec.spec_init",
     "register_usd_schemas": "rigtri.formats.usd.codeless_schemas",
     "ReadOptions": "rigtri.formats",
@@ -93,7 +93,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from rigtri.errors import RigtriError
-    from rigtri.export.blender.export import export_blender
+    from rigtri.export.blender.script import export_blender
     from rigtri.export.drawing.picture import draw
     from rigtri.export.explain.explain import explain
     from rigtri.export.text_description import describe

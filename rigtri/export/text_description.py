@@ -15,7 +15,6 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.export.drawing.view import View, view_of
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_sine
@@ -109,7 +108,9 @@ class _Seen:
         self.scale = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]), rig.scale)
         # Without a skin, as in a file of locators, every node is what a rigger works on.
         self.counts = rig.is_joint if rig.is_joint.any() else np.ones(len(rig), dtype=bool)
-        self.weighted = _weighted(rig)
+        self.weighted = np.zeros(len(rig), dtype=bool)
+        for skin in rig.skins:
+            self.weighted[skin.joints[skin.weighted]] = True
         points = self.position[np.isfinite(self.position).all(axis=1)]
         self.follows: dict[int, list[str]] = {}
         for constraint in rig.node_constraints:
@@ -152,13 +153,6 @@ class _Seen:
         return float(bend_angle(*limb)) * _DEGREES, float(bend_sine(*limb))
 
 
-def _weighted(rig: Rig) -> Booleans:
-    weighted = np.zeros(len(rig), dtype=bool)
-    for skin in rig.skins:
-        weighted[skin.joints[skin.weighted]] = True
-    return weighted
-
-
 def _heading(rig: Rig) -> str:
     counts = [
         _count(len(rig), "node"),
@@ -186,18 +180,11 @@ def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:
         more = f"+{depth - deepest} " if depth > deepest else ""
         words = [f"{'. ' * min(depth, deepest)}{more}{title}", rig.labels[node]]
         if seen.counts[node]:
-            words += [_arrows(seen, node), _axes_words(seen.axes[node]), *_bone_words(seen, node)]
+            axes = list(zip(_LETTERS, seen.axes[node], strict=True))
+            arrows = "".join(f"{letter}{seen.front.arrow(axis)}" for letter, axis in axes)
+            words += [arrows, " ".join(f"{letter}:{_direction(axis)}" for letter, axis in axes)]
+            words += _bone_words(seen, node)
         yield [*words, plain(", ".join(_flags(seen, node)), one_line=True)]
-
-
-def _arrows(seen: _Seen, node: int) -> str:
-    """``x→y↑z⊙``."""
-    pairs = zip(_LETTERS, seen.axes[node], strict=True)
-    return "".join(f"{letter}{seen.front.arrow(axis)}" for letter, axis in pairs)
-
-
-def _axes_words(axes: Floats) -> str:
-    return " ".join(f"{letter}:{_direction(axis)}" for letter, axis in zip(_LETTERS, axes, strict=True))
 
 
 def _bone_words(seen: _Seen, node: int) -> list[str]:
@@ -210,9 +197,9 @@ def _bone_words(seen: _Seen, node: int) -> list[str]:
     size = float(length(seen.position[child] - seen.position[node]))
     bend = seen.bend(node, child)
     return [
-        f"{sign}{letter} → {name} {_fixed(degrees, 1)}°",
+        f"{sign}{letter} → {name} {_rounded(degrees, 1):.1f}°",
         f"length {_number(size)}",
-        "" if bend is None else f"bend {_fixed(bend[0], 1)}°",
+        "" if bend is None else f"bend {_rounded(bend[0], 1):.1f}°",
     ]
 
 
@@ -315,7 +302,7 @@ def _node_json(seen: _Seen, node: int) -> dict[str, Any]:
         aim = {
             "child": rig.labels[child],
             "axis": f"{'-' if axis > 2 else '+'}{_LETTERS[axis % 3]}",
-            "degrees": _fixed_number(degrees, 3),
+            "degrees": _rounded(degrees, 3),
             "length": _six(float(length(seen.position[child] - seen.position[node]))),
         }
     return {
@@ -329,7 +316,7 @@ def _node_json(seen: _Seen, node: int) -> dict[str, Any]:
         "axes": [_numbers(axis) for axis in seen.axes[node]],
         "scale": _numbers(seen.scale[node]),
         "aim": aim,
-        "bend_degrees": None if bend is None else _fixed_number(bend[0], 3),
+        "bend_degrees": None if bend is None else _rounded(bend[0], 3),
         "flags": list(_flags(seen, node)),
     }
 
@@ -400,11 +387,7 @@ def _number(x: float) -> str:
     return f"{x + 0.0:.6g}"
 
 
-def _fixed(x: float, digits: int) -> str:
-    return f"{_fixed_number(x, digits):.{digits}f}"
-
-
-def _fixed_number(x: float, digits: int) -> float:
+def _rounded(x: float, digits: int) -> float:
     return round(float(x), digits) + 0.0
 
 

@@ -18,11 +18,9 @@ from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.clip_pairing import joined
 from rigtri.verification.compare.compare import Source, self_check, verify
-from rigtri.verification.compare.deviation import denormalisation
-from rigtri.verification.compare.mesh_probes import LinearMeshPoints, MeshPoints, mesh_points
-from rigtri.verification.compare.probes import SampledPoses
+from rigtri.verification.compare.deviation import denormalisation, joined
+from rigtri.verification.compare.probes import LinearMeshPoints, MeshPoints, SampledPoses, mesh_points
 from rigtri.verification.compare.verdict import TOLERANCE, Comparison, Worst
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])

@@ -14,8 +14,7 @@ from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.scene import Scene, marks
 from rigtri.export.drawing.silhouette import Patch, outline, patches
 from rigtri.export.drawing.svg import arrow, heading, number, panel, sheet
-from rigtri.export.drawing.view import NAMED, View, view_of
-from rigtri.export.drawing.viewport import Window
+from rigtri.export.drawing.view import NAMED, View, Window, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection

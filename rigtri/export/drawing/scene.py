@@ -17,15 +17,16 @@ from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.export.drawing.bones import Bones
 from rigtri.export.drawing.primitives import Mark
-from rigtri.export.drawing.relations import follows, limbs
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.triangle import bend_angle, bend_direction, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise, project
 from rigtri.model.joint_names import without_prefix
+from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection, chosen
+from rigtri.recognition.limbs import recognise
 
 _DEGREES = 180.0 / np.pi
 # A joint's dot and the corner of a right angle, as shares of the bone; no arrow is longer than the last
@@ -166,6 +167,28 @@ def _located(scene: Scene, middle: int, pole: int) -> Iterator[Mark]:
     yield Mark("arrow", "pole", ends, address, size=far)
     text = f"pole vector {scene.rig.title(pole)}"
     yield Mark("dot", "locator", ends[1:], address, name, text, size=_DOT * min(far, scene.size() * _LONG))
+
+
+def limbs(rig: Rig) -> dict[tuple[int, int, int], int]:
+    """Root, middle and end of limbs, recognised or with a pole vector; and that, or −1."""
+    found = {limb.triple: -1 for limb in recognise(rig)}
+    for node, record in sorted(rig.records(PoleVectorRecord).items()):
+        known = [joint for joint in map(rig.known, record.chain) if joint is not None]
+        if len(known) >= 3 and len(known) == len(record.chain):
+            found[known[0], known[1], known[-1]] = node
+    return found
+
+
+def follows(rig: Rig) -> Iterator[tuple[str, int, int]]:
+    """Kind of a constraint, what a node follows, and the node: of the file's constraints and of ours."""
+    for constraint in rig.node_constraints:
+        if constraint.kind != "length" and constraint.source != constraint.node:
+            yield constraint.kind, constraint.source, constraint.node
+    for record in rig.records(ConstraintRecord).values():
+        child = rig.known(record.child)
+        for driver in map(rig.known, record.drivers):
+            if driver is not None and child is not None and driver != child:
+                yield record.kind, driver, child
 
 
 def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:

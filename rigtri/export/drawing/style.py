@@ -2,35 +2,21 @@
 
 from __future__ import annotations
 
-_LIGHT = {
-    "paper": "#fcfcfb",
-    "ink": "#23272e",
-    "faint": "#6b7380",
-    "body": "#dfe4ea",
-    "edge": "#b9c2cd",
-    "bone": "#ffffff",
-    "wire": "#4b5563",
-    "limb": "#f2a900",
-    "crooked": "#ff7a00",
-    "rule": "#8a5cd1",
-    "x": "#e0262d",
-    "y": "#1f9d3a",
-    "z": "#2563eb",
-}
-_DARK = {
-    "paper": "#14171b",
-    "ink": "#e8eaee",
-    "faint": "#98a1ae",
-    "body": "#262c34",
-    "edge": "#3c4653",
-    "bone": "#39424e",
-    "wire": "#aab4c1",
-    "limb": "#ffc233",
-    "crooked": "#ff9a3d",
-    "rule": "#b794f4",
-    "x": "#ff5a5f",
-    "y": "#3ecf5f",
-    "z": "#5b9bff",
+# Each on light and on dark paper.
+_COLOURS = {
+    "paper": ("#fcfcfb", "#14171b"),
+    "ink": ("#23272e", "#e8eaee"),
+    "faint": ("#6b7380", "#98a1ae"),
+    "body": ("#dfe4ea", "#262c34"),
+    "edge": ("#b9c2cd", "#3c4653"),
+    "bone": ("#ffffff", "#39424e"),
+    "wire": ("#4b5563", "#aab4c1"),
+    "limb": ("#f2a900", "#ffc233"),
+    "crooked": ("#ff7a00", "#ff9a3d"),
+    "rule": ("#8a5cd1", "#b794f4"),
+    "x": ("#e0262d", "#ff5a5f"),
+    "y": ("#1f9d3a", "#3ecf5f"),
+    "z": ("#2563eb", "#5b9bff"),
 }
 _RULES = """
 .paper {{ fill: {paper} }}
@@ -64,5 +50,8 @@ text {{ font-family: sans-serif; fill: {ink} }}
 
 def css() -> str:
     """The style sheet of a picture: light, and dark where the one who looks wants that."""
-    dark = _RULES.format(**_DARK).strip().replace("\n", "\n  ")
-    return f"{_RULES.format(**_LIGHT).strip()}\n@media (prefers-color-scheme: dark) {{\n  {dark}\n}}"
+    light, dark = (
+        _RULES.format(**{name: pair[side] for name, pair in _COLOURS.items()}).strip() for side in (0, 1)
+    )
+    dark = dark.replace("\n", "\n  ")
+    return f"{light}\n@media (prefers-color-scheme: dark) {{\n  {dark}\n}}"

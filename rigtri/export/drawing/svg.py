@@ -14,8 +14,7 @@ import numpy as np
 from rigtri.export.drawing.labels import fitted, labels
 from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.style import css
-from rigtri.export.drawing.view import HEAD_ON
-from rigtri.export.drawing.viewport import Window
+from rigtri.export.drawing.view import HEAD_ON, Window
 from rigtri.maths.trigonometry import Floats
 
 # What is drawn over what; joints come with the arrows of their axes, after all of these.

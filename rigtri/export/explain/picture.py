@@ -10,8 +10,7 @@ from rigtri.export.drawing.picture import gizmo
 from rigtri.export.drawing.primitives import Kind, Mark
 from rigtri.export.drawing.scene import pole_arrow, triangle
 from rigtri.export.drawing.svg import heading, panel, sheet, shown
-from rigtri.export.drawing.view import View, direction
-from rigtri.export.drawing.viewport import Window
+from rigtri.export.drawing.view import View, Window, direction
 from rigtri.export.explain.explain import Explanation
 from rigtri.maths.triangle import frame, hinge, pole_position
 from rigtri.maths.trigonometry import Floats

@@ -14,8 +14,7 @@ import numpy as np
 
 from rigtri.evaluation.timelines import timelines
 from rigtri.export.drawing.bones import Bones
-from rigtri.export.drawing.relations import follows, limbs
-from rigtri.export.drawing.scene import Scene, joints_of
+from rigtri.export.drawing.scene import Scene, follows, joints_of, limbs
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig

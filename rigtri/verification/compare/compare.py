@@ -7,7 +7,7 @@ of it, and looks only where something changed. Both look at rest and in every cl
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -18,12 +18,10 @@ from rigtri.maths.arrays import Booleans
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.attachments import compare_attached
-from rigtri.verification.compare.changed_nodes import changed_nodes
-from rigtri.verification.compare.clip_pairing import side_by_side
-from rigtri.verification.compare.correspondence import Correspondence, match, played_together
-from rigtri.verification.compare.deviation import compared, measure
-from rigtri.verification.compare.mesh_probes import mesh_points, mesh_title
+from rigtri.verification.compare.correspondence import Correspondence, match, pair_meshes, played_together
+from rigtri.verification.compare.deviation import compared, measure, side_by_side
 from rigtri.verification.compare.probe_selection import (
+    changed_nodes,
     frames,
     origins,
     own_frames,
@@ -31,7 +29,7 @@ from rigtri.verification.compare.probe_selection import (
     rotations,
     skin_corners,
 )
-from rigtri.verification.compare.probes import Probe
+from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
 from rigtri.verification.compare.scene_facts import Scenery, compare_scenery, compare_surfaces
 from rigtri.verification.compare.verdict import TOLERANCE as TOLERANCE
 from rigtri.verification.compare.verdict import Comparison as Comparison
@@ -51,6 +49,23 @@ class Source(Protocol):
     def meshes(self) -> Sequence[Mesh]: ...
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]: ...
     def scenery(self, *, closely: bool = False) -> Scenery: ...
+
+
+@dataclass(frozen=True, eq=False)
+class DocumentView:
+    """A document as it looks with another rig: what ``document`` shows, moved by ``rig``."""
+
+    document: Source
+    rig: Rig
+
+    def meshes(self) -> Sequence[Mesh]:
+        return self.document.meshes()
+
+    def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
+        return self.document.outlines(closely=closely)
+
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        return self.document.scenery(closely=closely)
 
 
 def verify(before: Source, after: Source) -> Comparison:
@@ -79,8 +94,7 @@ def verify(before: Source, after: Source) -> Comparison:
         pairs, _ = _mesh_pairs(mine, found, meshes, others)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
     found = found.with_more(lost=lost, changed=changed)
-    seen = side_by_side(mine, theirs, found, added=True)
-    return compared(*seen, found, probes, diagonal, different)
+    return compared(mine, theirs, found, probes, diagonal, different, added=True)
 
 
 def self_check(
@@ -120,7 +134,7 @@ def self_check(
     different, changed = compare_scenery((mine, theirs), before.scenery(), after.scenery(), found)
     different += compare_attached(mine, theirs, found)
     found = found.with_more(changed=changed)
-    result = compared(*side_by_side(mine, theirs, found), found, probes, diagonal, different)
+    result = compared(mine, theirs, found, probes, diagonal, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     return replace(result, boxed=() if detail == "boxes" else boxed)
 
@@ -185,19 +199,12 @@ def _measurable(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh
 def _mesh_pairs(
     before: Rig, m: Correspondence, mine: Sequence[Mesh], theirs: Sequence[Mesh]
 ) -> tuple[list[tuple[Mesh, Mesh]], list[str]]:
-    """Meshes of both files that are the same: the first of a node is the first of its partner."""
-    there: dict[int, list[Mesh]] = {}
-    for mesh in theirs:
-        there.setdefault(mesh.node, []).append(mesh)
+    """Meshes of both files with as many points, and what of the first's is lost."""
     pairs, lost = [], []
-    for mesh in mine:
-        node = int(m.shown[mesh.node]) if m.shown[mesh.node] >= 0 else int(m.node[mesh.node])
-        candidates = there.get(node, [])
-        if not candidates:
+    for mesh, partner in pair_meshes(m, mine, theirs)[0]:
+        if partner is None:
             lost.append(f"mesh {mesh_title(before, mesh)}")
-            continue
-        partner = candidates.pop(0)
-        if len(partner.points) != len(mesh.points):
+        elif len(partner.points) != len(mesh.points):
             count = f"{len(mesh.points)} points are {len(partner.points)}"
             lost.append(f"mesh {mesh_title(before, mesh)}: {count}")
         else:

@@ -6,21 +6,27 @@ has no partner is lost or added, in words for people.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from rigtri.maths.arrays import Integers
+from rigtri.maths.quaternions import dot
 from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 # Morph weights that another tool stored again as 16-bit integers differ by less.
 SAME_WEIGHT = 2e-5
 # Matrices that are taken apart give the parts they were made of but for this, of the largest number.
 _ROUNDING = 1e-9
+
+
+_Kind = Literal["lost", "added", "changed"]
+_Difference = tuple[_Kind, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +46,11 @@ class Correspondence:
     added: tuple[str, ...]
     changed: tuple[str, ...]
 
+    def showing(self, node: int) -> int:
+        """The node that shows what a node showed, else its partner; −1 for none."""
+        shown = int(self.shown[node])
+        return shown if shown >= 0 else int(self.node[node])
+
     def with_more(self, lost: Sequence[str] = (), changed: Sequence[str] = ()) -> Correspondence:
         """The same, with more that is lost or changed."""
         return replace(self, lost=(*self.lost, *lost), changed=(*self.changed, *changed))
@@ -55,15 +66,18 @@ def match(before: Rig, after: Rig, *, by_key: bool) -> Correspondence:
     node, shown = _nodes(before, after, by_key)
     skin = _in_order([skin.name for skin in before.skins], [skin.name for skin in after.skins])
     clip = _clips(before, after)
-    differences = _Differences()
+    differences: list[_Difference] = [
+        *_node_differences(before, after, node, shown),
+        *_skin_differences(before, after, node, skin),
+        *_clip_differences(before, after, node, shown, clip),
+    ]
     if before.rules.up != after.rules.up:
-        differences.changed.append(f"up is {_axis(after.rules.up)}, was {_axis(before.rules.up)}")
-    _compare_nodes(before, after, node, shown, differences)
-    _compare_skins(before, after, node, skin, differences)
-    _compare_clips(before, after, node, shown, clip, differences)
-    return Correspondence(
-        node, shown, skin, clip, *map(tuple, (differences.lost, differences.added, differences.changed))
+        up = f"up is {_axis(after.rules.up)}, was {_axis(before.rules.up)}"
+        differences.insert(0, ("changed", up))
+    lost, added, changed = (
+        tuple(text for kind, text in differences if kind == each) for each in get_args(_Kind)
     )
+    return Correspondence(node, shown, skin, clip, lost, added, changed)
 
 
 def played_together(before: Rig, after: Rig, *, by_key: bool) -> tuple[Rig, Rig]:
@@ -137,16 +151,30 @@ def same_array(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
     return a is b or (a.shape == b.shape and bool((a == b).all()))
 
 
+def same_track(a: Track | None, b: Track | None) -> bool:
+    """Whether two tracks are the same to the bit; of two that are not there, too."""
+    if a is None or b is None:
+        return a is b
+    return a is b or (
+        a.interpolation == b.interpolation and same_array(a.times, b.times) and same_array(a.values, b.values)
+    )
+
+
+def pair_meshes(
+    m: Correspondence, mine: Sequence[Mesh], theirs: Sequence[Mesh]
+) -> tuple[list[tuple[Mesh, Mesh | None]], list[Mesh]]:
+    """Each mesh with its partner, the first of a node with the first of its partner; what is left over."""
+    there: dict[int, list[Mesh]] = {}
+    for mesh in theirs:
+        there.setdefault(mesh.node, []).append(mesh)
+    partners = [there.get(m.showing(mesh.node)) for mesh in mine]
+    pairs = [(mesh, some.pop(0) if some else None) for mesh, some in zip(mine, partners, strict=True)]
+    return pairs, [mesh for rest in there.values() for mesh in rest]
+
+
 def _axis(direction: Sequence[float]) -> str:
     """The axis that a direction is nearest to, as a letter."""
     return "XYZ"[max(range(3), key=lambda k: abs(direction[k]))]
-
-
-class _Differences:
-    def __init__(self) -> None:
-        self.lost: list[str] = []
-        self.added: list[str] = []
-        self.changed: list[str] = []
 
 
 def _nodes(before: Rig, after: Rig, by_key: bool) -> tuple[Integers, Integers]:
@@ -250,53 +278,51 @@ def _shown(before: Rig, after: Rig, node: Integers) -> Integers:
     return shown
 
 
-def _compare_nodes(
-    before: Rig, after: Rig, node: Integers, shown: Integers, differences: _Differences
-) -> None:
+def _node_differences(before: Rig, after: Rig, node: Integers, shown: Integers) -> Iterator[_Difference]:
     for k, partner in enumerate(node.tolist()):
         if partner < 0:
             # What has no key was in no file: an edit that also moves things has added it.
             if before.keys[k] is not None:
-                differences.lost.append(f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}")
+                yield "lost", f"{'joint' if before.is_joint[k] else 'node'} {before.title(k)}"
         elif before.is_joint[k] and not after.is_joint[partner]:
-            differences.lost.append(f"joint {before.title(k)} is a joint no longer")
+            yield "lost", f"joint {before.title(k)} is a joint no longer"
         if before.attachment[k] >= 0 and shown[k] < 0 <= partner:
-            differences.lost.append(f"what node {before.title(k)} shows")
+            yield "lost", f"what node {before.title(k)} shows"
     known = {*node.tolist(), *shown.tolist()}
     for k in range(len(after)):
         if k not in known:
-            differences.added.append(f"{'joint' if after.is_joint[k] else 'node'} {after.title(k)}")
+            yield "added", f"{'joint' if after.is_joint[k] else 'node'} {after.title(k)}"
 
 
-def _compare_skins(
-    before: Rig, after: Rig, node: Integers, skin: Integers, differences: _Differences
-) -> None:
+def _skin_differences(before: Rig, after: Rig, node: Integers, skin: Integers) -> Iterator[_Difference]:
     for k, partner in enumerate(skin.tolist()):
         title = before.skins[k].name or f"#{k}"
         if partner < 0:
-            differences.lost.append(f"skin {title}")
+            yield "lost", f"skin {title}"
             continue
         now = set(after.skins[partner].joints.tolist())
         for joint in before.skins[k].joints.tolist():
             if node[joint] >= 0 and int(node[joint]) not in now:
-                differences.lost.append(f"joint {before.title(joint)} of skin {title}")
+                yield "lost", f"joint {before.title(joint)} of skin {title}"
     known = set(skin.tolist())
-    differences.added += [f"skin {s.name or f'#{k}'}" for k, s in enumerate(after.skins) if k not in known]
+    for k, s in enumerate(after.skins):
+        if k not in known:
+            yield "added", f"skin {s.name or f'#{k}'}"
 
 
-def _compare_clips(
-    before: Rig, after: Rig, node: Integers, shown: Integers, clip: Integers, differences: _Differences
-) -> None:
+def _clip_differences(
+    before: Rig, after: Rig, node: Integers, shown: Integers, clip: Integers
+) -> Iterator[_Difference]:
     for k, partner in enumerate(clip.tolist()):
         title = f"clip {before.clips[k].name or f'#{k}'}"
         if partner < 0:
             if before.clips[k].idle:
-                differences.changed.append(f"{title}, which nothing played, is gone")
+                yield "changed", f"{title}, which nothing played, is gone"
             else:
-                differences.lost.append(title)
+                yield "lost", title
             continue
         if before.clips[k].idle != after.clips[partner].idle:
-            differences.changed.append(f"{title} is played {'now' if before.clips[k].idle else 'no longer'}")
+            yield "changed", f"{title} is played {'now' if before.clips[k].idle else 'no longer'}"
         theirs = by_target(after.clips[partner])
         times: dict[tuple[int, int], bool] = {}
         for track in before.clips[k].tracks:
@@ -310,14 +336,15 @@ def _compare_clips(
             if now is None:
                 of = _named(title, track, before)
                 resting = target[0] in after.own and _is_rest(track, after, target[0])
-                (differences.changed if resting else differences.lost).append(
-                    f"{of} is told by its rest" if resting else of
-                )
+                yield ("changed", f"{of} is told by its rest") if resting else ("lost", of)
             elif track is not now:
-                _compare_track(track, now, partial(_named, title, track, before), times, differences)
-        differences.added += [_named(title, track, after) for track in theirs.values()]
+                yield from _track_differences(track, now, partial(_named, title, track, before), times)
+        for track in theirs.values():
+            yield "added", _named(title, track, after)
     known = set(clip.tolist())
-    differences.added += [f"clip {c.name or f'#{k}'}" for k, c in enumerate(after.clips) if k not in known]
+    for k, c in enumerate(after.clips):
+        if k not in known:
+            yield "added", f"clip {c.name or f'#{k}'}"
 
 
 def _is_rest(track: Track, after: Rig, node: int) -> bool:
@@ -330,9 +357,7 @@ def _is_rest(track: Track, after: Rig, node: int) -> bool:
     rest = {"translation": after.translation, "rotation": after.rotation, "scale": after.scale}[track.path]
     values, still = key_values(track), rest[node]
     if track.path == "rotation":  # q and −q are one rotation
-        both = values * still
-        ahead = both[:, 0] + both[:, 1] + both[:, 2] + both[:, 3]
-        values = np.where(ahead[:, np.newaxis] < 0, -values, values)
+        values = np.where(dot(values, still)[:, np.newaxis] < 0, -values, values)
     size = float(np.abs(after.translation).max(initial=0.0)) if track.path == "translation" else 1.0
     return bool((np.abs(values - still) <= _ROUNDING * size).all())
 
@@ -341,23 +366,19 @@ def _named(title: str, track: Track, rig: Rig) -> str:
     return f"{title}: {track.path} of {rig.title(track.node)}"
 
 
-def _compare_track(
-    track: Track,
-    now: Track,
-    of: Callable[[], str],
-    times: dict[tuple[int, int], bool],
-    differences: _Differences,
-) -> None:
+def _track_differences(
+    track: Track, now: Track, of: Callable[[], str], times: dict[tuple[int, int], bool]
+) -> Iterator[_Difference]:
     """times: whether two arrays of key times, by their ids, are the same; many tracks share theirs."""
     if track.interpolation != now.interpolation:
-        differences.changed.append(f"{of()} is {now.interpolation}, was {track.interpolation}")
+        yield "changed", f"{of()} is {now.interpolation}, was {track.interpolation}"
     pair = id(track.times), id(now.times)
     if pair not in times:
         times[pair] = same_array(track.times, now.times)
     if not times[pair]:
-        differences.changed.append(f"{of()} has other key times")
+        yield "changed", f"{of()} has other key times"
     # Morph weights move points of meshes that perhaps nobody can read: compare them here.
     if track.path == "weights" and track.values.shape == now.values.shape:
         same = np.isclose(track.values, now.values, rtol=0, atol=SAME_WEIGHT, equal_nan=True)
         if not same.all():
-            differences.lost.append(f"{of()} has other values")
+            yield "lost", f"{of()} has other values"

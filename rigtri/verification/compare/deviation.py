@@ -7,19 +7,18 @@ specification; what viewers that do not normalise show is kept apart (docs/exact
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rigtri.evaluation import sampling
+from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import norm
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.changed_nodes import part_of
-from rigtri.verification.compare.clip_pairing import joined
-from rigtri.verification.compare.correspondence import Correspondence
-from rigtri.verification.compare.mesh_probes import MeshPoints
-from rigtri.verification.compare.probes import FramePoints, Probe, SampledPoses
+from rigtri.verification.compare.correspondence import Correspondence, timeline
+from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses
 from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
 
 # Where quaternions are shown as they are: a rotation doubles their error, and a chain of joints adds it up.
@@ -91,8 +90,11 @@ def compared(
     probes: Sequence[Probe],
     diagonal: float,
     different: Sequence[str],
+    *,
+    added: bool = False,
 ) -> Comparison:
-    """What all probes find in two rigs with the same clips, as a `Comparison`."""
+    """What all probes find in two rigs `side_by_side`, as a `Comparison`."""
+    before, after = side_by_side(before, after, correspondence, added=added)
     was, now = denormalisation(before), denormalisation(after)
     found = measure(before, after, probes)
     raw = found.largest
@@ -143,9 +145,91 @@ def _times_of_points(probes: Sequence[Probe]) -> int:
 
 def _needed(before: Rig, after: Rig, probes: Sequence[Probe]) -> tuple[tuple[Rig, Rig], list[Probe]]:
     """The parts of both rigs that the probes depend on, and the probes in their terms."""
-    if not all(type(probe) is FramePoints for probe in probes):
-        return (before, after), list(probes)
-    sides = [np.concatenate([probe.nodes[side] for probe in probes]) for side in (0, 1)]
-    (mine, place), (theirs, there) = part_of(before, sides[0]), part_of(after, sides[1])
     points = [probe for probe in probes if isinstance(probe, FramePoints)]
+    if len(points) < len(probes):
+        return (before, after), list(probes)
+    sides = [np.concatenate([probe.nodes[side] for probe in points]) for side in (0, 1)]
+    (mine, place), (theirs, there) = _part_of(before, sides[0]), _part_of(after, sides[1])
     return (mine, theirs), [replace(p, nodes=(place[p.nodes[0]], there[p.nodes[1]])) for p in points]
+
+
+def _part_of(rig: Rig, nodes: Integers) -> tuple[Rig, Integers]:
+    """A part of a rig that places ``nodes``, and where each node went, (n,)."""
+    keep = np.zeros(len(rig), dtype=bool)
+    keep[nodes] = True
+    for node in range(len(rig) - 1, -1, -1):
+        if keep[node] and rig.parents[node] >= 0:
+            keep[rig.parents[node]] = True
+    if 5 * int(keep.sum()) >= 4 * len(rig):  # to pose the rest costs less than to leave it out
+        return rig, np.arange(len(rig))
+    place = np.where(keep, np.cumsum(keep) - 1, -1)
+    return rig.part(np.flatnonzero(keep).tolist())[0], place
+
+
+def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = False) -> tuple[Rig, Rig]:
+    """Both rigs with the same clips in the same order: what each shows while one of them plays.
+
+    Players choose among the clips of a glTF: one more changes nothing that was there. An animation of a
+    USD stage is the pose of what it is bound to at all times, so a new one stands in for what was seen.
+    A clip that is idle on one side only is rest there; idle on both sides it is taken for played,
+    so that it fits when it will be. added: with what only ``after`` has and plays by itself.
+    """
+    mine: list[Clip] = []
+    theirs: list[Clip] = []
+    for k, partner in enumerate(m.clip.tolist()):
+        if partner >= 0:
+            one, other = before.clips[k], after.clips[partner]
+            if one.idle != other.idle:
+                one, other = one.played, other.played
+            mine.append(replace(one, name=one.name or f"#{k}"))
+            theirs.append(other)
+    known = set(m.clip.tolist())
+    for k, clip in enumerate(after.clips if added else ()):
+        if k in known or timeline(clip) is None or not clip.played.tracks:
+            continue
+        shown = _instead(before, clip)
+        if shown is not None:
+            mine.append(replace(shown, name=clip.name or f"#{k}"))
+            theirs.append(clip.played)
+    return replace(before, clips=tuple(mine)), replace(after, clips=tuple(theirs))
+
+
+def _instead(rig: Rig, clip: Clip) -> Clip | None:
+    """What a rig shows where another plays a clip that this one has not; None if that is never seen.
+
+    Keys without a time are seen where there are none with one: then, and only then.
+    """
+    of_same = {timeline(c): c.played for c in rig.clips if _animation(c) == _animation(clip)}
+    if timeline(clip) == "default" and "samples" in of_same:
+        return None
+    return of_same.get("default", Clip(clip.name, ()))
+
+
+def _animation(clip: Clip) -> Hashable:
+    """What the clips of one animation have in common."""
+    return clip.key[1:] if isinstance(clip.key, tuple) else None
+
+
+def joined(before: Rig, after: Rig) -> Rig:
+    """All nodes of both as one rig, those of ``after`` behind, and their clips as one each: to be posed."""
+    count = len(before)
+    return Rig(
+        names=before.names + after.names,
+        parents=np.concatenate([before.parents, np.where(after.parents < 0, -1, after.parents + count)]),
+        translation=np.concatenate([before.translation, after.translation]),
+        rotation=np.concatenate([before.rotation, after.rotation]),
+        scale=np.concatenate([before.scale, after.scale]),
+        matrix=np.concatenate([before.matrix, after.matrix]),
+        has_matrix=np.concatenate([before.has_matrix, after.has_matrix]),
+        attachment=np.full(count + len(after), -1),
+        keys=before.keys + after.keys,
+        labels=before.labels + after.labels,
+        clips=tuple(
+            Clip(one.name, one.tracks + tuple(_behind(track, count) for track in other.tracks))
+            for one, other in zip(before.clips, after.clips, strict=True)
+        ),
+    )
+
+
+def _behind(track: Track, count: int) -> Track:
+    return Track(count + track.node, track.path, track.interpolation, track.times, track.values)

@@ -19,8 +19,8 @@ from rigtri.frames.rig_size import size_of
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import Source, motion_between, self_check, verify
-from rigtri.verification.compare.document_view import DocumentView
+from rigtri.verification.compare.compare import DocumentView, Source, motion_between, self_check, verify
+from rigtri.verification.compare.correspondence import same_track
 from rigtri.verification.compare.morph_changes import MorphChanges, morph_movement, without_changes
 from rigtri.verification.compare.scene_facts import Scenery
 from rigtri.verification.compare.verdict import Comparison, Motion
@@ -216,20 +216,12 @@ def _other_weights(before: Rig, after: Rig) -> set[Hashable]:
         other = theirs.get((clip.key, clip.name))
         if other is not None:
             was, now = _weights(before, clip), _weights(after, other)
-            found |= {key for key in was.keys() | now.keys() if not _same(was.get(key), now.get(key))}
+            found |= {key for key in was.keys() | now.keys() if not same_track(was.get(key), now.get(key))}
     return found
 
 
 def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
     return {rig.keys[t.node]: t for t in clip.tracks if t.path == "weights"}
-
-
-def _same(a: Track | None, b: Track | None) -> bool:
-    """Whether two tracks are the same to the bit."""
-    if a is None or b is None:
-        return a is b
-    same = np.array_equal(a.times, b.times) and np.array_equal(a.values, b.values)
-    return same and a.interpolation == b.interpolation
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:

@@ -18,8 +18,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import Source
-from rigtri.verification.compare.document_view import DocumentView
+from rigtri.verification.compare.compare import DocumentView, Source
 
 # Which morph targets of which nodes, by the nodes' keys.
 MorphChanges = Mapping[Hashable, Collection[int]]

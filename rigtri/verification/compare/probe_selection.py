@@ -1,4 +1,7 @@
-"""Which probes two rigs are compared by: boxes of what joints move, frames of nodes, and origins."""
+"""Which probes two rigs are compared by: boxes of what joints move, frames of nodes, and origins.
+
+Comparing costs in proportion to what changed: what is the same to the bit is not evaluated.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +15,64 @@ from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import Clip
 from rigtri.model.bounding_boxes import boxes, corners, extent
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.verification.compare.correspondence import Correspondence
-from rigtri.verification.compare.mesh_probes import mesh_title
-from rigtri.verification.compare.probes import FramePoints
+from rigtri.verification.compare.correspondence import Correspondence, by_target, partner_track, same_track
+from rigtri.verification.compare.probes import FramePoints, mesh_title
 
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
 THICKNESS = 0.1
+
+
+def changed_nodes(before: Rig, after: Rig, m: Correspondence) -> Booleans:
+    """Which nodes may stand elsewhere, (n,): anything of them or above them differs by a bit."""
+    partner = np.maximum(m.node, 0)
+    if not len(after):
+        return np.ones(len(before), dtype=bool)
+    differs = m.node < 0
+    for mine, theirs in (
+        (before.translation, after.translation),
+        (before.rotation, after.rotation),
+        (before.scale, after.scale),
+        (before.matrix.reshape(-1, 16), after.matrix.reshape(-1, 16)),
+        (before.has_matrix[:, np.newaxis], after.has_matrix[:, np.newaxis]),
+    ):
+        differs = differs | (mine != theirs[partner]).any(axis=1)
+    above = np.where(before.parents >= 0, m.node[before.parents], -1)
+    differs |= above != after.parents[partner]
+    parents = before.parents.tolist()
+    found = _with_below(differs.tolist(), parents)
+    for k in np.flatnonzero(m.clip >= 0).tolist():
+        _mark_tracks(before.clips[k], after.clips[m.clip[k]], m, found)
+    return np.array(_with_below(found, parents), dtype=bool)
+
+
+def _with_below(marked: list[bool], parents: list[int]) -> list[bool]:
+    """Nodes that are marked, and all below them."""
+    found: list[bool] = []
+    for mark, parent in zip(marked, parents, strict=True):
+        found.append(mark or (parent >= 0 and found[parent]))
+    return found
+
+
+def _mark_tracks(mine: Clip, theirs: Clip, m: Correspondence, differs: list[bool]) -> None:
+    """Mark the nodes whose tracks are others; of those that are marked nothing is compared."""
+    others = by_target(theirs)
+    partners = m.node.tolist()
+    back = {partner: node for node, partner in enumerate(partners)}
+    ours = {(partners[track.node], track.path) for track in mine.tracks}
+    for track in mine.tracks:
+        if track.path == "weights" or differs[track.node]:
+            continue
+        now = partner_track(track, others, m)
+        if not same_track(track, now):
+            differs[track.node] = True
+    for node, path in others.keys() - ours:
+        if path != "weights" and node in back:
+            differs[back[node]] = True
 
 
 def skin_corners(

@@ -1,4 +1,4 @@
-"""What is measured while two rigs are compared: points in the frames of nodes.
+"""What is measured while two rigs are compared: points in the frames of nodes, and whole meshes.
 
 A probe gives distances, (r, f), between where it is in one rig and
 in the other: rows at times. Verification only, so matrix products are BLAS's.
@@ -6,15 +6,26 @@ in the other: rows at times. Verification only, so matrix products are BLAS's.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from rigtri.evaluation import sampling, skinning
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.correspondence import same_array
+
+# Points moved in one matrix product; of a skin with more joints than that, only so many:
+# a product has room for each point and each joint of its points.
+_CHUNK, _CROWDED, _SMALL_CHUNK = 1024, 256, 64
+# Of so many points those that are the same are looked for; of more the search takes too long.
+_FEW = 1 << 17
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +45,6 @@ class Probe(Protocol):
     def titles(self) -> Sequence[str]: ...
     @property
     def owners(self) -> Sequence[str]: ...
-    @property
-    def nodes(self) -> tuple[Integers, Integers]: ...
     def distances(self, poses: SampledPoses) -> Floats:
         """(r, f), in file units; inf where only one of the two is a number."""
 
@@ -95,3 +104,121 @@ def _broken(world: Floats, nodes: Integers, points: Floats) -> Booleans:
     moves = np.isfinite(world[:, nodes]).all(axis=(2, 3)).T
     exists = np.isfinite(points).all(axis=(1, 2))
     return ~(moves & exists.reshape(-1, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class MeshPoints:
+    """All points of one mesh in both rigs, moved by the plain evaluation of `rigtri.evaluation.sampling`."""
+
+    rigs: tuple[Rig, Rig]
+    meshes: tuple[Mesh, Mesh]
+
+    @property
+    def titles(self) -> Sequence[str]:
+        return [f"mesh {mesh_title(self.rigs[0], self.meshes[0])}"]
+
+    @property
+    def owners(self) -> Sequence[str]:
+        return [mesh_title(self.rigs[0], self.meshes[0])]
+
+    def distances(self, poses: SampledPoses) -> Floats:
+        sides = zip(self.meshes, self.rigs, (poses.before, poses.after), poses.clips, strict=True)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            mine, theirs = (
+                skinning.deformed(mesh, rig, world, sampling.morph_weights(mesh, clip, poses.times))
+                for mesh, rig, world, clip in sides
+            )
+            here, there = (np.isfinite(points).all(axis=2) for points in (mine, theirs))
+            distance = np.where(here & there, length(mine - theirs), 0.0)
+        distance = np.where(here == there, distance, np.inf)
+        return np.asarray(distance.max(axis=1, initial=0.0).reshape(1, -1))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearMeshPoints(MeshPoints):
+    """A mesh that is the same in both: while no morph is on, points follow the matrices' difference.
+
+    Linear blending is linear: p·Σ w·M − p·Σ w·M' = Σ (w·p)·(M − M'), one matrix
+    product for all points and times, and without cancellation.
+    """
+
+    joints: FramePoints
+    chunks: tuple[tuple[Integers, Floats], ...]
+
+    def distances(self, poses: SampledPoses) -> Floats:
+        apart = self.joints.apart(poses)  # of the four rows of each matrix: (m, 4, 3, f)
+        if not np.isfinite(apart).all() or self._morphs(poses):
+            return super().distances(poses)
+        times = apart.shape[3]
+        square = np.zeros(times)
+        for columns, weighted in self.chunks:
+            moved = weighted @ apart[columns].swapaxes(2, 3).reshape(len(columns) * 4, times * 3)
+            moved = moved.reshape(-1, times, 3)
+            square = np.maximum(square, np.einsum("vfi,vfi->vf", moved, moved).max(axis=0, initial=0.0))
+        return np.sqrt(square).reshape(1, -1)
+
+    def _morphs(self, poses: SampledPoses) -> bool:
+        sides = zip(self.meshes, poses.clips, strict=True)
+        return any(sampling.morph_weights(m, clip, poses.times).any() for m, clip in sides)
+
+
+def mesh_points(before: Rig, after: Rig, mine: Mesh, theirs: Mesh) -> MeshPoints:
+    """All points of a mesh, in the way that is fast for it."""
+    rigs, meshes = (before, after), (mine, theirs)
+    if mine.dual_quaternion or not same_mesh(mine, theirs):
+        return MeshPoints(rigs, meshes)
+    skinned = mine.skin is not None and mine.joints.shape[1] > 0
+    weights = skinning.normalised_weights(mine.weights) if skinned else np.ones((len(mine.points), 1))
+    if not (np.isfinite(weights).all() and np.isfinite(mine.points).all()):
+        return MeshPoints(rigs, meshes)
+    if skinned:
+        skins = [rig.skins[mesh.skin or 0] for rig, mesh in zip(rigs, meshes, strict=True)]
+        nodes = skins[0].joints, skins[1].joints
+        with np.errstate(invalid="ignore"):
+            matrices = mine.bind @ skins[0].inverse_bind, theirs.bind @ skins[1].inverse_bind
+        joints = mine.joints
+    else:
+        nodes = np.array([mine.node]), np.array([theirs.node])
+        matrices = np.eye(4)[np.newaxis], np.eye(4)[np.newaxis]
+        joints = np.zeros((len(mine.points), 1), dtype=np.int64)
+    if nodes[0].shape != nodes[1].shape:
+        return MeshPoints(rigs, meshes)
+    rows = FramePoints(nodes, matrices, (), ())
+    return LinearMeshPoints(rigs, meshes, rows, tuple(_chunks(mine.points, joints, weights)))
+
+
+def _chunks(points: Floats, joints: Integers, weights: Floats) -> Iterator[tuple[Integers, Floats]]:
+    """Points in chunks with their joints and weight·(p, 1) by joint, (v, joints·4)."""
+    joints = np.where(weights != 0, joints, 0)
+    if len(points) <= _FEW:
+        # Points are stored again for each normal and texture place: what moves alike is moved once.
+        rows = np.unique(np.concatenate([joints, weights, points], axis=1), axis=0)
+        joints, weights, points = np.split(rows, [joints.shape[1], 2 * joints.shape[1]], axis=1)
+        joints = joints.astype(np.int64)
+    heaviest = np.argmax(np.abs(weights), axis=1)
+    order = np.argsort(joints[np.arange(len(points)), heaviest], kind="stable")
+    size = _CHUNK if joints.max(initial=0) < _CROWDED else _SMALL_CHUNK
+    for start in range(0, len(points), size):
+        mine = order[start : start + size]
+        used = weights[mine] != 0
+        columns, inside = np.unique(joints[mine], return_inverse=True)
+        inside = inside.reshape(used.shape)
+        share = np.zeros((len(mine), len(columns)))
+        for column in range(used.shape[1]):
+            share[np.arange(len(mine)), inside[:, column]] += weights[mine, column]
+        full = np.concatenate([points[mine], np.ones((len(mine), 1))], axis=1)
+        yield columns, (share[:, :, np.newaxis] * full[:, np.newaxis, :]).reshape(len(mine), -1)
+
+
+def same_mesh(a: Mesh, b: Mesh) -> bool:
+    pairs = ((a.points, b.points), (a.joints, b.joints), (a.weights, b.weights), (a.bind, b.bind))
+    return (
+        a.dual_quaternion == b.dual_quaternion
+        and (a.skin is None) == (b.skin is None)
+        and same_array(a.morphs, b.morphs)
+        and all(same_array(x, y) for x, y in pairs)
+    )
+
+
+def mesh_title(rig: Rig, mesh: Mesh) -> str:
+    return mesh.name or rig.title(mesh.node)

@@ -53,8 +53,7 @@ class _Sides:
 
     def alike(self, was: Any, now: Any) -> bool:
         if isinstance(was, Reference) and isinstance(now, Reference):
-            shown = int(self.m.shown[was.node]) if was.shows else -1
-            return now.node == (shown if shown >= 0 else int(self.m.node[was.node]))
+            return now.node == (self.m.showing(was.node) if was.shows else int(self.m.node[was.node]))
         if isinstance(was, float | int) and isinstance(now, float | int):
             return was == now or abs(was - now) <= max(self.share * max(abs(was), abs(now)), self.apart)
         if isinstance(was, list | tuple) and isinstance(now, list | tuple):

@@ -16,8 +16,7 @@ from rigtri.maths.arrays import Booleans
 from rigtri.maths.vectors import distance
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import Comparison, Source, self_check, verify
-from rigtri.verification.compare.document_view import DocumentView
+from rigtri.verification.compare.compare import Comparison, DocumentView, Source, self_check, verify
 
 # Times of a clip that are evaluated together.
 _AT_ONCE = 64

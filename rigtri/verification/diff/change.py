@@ -71,22 +71,16 @@ def arrow(before: Any, after: Any) -> str:
 
 
 def same_numbers(before: Any, after: Any, tolerance: float) -> bool:
-    """Whether arrays of one shape hold the same numbers, NaN being one of them.
-
-    With a tolerance of 0 also the sign of zero counts.
-    """
+    """Whether two arrays have one shape and the same numbers, as `same_rows` compares them."""
     one, other = np.asarray(before), np.asarray(after)
-    if one.shape != other.shape:
-        return False
-    if not tolerance:
-        return bool(np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")) and bool(
-            one.dtype.kind != "f" or np.array_equal(np.signbit(one), np.signbit(other)) or np.isnan(one).any()
-        )
-    return bool(np.allclose(one, other, rtol=0.0, atol=tolerance, equal_nan=True))
+    return one.shape == other.shape and bool(same_rows(one[np.newaxis], other[np.newaxis], tolerance)[0])
 
 
 def same_rows(before: Floats, after: Floats, tolerance: float) -> Booleans:
-    """`same_numbers` for each row of two arrays of one shape, (k, ...) → (k,)."""
+    """Which rows of two arrays of one shape hold the same numbers, (k, ...) → (k,), NaN being one of them.
+
+    With a tolerance of 0 also the sign of zero counts, but for rows with a NaN.
+    """
     width = int(np.prod(before.shape[1:]))  # of no rows -1 would mean nothing
     one, other = before.reshape(len(before), width), after.reshape(len(after), width)
     if tolerance:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.correspondence import Correspondence
+from rigtri.verification.compare.correspondence import Correspondence, pair_meshes
 from rigtri.verification.diff.axis_diff import moved
 from rigtri.verification.diff.change import Change, furthest, rows, same_numbers
 
@@ -16,20 +16,16 @@ from rigtri.verification.diff.change import Change, furthest, rows, same_numbers
 def mesh_changes(
     before: Rig, meshes: tuple[Sequence[Mesh], Sequence[Mesh]], m: Correspondence, tolerance: float
 ) -> Iterator[Change]:
-    """Points, weights and morphs; meshes are paired by node, the first with the first."""
-    there: dict[int, list[Mesh]] = {}
-    for mesh in meshes[1]:
-        there.setdefault(mesh.node, []).append(mesh)
-    for mesh in meshes[0]:
-        node = int(m.shown[mesh.node]) if m.shown[mesh.node] >= 0 else int(m.node[mesh.node])
+    """Points, weights and morphs."""
+    pairs, added = pair_meshes(m, *meshes)
+    for mesh, other in pairs:
         title = mesh.name or before.title(mesh.node)
-        if not there.get(node):
+        if other is None:
             yield Change("meshes", "removed", title, f"{len(mesh.points)} points")
-            continue
-        yield from _mesh(mesh, there[node].pop(0), title, tolerance)
-    for rest in there.values():
-        for mesh in rest:
-            yield Change("meshes", "added", mesh.name, f"{len(mesh.points)} points")
+        else:
+            yield from _mesh(mesh, other, title, tolerance)
+    for mesh in added:
+        yield Change("meshes", "added", mesh.name, f"{len(mesh.points)} points")
 
 
 def _mesh(mesh: Mesh, other: Mesh, title: str, tolerance: float) -> Iterator[Change]:

@@ -27,7 +27,10 @@ def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: flo
     allow = options.allow_external_paths
     stages = [open_stage(path, allow_external=allow)[0] for path in (before, after)]
     with quiet(f"{after}: USD cannot compare it with {before}"):
-        found = [*_encodings(before, after, stages)]
+        found = []
+        encodings = [_encoding(path, stage) for path, stage in zip((before, after), stages, strict=True)]
+        if encodings[0] != encodings[1]:
+            found.append(Change("layers", "changed", "root layer", f"encoding {arrow(*encodings)}"))
         layered = list(_layers(stages, (before, after), tolerance))
         if not layered:
             layered = list(_composed(stages, (before, after), tolerance))
@@ -36,12 +39,6 @@ def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: flo
     elif ".usdz" in (before.suffix.lower(), after.suffix.lower()):
         found.append(Change("package", "changed", "container", arrow(before.suffix, after.suffix)))
     return found + layered
-
-
-def _encodings(before: Path, after: Path, stages: Sequence[Any]) -> Iterator[Change]:
-    names = [_encoding(path, stage) for path, stage in zip((before, after), stages, strict=True)]
-    if names[0] != names[1]:
-        yield Change("layers", "changed", "root layer", f"encoding {arrow(*names)}")
 
 
 def _encoding(path: Path, stage: Any) -> str:

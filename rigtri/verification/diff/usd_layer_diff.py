@@ -13,6 +13,7 @@ from pxr import Sdf
 
 from rigtri.verification.diff.change import (
     Change,
+    Kind,
     arrow,
     furthest,
     number,
@@ -30,16 +31,16 @@ FEW = 4
 
 
 def layer_changes(before: Any, after: Any, name: str, tolerance: float) -> Iterator[Change]:
-    """The specs of two layers by path; what is below one that is gone is not reported again."""
+    """The specs of two layers by path."""
     mine, theirs = _specs(before), _specs(after)
     yield from _sublayers(before, after, name)
-    yield from _gone(mine, theirs, name)
+    yield from _missing(mine, theirs, name, "removed")
     for path, spec in mine.items():
         other = theirs.get(path)
         if other is not None:
             yield from _fields(path, spec, other, name, tolerance)
             yield from _orders(path, spec, other, name)
-    yield from _new(mine, theirs, name)
+    yield from _missing(theirs, mine, name, "added")
 
 
 def _specs(layer: Any) -> dict[Any, Any]:
@@ -76,18 +77,12 @@ def _sublayers(before: Any, after: Any, name: str) -> Iterator[Change]:
         yield Change(name, "moved", "sublayers", f"order: {text}")
 
 
-def _gone(mine: dict[Any, Any], theirs: dict[Any, Any], name: str) -> Iterator[Change]:
+def _missing(mine: dict[Any, Any], theirs: dict[Any, Any], name: str, kind: Kind) -> Iterator[Change]:
+    """What the other layer lacks; what is below it is not reported again."""
     for path, spec in mine.items():
         above = path.GetParentPath()
         if path not in theirs and (above in theirs or above not in mine):
-            yield Change(name, "removed", str(path), _description(spec))
-
-
-def _new(mine: dict[Any, Any], theirs: dict[Any, Any], name: str) -> Iterator[Change]:
-    for path, spec in theirs.items():
-        above = path.GetParentPath()
-        if path not in mine and (above in mine or above not in theirs):
-            yield Change(name, "added", str(path), _description(spec))
+            yield Change(name, kind, str(path), _description(spec))
 
 
 def _description(spec: Any) -> str:
