@@ -14,8 +14,8 @@ from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse, tokens_of, why_locked
-from rigtri.formats.usd.opinions.animation_edits import as_samples
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
+from rigtri.formats.usd.opinions.skeleton_edits import as_samples
 from rigtri.formats.usd.opinions.xform_edits import (
     OP_TYPES,
     op_samples,

@@ -10,12 +10,12 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
-from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties, set_tokens
 from rigtri.formats.usd.opinions.skeleton_edits import (
     REST_ADDED,
     check_joints_editable,
     joint_names,
+    set_array,
     set_joints,
 )
 from rigtri.formats.usd.passes.usd_edit import UsdEdit

@@ -10,7 +10,7 @@ Source: UsdSkel, SkelAnimation (`joints`, and arrays of as many items; it plays 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,9 +21,9 @@ from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.evaluation.timelines import PLAYED, without_steps
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import SkeletonVariants
-from rigtri.formats.usd.opinions.animation_edits import check_no_spline, set_array
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, free_path, set_tokens
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.opinions.skeleton_edits import check_no_spline, set_array
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, resting
 from rigtri.formats.usd.reading.animation_reader import HELD, NOTHING, PROPERTIES, Animation, Property
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.formats.usd.reading.source import Source
@@ -111,14 +111,6 @@ def _is_default(held: Track, defaults: Tracks) -> bool:
     return bool(np.abs(held.values - default.values).max(initial=0.0) <= _ROUNDING * size)
 
 
-@dataclass(frozen=True, eq=False)
-class _Row:
-    """A joint in an animation: its token, and the nodes that it moves, one for each skeleton."""
-
-    token: str
-    nodes: list[int]
-
-
 class _Plan:
     """What one animation is to hold."""
 
@@ -133,12 +125,12 @@ class _Plan:
         self.users = [source.skeletons[user] for user in users]
         self.defaults = _defaults(rig, path)
         self.tracks = self._tracks({node for node, (s, _) in places.items() if s in users})
-        rows = {token: _Row(token, []) for token in self.animation.tokens}
+        # The joints of the animation by their tokens: the nodes that each moves, one for each skeleton.
+        self.rows: dict[str, list[int]] = {token: [] for token in self.animation.tokens}
         keyed = {node for node, _ in (*self.tracks, *self.defaults)}
         for node, (skeleton, token) in places.items():
-            if skeleton in users and (token in rows or node in keyed):
-                rows.setdefault(token, _Row(token, [])).nodes.append(node)
-        self.rows = list(rows.values())
+            if skeleton in users and (token in self.rows or node in keyed):
+                self.rows.setdefault(token, []).append(node)
 
     def _tracks(self, nodes: set[int]) -> Tracks:
         """What moves the joints from now on: what has no place yet goes over what has."""
@@ -161,7 +153,7 @@ class _Plan:
 
     def edits(self) -> Iterator[Edit]:
         """The arrays with samples at the new times, and with a column for each new joint."""
-        path, tokens = self.animation.path, [row.token for row in self.rows]
+        path, tokens = self.animation.path, list(self.rows)
         times = {name: self._times(name) for name in PROPERTIES}
         more = len(tokens) > len(self.animation.tokens)
         new = [n for n in PROPERTIES if n not in self.animation.properties and len(times[n])]
@@ -184,13 +176,13 @@ class _Plan:
         """All times at which a track of a property has a key, (k,); none where none moves."""
         item = self.animation.properties.get(name)
         distinct: dict[int, Floats] = {}
-        for row in self.rows:
-            for node in row.nodes:
+        for nodes in self.rows.values():
+            for node in nodes:
                 track = self.tracks.get((node, PROPERTIES[name]))
                 if track is not None and not (track.key == HELD and _is_default(track, self.defaults)):
                     times = without_steps(track).times
                     distinct[id(track) if track.interpolation == "STEP" else id(times)] = times
-            if not row.nodes and item is not None:  # nobody moves by it now, and it stays
+            if not nodes and item is not None:  # nobody moves by it now, and it stays
                 distinct[id(item.times)] = item.times
         if not distinct:
             return item.times if item is not None else np.zeros(0)
@@ -238,10 +230,9 @@ class _Plan:
 
     def _rest(self, name: str) -> Floats:
         """What the joints are at rest, (j, c); tokens that no skeleton has do nothing."""
-        rig = self.source.rig
-        every = {"translations": rig.translation, "rotations": rig.rotation, "scales": rig.scale}[name]
+        every: Floats = getattr(self.source.rig, PROPERTIES[name])
         nothing = np.array(NOTHING[name], dtype=np.float64)
-        return np.array([every[row.nodes[0]] if row.nodes else nothing for row in self.rows])
+        return np.array([every[nodes[0]] if nodes else nothing for nodes in self.rows.values()])
 
 
 def _blank(source: Source, skeleton: str) -> Animation:
@@ -313,8 +304,7 @@ def _retimed_track(shown: Track, tracks: Tracks, was: Tracks, rig: Rig) -> Track
     """A track of the prepared source with the values of the rig at its times."""
     own, old = tracks.get((shown.node, shown.path)), was.get((shown.node, shown.path))
     if own is None:
-        rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[shown.path]
-        return replace(shown, values=np.broadcast_to(rest[shown.node], shown.values.shape))
+        return resting(shown, rig)
     if own is old:
         return shown
     if shown.key == HELD or len(shown.times) == len(own.times) == 1:

@@ -15,11 +15,10 @@ from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.composition.variants import why_split
-from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
-from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_joints
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_array, set_joints
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, resting
 from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.reading.joint_tokens import holder_token, split_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -241,5 +240,4 @@ def _aligned_track(prepared: Track, known: Mapping[tuple[int, str], Track], rig:
     own = known.get((prepared.node, prepared.path))
     if own is not None:
         return replace(own, key=prepared.key)
-    rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[prepared.path]
-    return replace(prepared, values=np.broadcast_to(rest[prepared.node], prepared.values.shape))
+    return resting(prepared, rig)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+import numpy as np
 from pxr import Sdf
 
 from rigtri.formats.document import ReadOptions
@@ -45,6 +46,7 @@ class UsdEdit:
     source's nodes first. prepared: the opinions that source was read again with. values: opinions that
     make source match rig, by the paths of the stage. opinions: the same by the paths of the layer, within
     variants where they need it. removals: what goes last. expected: what the composed output must show.
+    changes: what `find_changes` has found for the passes behind it.
     """
 
     source: Source
@@ -57,18 +59,7 @@ class UsdEdit:
     opinions: list[Edit] = field(default_factory=list)
     removals: list[Edit] = field(default_factory=list)
     expected: Expected = field(default_factory=Expected)
-    _changes: Changes | None = None
-
-    @property
-    def changes(self) -> Changes:
-        """What `find_changes` has found."""
-        if self._changes is None:
-            raise ValueError("find_changes comes before the passes that write values")
-        return self._changes
-
-    @changes.setter
-    def changes(self, changes: Changes) -> None:
-        self._changes = changes
+    changes: Changes = field(init=False)
 
     @property
     def edits(self) -> list[Edit]:
@@ -105,3 +96,9 @@ def sets_transform(before: Rig, rig: Rig, node: int) -> bool:
     """Whether rigtri may set the transform of a prim: its own, or one that gets back what it had lost."""
     added = rig.type_of(node) in ADDED
     return is_rigtri_prim(before, node) or (added and bool((before.local[node] != rig.local[node]).any()))
+
+
+def resting(track: Track, rig: Rig) -> Track:
+    """A track of a joint with its rest value at every key."""
+    rest = getattr(rig, track.path)[track.node]
+    return replace(track, values=np.broadcast_to(rest, track.values.shape))

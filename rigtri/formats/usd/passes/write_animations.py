@@ -12,8 +12,8 @@ from rigtri.errors import FileError
 from rigtri.formats.half_turn_keys import HALF_TURN, dots, keep_way_round
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.opinions.animation_edits import set_array
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
+from rigtri.formats.usd.opinions.skeleton_edits import set_array
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import HELD, Animation
 from rigtri.formats.usd.reading.node_keys import parts

@@ -18,11 +18,11 @@ from rigtri.evaluation.timelines import SAME_VALUE
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import usable
-from rigtri.formats.usd.opinions.animation_edits import as_samples
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
+from rigtri.formats.usd.opinions.skeleton_edits import as_samples
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import Animation, interpolation_of
-from rigtri.formats.usd.reading.mesh_reader import default_weights
+from rigtri.formats.usd.reading.mesh_reader import blend_names, default_weights
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
@@ -86,8 +86,7 @@ def _default_edits(source: Source, rig: Rig) -> list[Edit]:
         known.update(zip(names, weights.tolist(), strict=True))
     edits: list[Edit] = []
     for path, known in found.items():
-        listed = source.stage.GetPrimAtPath(path).GetAttribute("blendShapes")
-        row = np.array([known.get(str(name), 0.0) for name in usable(listed, listed.Get(DEFAULT)) or ()])
+        row = np.array([known.get(name, 0.0) for name in blend_names(source.stage.GetPrimAtPath(path))])
         edits.append(set_value(path, "blendShapeWeights", Sdf.ValueTypeNames.FloatArray, _floats(row)))
     return edits
 
@@ -157,8 +156,7 @@ def _written(
     gone: names that nothing drives any more. fewer: leave out times that no column needs, nor any of these.
     """
     prim = source.stage.GetPrimAtPath(animation.path)
-    listed, weights = prim.GetAttribute("blendShapes"), prim.GetAttribute("blendShapeWeights")
-    names = [str(name) for name in usable(listed, listed.Get(DEFAULT)) or ()]
+    names, weights = blend_names(prim), prim.GetAttribute("blendShapeWeights")
     old = _stored(weights, len(names))
     default = usable(weights, weights.Get(DEFAULT))
     fits = default is not None and len(default) == len(names)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -164,7 +165,7 @@ class _Additions:
         self.source, self.rig = source, rig
         self.world = rig.world
         self.paths: dict[int, Any] = {}
-        self.made: dict[Any, Edit] = {}
+        self.made: dict[Any, list[Edit]] = {}
         self.taken: set[Any] = set()
 
     def edits(self) -> list[Edit]:
@@ -182,7 +183,7 @@ class _Additions:
         for skin in skins:
             found += self._skeleton(skin)
         # A group nobody hangs under would be an empty Scope.
-        return [*self.made.values(), *found]
+        return [*chain(*self.made.values()), *found]
 
     def _is_group(self, node: int) -> bool:
         return node >= len(self.source.rig) and self.rig.type_of(node) == "group"
@@ -259,14 +260,11 @@ class _Additions:
         path = free_path(parent, GROUP, of_others)
         if path not in self.made and not stage.GetPrimAtPath(path):
             metadata = self.rig.metadata.get(group, {}) if self._is_group(group) else {}
-            self.made[path] = _all(
-                path,
-                [
-                    define(path, "Scope"),
-                    *set_attributes(path, attributes_of({"v": 1, "type": "group", **metadata})),
-                    apply_schema(path, api_name("group")),
-                ],
-            )
+            self.made[path] = [
+                define(path, "Scope"),
+                *set_attributes(path, attributes_of({"v": 1, "type": "group", **metadata})),
+                apply_schema(path, api_name("group")),
+            ]
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
         return path, above
@@ -341,14 +339,6 @@ def _relations(path: Any, metadata: Mapping[str, Any], targets: list[Any]) -> li
 
 def _addresses(rig: Rig, node: int) -> tuple[str, ...]:
     return (rig.names[node], rig.labels[node], parts(rig.keys[node])[2])
-
-
-def _all(path: Any, steps: list[Edit]) -> Edit:
-    def edit(layer: Any) -> None:
-        for step in steps:
-            step(layer)
-
-    return Edit(path, edit)
 
 
 def _rename(path: str, name: str) -> Edit:

@@ -77,8 +77,12 @@ def read_meshes(
     node_of: Mapping[str, int],
     skins: Mapping[str, int],
     tokens: Mapping[str, Sequence[str]],
+    animations: Mapping[str, Any],
 ) -> list[Mesh]:
-    """All points of a stage. node_of: nodes by prim path; skins: by skeleton path."""
+    """All points of a stage, with the morph weights that hold without samples: the defaults of animations.
+
+    node_of: nodes by prim path. skins, tokens, animations (prims): by skeleton path.
+    """
     by_prim = {str(query.GetPrim().GetPath()): (path, query) for path, query in found}
     meshes = []
     for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
@@ -92,6 +96,10 @@ def read_meshes(
         skeleton, query = by_prim.get(path, ("", None))
         if query is not None and skeleton in skins:
             mesh = _skinned(mesh, query, skins[skeleton], tokens[skeleton])
+        if mesh.morph_names and skeleton in animations:
+            known = default_weights(animations[skeleton])
+            weights = np.array([known.get(name, 0.0) for name in mesh.morph_names])
+            mesh = replace(mesh, morph_weights=weights)
         meshes.append(replace(mesh, surface=partial(_surface, prim)))
     return meshes
 
@@ -158,13 +166,18 @@ def seen_at_start(attribute: Any) -> Any:
     return usable(attribute, at_start(attribute))
 
 
+def blend_names(animation: Any) -> list[str]:
+    """The blend shapes that an animation has weights for, in their order."""
+    order = animation.GetAttribute("blendShapes")
+    return [str(name) for name in usable(order, order.Get(DEFAULT)) or ()] if order else []
+
+
 def blend_tracks(
     animation: Any, queries: Sequence[Any], node_of: Mapping[str, int], interpolation: Any
 ) -> list[Track]:
     """The morph weights that an animation drives, as one track for each mesh it moves."""
     attribute = animation.GetAttribute("blendShapeWeights")
-    order = animation.GetAttribute("blendShapes")
-    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()]
+    names = blend_names(animation)
     keys = [(time, usable(attribute, value)) for time, value in time_samples(attribute)]
     keys = [(time, value) for time, value in keys if value is not None and len(value) == len(names)]
     if not keys:
@@ -184,30 +197,9 @@ def blend_tracks(
     return tracks
 
 
-def resting_weights(
-    found: Sequence[Mesh], bound: Sequence[tuple[str, Any]], animations: Mapping[str, Any]
-) -> list[Mesh]:
-    """The meshes with the morph weights that their animation has by default, which hold without samples.
-
-    animations: SkelAnimation prims by the path of the skeleton that plays them.
-    """
-    skeletons = {str(query.GetPrim().GetPath()): path for path, query in bound}
-    return [_resting(mesh, animations.get(skeletons.get(mesh.name, ""))) for mesh in found]
-
-
-def _resting(mesh: Mesh, animation: Any) -> Mesh:
-    if not mesh.morph_names or animation is None:
-        return mesh
-    known = default_weights(animation)
-    if not any(known.get(name) for name in mesh.morph_names):
-        return mesh
-    return replace(mesh, morph_weights=np.array([known.get(name, 0.0) for name in mesh.morph_names]))
-
-
 def default_weights(animation: Any) -> dict[str, float]:
     """The default weights of an animation by blend shape; none where they are not one for each."""
-    order, weights = animation.GetAttribute("blendShapes"), animation.GetAttribute("blendShapeWeights")
-    names = [str(name) for name in usable(order, order.Get(DEFAULT)) or ()] if order else []
+    names, weights = blend_names(animation), animation.GetAttribute("blendShapeWeights")
     values = usable(weights, weights.Get(DEFAULT)) if weights else None
     if values is None or len(values) != len(names):
         return {}

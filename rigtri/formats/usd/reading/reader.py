@@ -98,14 +98,14 @@ class _Reader:
         known = [track for clip in rig.clips if clip.key == XFORMS.key for track in clip.tracks]
         return replace(rig, clips=(*clips, replace(XFORMS, tracks=(*known, *tracks))))
 
-    def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, tuple[Track, ...]]:
+    def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, list[Track]]:
         """The keys of rigtri's prims as they are in their ops; what is mirrored goes by its matrices."""
         stands = {
             node: read_transform(prims[node], node, self.interpolation)
             for node in self.nodes.own
             if node in prims and not rig.has_matrix[node] and (rig.scale[node] > 0).all()
         }
-        return {node: stand.tracks for node, stand in stands.items() if stand is not None}
+        return {node: stand[1] for node, stand in stands.items() if stand is not None}
 
     def _group_parent(self, rig: Rig) -> int:
         """The top-level prim that holds the first skeleton, where our Scope can stand below it."""

@@ -54,13 +54,12 @@ def read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
     skins = {parts(skin.key)[1]: k for k, skin in enumerate(rig.skins) if kind(skin.key) == "skeleton"}
     tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
     with quiet(f"{source.path}: USD cannot read its meshes"):
-        found = mesh_reader.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens)
         playing = {
             path: source.stage.GetPrimAtPath(skeleton.animation)
             for path, skeleton in source.skeletons.items()
             if skeleton.animation
         }
-        found = mesh_reader.resting_weights(found, source.bindings.every, playing)
+        found = mesh_reader.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens, playing)
     for mesh in found:
         if mesh.skin is not None and not np.isfinite(mesh.weights).all():
             text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"

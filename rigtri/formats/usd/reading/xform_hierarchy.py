@@ -8,7 +8,7 @@ has; such prims are measured as they stand, and reoriented all the same.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,7 @@ def _animated(
     rig: Rig, stage: Any, joints: list[int], interpolation: Interpolation, warnings: list[Notice]
 ) -> Rig:
     """The rig with a clip of its animated Xform joints, as far as tracks can hold it."""
-    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    rest: dict[Path, Floats] = {path: getattr(rig, path).copy() for path in OPS}
     tracks: list[Track] = []
     for node in joints:
         prim = stage.GetPrimAtPath(rig.labels[node])
@@ -75,12 +75,13 @@ def _animated(
             text = f"<{prim.GetPath()}> moves by ops that no track can hold; only its rest is measured."
             warnings.append(Notice("animated-xform", text))
             continue
-        translation[node], rotation[node] = stand.translation, stand.rotation
-        scale[node] = stand.scale
-        tracks += stand.tracks
+        for path, value in stand[0].items():
+            rest[path][node] = value
+        tracks += stand[1]
     if not tracks:
         return rig
     clip = replace(XFORMS, tracks=tuple(tracks))
+    translation, rotation, scale = rest.values()
     return replace(rig, clips=(*rig.clips, clip), translation=translation, rotation=rotation, scale=scale)
 
 
@@ -157,18 +158,10 @@ def jointed_bodies(stage: Any) -> dict[str, str]:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class TransformTracks:
-    """Where a prim stands, as one value for each track, and the tracks that move it."""
-
-    translation: Floats
-    rotation: Floats
-    scale: Floats
-    tracks: tuple[Track, ...]
-
-
-def read_transform(prim: Any, node: int, interpolation: Interpolation) -> TransformTracks | None:
-    """The ops of a prim as tracks; None where they hold what tracks cannot."""
+def read_transform(
+    prim: Any, node: int, interpolation: Interpolation
+) -> tuple[dict[Path, Floats], list[Track]] | None:
+    """Where a prim stands, as a value for each property, and its tracks; None where tracks cannot hold it."""
     ops: dict[str, Any] = {str(op.GetOpName()): op for op in UsdGeom.Xformable(prim).GetOrderedXformOps()}
     names = list(ops)
     if names != [name for name in _ORDER if name in ops]:
@@ -177,7 +170,8 @@ def read_transform(prim: Any, node: int, interpolation: Interpolation) -> Transf
     if any(op.GetNumTimeSamples() for op in constant):
         return None
     outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
-    rest, tracks = {}, []
+    rest: dict[Path, Floats] = {}
+    tracks: list[Track] = []
     for path, name in OPS.items():
         op = ops.get(name)
         stands = _first(op, NOTHING[path])
@@ -197,7 +191,7 @@ def read_transform(prim: Any, node: int, interpolation: Interpolation) -> Transf
             tracks.append(Track(node, path, interpolation, times, values))
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
         return None
-    return TransformTracks(rest["translation"], rest["rotation"], rest["scale"], tuple(tracks))
+    return rest, tracks
 
 
 def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
