@@ -275,7 +275,7 @@ class ClipWriter:
             alone = self._storage.users[accessor] == len(wishes) and all(
                 np.array_equal(wish.rows.view(np.uint32), first.rows.view(np.uint32)) for wish in wishes[1:]
             )
-            if alone and self._storage.owns(accessor):
+            if alone and accessor in self._storage.free:
                 changes.append((accessor, first.rows))
             else:
                 for wish in wishes:

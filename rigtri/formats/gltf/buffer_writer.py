@@ -9,6 +9,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -55,24 +56,19 @@ class Storage:
         self._tails: dict[Role, _Tail] = {}
         self._gone: dict[int, list[tuple[int, int]]] = {}
         self._added: dict[tuple[Any, ...], int] = {}
-        self._free: set[int] | None = None
-        self._users: Counter[int] | None = None
 
-    @property
+    @cached_property
     def users(self) -> Counter[int]:
         """How many things of the file use each accessor."""
-        if self._users is None:
-            self._users = used_accessors(self._gltf)
-        return self._users
+        return used_accessors(self._gltf)
 
-    def owns(self, accessor: int) -> bool:
-        """Whether the bytes of an accessor may be written over: plain, ours to change, nobody else's."""
-        if self._free is None:
-            self._free = _free_accessors(self._gltf, self._accessors)
-        return accessor in self._free
+    @cached_property
+    def free(self) -> set[int]:
+        """Accessors whose bytes may be written over: plain, ours to change, nobody else's."""
+        return _free_accessors(self._gltf, self._accessors)
 
     def replace(self, changes: Sequence[tuple[int, Singles]]) -> None:
-        """Write rows over the bytes of accessors that `owns` allows, in their old layout."""
+        """Write rows over the bytes of accessors that are `free`, in their old layout."""
         bounded: dict[tuple[int, ...], list[tuple[int, Singles]]] = {}
         for accessor, rows in changes:
             layout = self._accessors.layout(accessor)

@@ -15,6 +15,7 @@ from rigtri.formats.gltf.rules import (
     MATRIX_LAST_ROW,
     NON_UNIT,
     ROTATION_ZERO,
+    WIDTH,
     matrix_violations,
     refuse,
     rotation_violations,
@@ -28,6 +29,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.report import Notice
 
 _NUMBERS = frozenset([float, int])
+_PARTS = {**WIDTH, "matrix": 16}
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,11 +108,16 @@ def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice]
     rest = Rest(np.zeros((count, 3)), rotation, np.ones((count, 3)), matrix, np.zeros(count, dtype=bool))
     nodes = gltf.object().get("nodes", [])
     if not _read_together(nodes, rest, tree.place):  # something is wrong, which reading one by one finds
-        for index, item in enumerate(gltf.each("nodes")):
-            _read_node(item, rest, tree.place[index])
+        for item in gltf.each("nodes"):
+            for key, width in _PARTS.items():
+                if key in item.raw:
+                    item.need(key).numbers(width)
     for index, node in enumerate(nodes):
-        if "matrix" in node:
-            _settle_matrix(gltf, nodes, index, node, rest, tree, index in animated, lenient)
+        violation = transform_violation(node, animated=index in animated) if "matrix" in node else None
+        if violation is not None and not lenient:
+            refuse(f"{gltf.where} {title(nodes, index)}:", violation)
+        if violation is not None:
+            _repair(gltf, nodes, index, rest, tree.place[index], split=violation.rule != MATRIX_AND_TRS)
     _check_matrices(gltf, nodes, rest, tree, notices)
     _check_rotations(gltf, nodes, rest, tree, notices)
     return rest
@@ -118,12 +125,7 @@ def read_rest(gltf: Value, tree: Tree, animated: Set[int], notices: list[Notice]
 
 def _read_together(nodes: list[dict[str, object]], rest: Rest, place: list[int]) -> bool:
     """Read the numbers of all nodes at once, as nearly every file allows; False where one is wrong."""
-    for key, width, array in (
-        ("translation", 3, rest.translation),
-        ("rotation", 4, rest.rotation),
-        ("scale", 3, rest.scale),
-        ("matrix", 16, rest.matrix),
-    ):
+    for key, width in _PARTS.items():
         found = [index for index, node in enumerate(nodes) if key in node]
         if not found:
             continue
@@ -136,46 +138,20 @@ def _read_together(nodes: list[dict[str, object]], rest: Rest, place: list[int])
         if not _NUMBERS.issuperset(map(type, rows)) or min(rows) < -LARGEST or max(rows) > LARGEST:
             return False
         places = [place[index] for index in found]
+        array: Floats = getattr(rest, key)
         array[places] = np.array(rows, dtype=np.float64).reshape(-1, *array.shape[1:])
         if key == "matrix":
             rest.has_matrix[places] = True
     return True
 
 
-def _read_node(item: Value, rest: Rest, row: int) -> None:
-    raw = item.object()
-    for key, width, array in (
-        ("translation", 3, rest.translation),
-        ("rotation", 4, rest.rotation),
-        ("scale", 3, rest.scale),
-    ):
-        if key in raw:
-            array[row] = item.need(key).numbers(width)
-    if "matrix" in raw:
-        rest.matrix[row] = np.reshape(item.need("matrix").numbers(16), (4, 4))
-        rest.has_matrix[row] = True
-
-
-def _settle_matrix(
-    gltf: Value,
-    nodes: list[dict[str, object]],
-    index: int,
-    node: dict[str, object],
-    rest: Rest,
-    tree: Tree,
-    animated: bool,
-    lenient: bool,
+def _repair(
+    gltf: Value, nodes: list[dict[str, object]], index: int, rest: Rest, row: int, *, split: bool
 ) -> None:
-    """Refuse, or repair, a matrix beside TRS or below an animation."""
-    row, name = tree.place[index], title(nodes, index)
-    violation = transform_violation(node, animated=animated)
-    if violation is None:
-        return
-    if not lenient:
-        refuse(f"{gltf.where} {name}:", violation)
-    both = violation.rule == MATRIX_AND_TRS
-    if not both:
+    """Take a node's TRS in place of its matrix, or, where it has none, what the matrix splits into."""
+    if split:
         if skew(rest.matrix[row]) > SKEW:
+            name = title(nodes, index)
             gltf.fail(f"{name} is animated and its sheared matrix cannot be split; export the file anew")
         rest.translation[row], rest.rotation[row], rest.scale[row] = decompose(rest.matrix[row])
     rest.has_matrix[row] = False

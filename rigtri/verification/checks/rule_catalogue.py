@@ -47,24 +47,3 @@ def matching(patterns: Iterable[str]) -> set[str]:
             raise UsageError(f"no check has the id '{pattern}'.{hint} All ids: rigtri check --list")
         found |= named or {pattern}
     return found
-
-
-def as_markdown() -> str:
-    """All rules as the tables of docs/checks.md."""
-    titles = {
-        "file": "Any file",
-        "gltf": "glTF: files, nodes, skins, animations, meshes",
-        "vrm": "VRM 0.x and 1.0",
-        "vrma": "VRM animations",
-        "usd": "USD: skeletons, animations, bindings, blend shapes",
-    }
-    parts = []
-    for key, title in titles.items():
-        rows = [
-            f"| `{rule.id}` | {rule.severity} | {rule.meaning} | {rule.remedy} |"
-            for rule in RULES.values()
-            if rule.id.partition(".")[0] == key
-        ]
-        head = ["| id | severity | what is wrong | what to do |", "|---|---|---|---|"]
-        parts.append("\n".join([f"## {title}", "", *head, *rows]))
-    return "\n\n".join(parts) + "\n"

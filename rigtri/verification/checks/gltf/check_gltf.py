@@ -13,7 +13,6 @@ from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
     animations,
-    json_types,
     meshes,
     metadata,
     nodes,
@@ -41,7 +40,7 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         nodes.check_joints(view)
         meshes.check(view)
         meshes.check_vertices(view)
-        json_types.check(view)
+        references.check_types(view)
         vrm.check(view)
         spring_bones.check(view)
         metadata.check(view)

@@ -1,7 +1,7 @@
-"""Indices that point at nothing, and extensions that are not declared, wherever they stand.
+"""Indices that point at nothing, members of a wrong type, and extensions, wherever they stand.
 
 What nodes, scenes, skins and animations refer to is judged where it is read; here
-is the rest of a file. Source: glTF 2.0, the JSON schema of each object; §3.12 (extensions).
+is the rest of a file. Source: glTF 2.0 §5 (properties reference); §3.12 (extensions).
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from rigtri.verification.checks.gltf.tolerant_reader import View, one, titled
+from rigtri.formats.json_values import short_repr
+from rigtri.verification.checks.gltf.tolerant_reader import Item, View, one, titled
 
 # Where indices stand (* is any item), and which list they count.
 _PRIMITIVE = "meshes/*/primitives/*"
@@ -33,6 +34,43 @@ PLACES = (
     ("accessors/*/sparse/values/bufferView", "bufferViews"),
     ("bufferViews/*/buffer", "buffers"),
 )
+
+# Holder → member → what it should be.
+_MEMBERS: dict[str, dict[str, str]] = {
+    "accessors": {
+        "count": "integer", "componentType": "integer", "byteOffset": "integer", "bufferView": "integer",
+        "normalized": "boolean", "type": "text",
+    },
+    "bufferViews": {
+        "buffer": "integer", "byteOffset": "integer", "byteLength": "integer", "byteStride": "integer",
+        "target": "integer",
+    },
+    "buffers": {"byteLength": "integer"},
+    "meshes": {"primitives": "list", "weights": "list"},
+    "skins": {"joints": "list"},
+    "animations": {"channels": "list", "samplers": "list"},
+    "images": {"uri": "text", "mimeType": "text", "bufferView": "integer"},
+}  # fmt: skip
+_OF_PRIMITIVE = {"mode": "integer", "attributes": "object", "targets": "list"}
+_TYPES = {"integer": int, "text": str, "list": list, "object": dict, "boolean": bool}
+
+
+def check_types(view: View) -> None:
+    """Note every member of the table that is there and of another type."""
+    for section, members in _MEMBERS.items():
+        for item in view.each(section):
+            _check_members(item, members)
+    for mesh in view.each("meshes"):
+        for primitive in mesh.objects("primitives"):
+            _check_members(primitive, _OF_PRIMITIVE)
+
+
+def _check_members(item: Item, members: dict[str, str]) -> None:
+    for key, kind in members.items():
+        value = item.raw.get(key, _TYPES[kind]())
+        if not isinstance(value, _TYPES[kind]) or (kind == "integer" and isinstance(value, bool)):
+            article = "an" if kind[0] in "aio" else "a"
+            item.add("gltf.json.value", f"{key} should be {article} {kind}, not {short_repr(value)}", key)
 
 
 def check(view: View) -> None:
