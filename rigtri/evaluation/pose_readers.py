@@ -80,10 +80,10 @@ class PoseReader:
                 Target(target.name, numbers(target.direction), numbers(target.rotation), target.node)
                 for target in record.targets
             ),
-            inner=record.inner * degree,
-            outer=record.outer * degree,
-            kernel=record.kernel,
-            mode=record.mode,
+            inner=(record.inner or 0.0) * degree,
+            outer=(90.0 if record.outer is None else record.outer) * degree,
+            kernel=record.kernel or "linear",
+            mode=record.mode or "swing",
             rest=numbers(record.rest),
         )
 

@@ -64,7 +64,7 @@ class ControlsAtZero:
                 chain = _chain(rig, record.chain)
                 if chain is not None and self._bends(chain):
                     pole = poles.get(chain, -1)
-                    self.limbs.append(IkLimb(chain, node, pole, record.soft, record.stretch))
+                    self.limbs.append(IkLimb(chain, node, pole, record.soft or 0.0, bool(record.stretch)))
             elif offset >= 0:
                 own = FkControl(node, offset, joint, int(rig.parents[offset]))
                 if record.kind == "fk":

@@ -22,12 +22,13 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.frames.nonuniform_scale import ScaleTable
-from rigtri.frames.reoriented_constraints import broken, reoriented_constraints, reoriented_notes
+from rigtri.frames.reoriented_constraints import broken, reoriented_constraints, reoriented_metadata
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, decompose, from_frame, rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
+from rigtri.model.metadata import FrameRecord
 from rigtri.model.rig import Rig
 
 
@@ -58,7 +59,7 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
     rig = replace(
         _reorient_bound(rig, delta),
         node_constraints=reoriented_constraints(rig, delta),
-        metadata=reoriented_notes(rig, delta),
+        metadata=reoriented_metadata(rig, delta),
     )
     return _hand_over_attachments(rig, delta)
 
@@ -76,7 +77,7 @@ def split(rig: Rig, deltas: Mapping[int, Floats]) -> Rig:
     signs = ScaleTable.of(rig).sign
     above = rig.insert_above({node: f"{rig.names[node] or 'joint'}_orient" for node in deltas})
     translations, rotations, matrices = above.translation.copy(), above.rotation.copy(), above.matrix.copy()
-    notes, lifted = dict(above.metadata), {}
+    metadata, lifted = dict(above.metadata), {}
     for before, node in enumerate(sorted(deltas)):
         delta, holder, old = deltas[node], node + before, node + before + 1
         translation, rotation, scale = _parts(rig, node, signs[node])
@@ -86,13 +87,13 @@ def split(rig: Rig, deltas: Mapping[int, Floats]) -> Rig:
         whole = rig.matrix[node] if rig.has_matrix[node] else compose(translation, rotation, scale)
         back = conjugate(multiply(rotation, delta))
         matrices[old] = rotate_after(from_frame(whole[:3, :3], np.zeros(3)), back)
-        notes[holder] = {"v": 1, "type": "frame", "joint": rig.address(node)}
+        metadata[holder] = FrameRecord(joint=rig.address(node)).to_dict()
         lifted[old] = delta
     clips = tuple(
         replace(clip, tracks=tuple(_lifted(t, lifted) for t in clip.tracks)) for clip in above.clips
     )
     return replace(
-        above, translation=translations, rotation=rotations, matrix=matrices, clips=clips, metadata=notes
+        above, translation=translations, rotation=rotations, matrix=matrices, clips=clips, metadata=metadata
     )
 
 

@@ -20,7 +20,7 @@ Source: derived from `rigtri.model.constraints` and the pseudocode of VRMC_node_
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -30,14 +30,24 @@ from rigtri.maths.matrices import rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.constraints import Constraint, constraint_metadata, constraints_of
-from rigtri.model.metadata import ConstraintRecord
+from rigtri.model.constraints import Constraint, constraint_record, constraints_of
+from rigtri.model.metadata import (
+    ConstraintRecord,
+    PoseReaderRecord,
+    Quaternion,
+    Record,
+    RollAxis,
+    TargetRecord,
+    Triple,
+    TwistRecord,
+)
 from rigtri.model.rig import Rig
 
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 _SAME = 1e-9
-# What a change of frames gives new numbers; the rest of a note stays as it was written.
-_REORIENTED = ("offsets", "jointOrient", "rest", "aim", "up", "worldUpVector", "rollAxis")
+_AXES: tuple[RollAxis, ...] = ("x", "y", "z")
+# What a change of frames gives new numbers; the rest of a record stays as it was written.
+_REORIENTED = ("offsets", "joint_orient", "rest", "aim", "up", "world_up_vector", "roll_axis")
 
 
 def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
@@ -106,54 +116,52 @@ def _axis_in(constraint: NodeConstraint, delta: Floats) -> Floats:
     return rotate(conjugate(delta), constraint.axis)
 
 
-def reoriented_notes(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
-    """The notes of a rig, with its constraints expressed in frames reoriented by ``delta``, (n, 4)."""
-    notes = dict(rig.metadata)
+def reoriented_metadata(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
+    """The metadata of a rig, with its constraints expressed in frames reoriented by ``delta``, (n, 4)."""
+    found: dict[int, Record] = {}
     for node, rule in constraints_of(rig).items():
         if _touched(rig, rule, delta) and not _lost(rig, rule, delta):
-            stored = constraint_metadata(rig, _reoriented(rig, rule, delta))
-            notes[node] = {**notes[node], **{key: stored[key] for key in _REORIENTED if key in stored}}
-    for node, note in rig.metadata.items():
-        if note.get("type") == "poseReader":
-            notes[node] = _reoriented_reader(rig, note, delta)
-        elif note.get("type") == "twist" and "axis" in note:
-            joint = rig.known(note.get("joint"))
-            notes[node] = note if joint is None else {**note, "axis": _seen(note["axis"], _of(delta, joint))}
-    return notes
+            new = constraint_record(rig, _reoriented(rig, rule, delta))
+            numbers = {key: value for key in _REORIENTED if (value := getattr(new, key)) is not None}
+            found[node] = replace(rig.records(ConstraintRecord)[node], **numbers)
+    for node, reader in rig.records(PoseReaderRecord).items():
+        found[node] = _reoriented_reader(rig, reader, delta)
+    for node, twist in rig.records(TwistRecord).items():
+        joint = rig.known(twist.joint)
+        if twist.axis is not None and joint is not None:
+            found[node] = replace(twist, axis=_seen(twist.axis, _of(delta, joint)))
+    return {**rig.metadata, **{node: record.to_dict() for node, record in found.items()}}
 
 
-def _seen(vector: Sequence[float], own: Floats) -> list[float]:
+def _seen(vector: Triple, own: Floats) -> Triple:
     """A vector of a node's axes, seen from its new ones; the very numbers where it keeps its frame."""
     if not (own != IDENTITY).any():
-        return list(vector)
-    return [float(x) for x in rotate(conjugate(own), np.array(vector, dtype=np.float64))]
+        return vector
+    x, y, z = rotate(conjugate(own), np.array(vector, dtype=np.float64)).tolist()
+    return x, y, z
 
 
-def _reoriented_reader(rig: Rig, note: Mapping[str, Any], delta: Floats) -> Mapping[str, Any]:
+def _reoriented_reader(rig: Rig, reader: PoseReaderRecord, delta: Floats) -> PoseReaderRecord:
     """What a pose reader looks for, seen from the new axes of its driver and of its frame."""
-    driver, frame = rig.known(note.get("driver")), rig.known(note.get("frame") or None)
-    if driver is None or (frame is None and note.get("frame")):
-        return note
+    driver, frame = rig.known(reader.driver), rig.known(reader.frame)
+    if driver is None or (frame is None and reader.frame):
+        return reader
     own, above = _of(delta, driver), IDENTITY if frame is None else _of(delta, frame)
     if not ((own != IDENTITY).any() or (above != IDENTITY).any()):
-        return note
+        return reader
 
-    def rotation(values: Sequence[float]) -> list[float]:
-        return [float(x) for x in multiply(conjugate(above), multiply(np.array(values), own))]
+    def rotation(values: Quaternion | None) -> Quaternion | None:
+        if values is None:
+            return None
+        x, y, z, w = multiply(conjugate(above), multiply(np.array(values), own)).tolist()
+        return x, y, z, w
 
-    def target(target_record: Mapping[str, Any]) -> dict[str, Any]:
-        found = dict(target_record)
-        if "direction" in target_record:
-            found["direction"] = _seen(target_record["direction"], above)
-        if "rotation" in target_record:
-            found["rotation"] = rotation(target_record["rotation"])
-        return found
+    def target(one: TargetRecord) -> TargetRecord:
+        direction = None if one.direction is None else _seen(one.direction, above)
+        return replace(one, direction=direction, rotation=rotation(one.rotation))
 
-    stored = {
-        "axis": _seen(note["axis"], own),
-        "targets": [target(target_record) for target_record in note["targets"]],
-    }
-    return {**note, **stored, **({"rest": rotation(note["rest"])} if "rest" in note else {})}
+    targets = tuple(map(target, reader.targets))
+    return replace(reader, axis=_seen(reader.axis, own), targets=targets, rest=rotation(reader.rest))
 
 
 def lost_rules(rig: Rig, delta: Floats) -> list[int]:
@@ -196,7 +204,7 @@ def _reoriented(rig: Rig, rule: Constraint, delta: Floats) -> Constraint:
     roll = rule.roll
     if roll:
         seen = np.abs(rotate(conjugate(own), np.eye(3)["xyz".index(roll)]))
-        roll = "xyz"[int(np.argmax(seen))]
+        roll = _AXES[int(np.argmax(seen))]
     aim, up = (rotate(conjugate(own), np.array(axis)) for axis in (rule.aim, rule.up))
     up_vector = np.array(rule.up_vector)
     if rule.world_up == "objectrotation":

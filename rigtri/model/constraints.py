@@ -19,16 +19,17 @@ from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.metadata import (
     CHANNELS,
-    ROTATION,
     ConstraintKind,
     ConstraintRecord,
     ConstraintSpace,
+    RollAxis,
+    Triple,
     WorldUp,
 )
 from rigtri.model.rig import Rig
 
 KINDS: tuple[ConstraintKind, ...] = get_args(ConstraintKind)
-_WORLD_Y = (0.0, 1.0, 0.0)
+_X, _Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +56,11 @@ class Constraint:
     joint_orient: Floats = field(default_factory=IDENTITY.copy)
     rest: Floats = field(default_factory=IDENTITY.copy)
     space: ConstraintSpace = "world"
-    roll: str = ""
-    aim: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    up: tuple[float, float, float] = _WORLD_Y
+    roll: RollAxis = ""
+    aim: Triple = _X
+    up: Triple = _Y
     world_up: WorldUp = "none"
-    up_vector: tuple[float, float, float] = _WORLD_Y
+    up_vector: Triple = _Y
     up_object: int = -1
     chain: tuple[int, ...] = ()
 
@@ -74,39 +75,30 @@ class Constraint:
         return (*self.drivers, self.up_object) if self.up_object >= 0 else self.drivers
 
 
-def constraint_metadata(rig: Rig, constraint: Constraint) -> dict[str, Any]:
+def constraint_record(rig: Rig, constraint: Constraint) -> ConstraintRecord:
     """What a node stores of a constraint: nodes by address, matrices as 16 numbers, row by row."""
-    stored: dict[str, Any] = {
-        "v": 1,
-        "type": "constraint",
-        "kind": constraint.kind,
-        "child": rig.address(constraint.child),
-        "drivers": [rig.address(node) for node in constraint.drivers],
-        "weights": _numbers(constraint.weights),
-        "offsets": _numbers(constraint.offsets),
-    }
-    if constraint.kind == "polevector":
-        return stored | {"chain": [rig.address(node) for node in constraint.chain]}
-    if constraint.skip:
-        stored["skip"] = [channel for channel in CHANNELS[constraint.kind] if channel in constraint.skip]
-    if set(CHANNELS[constraint.kind]) & set(ROTATION):
-        stored |= {"rotateOrder": constraint.order, "jointOrient": _numbers(constraint.joint_orient)}
-    if constraint.kind == "aim" or constraint.space == "roll":
-        stored["rest"] = _numbers(constraint.rest)
-    if constraint.kind == "orient":
-        stored["space"] = constraint.space
-        stored |= {"rollAxis": constraint.roll} if constraint.space == "roll" else {}
-    if constraint.kind == "aim":
-        stored |= {
-            "aim": _numbers(constraint.aim),
-            "up": _numbers(constraint.up),
-            "worldUp": constraint.world_up,
-        }
-        if constraint.world_up in ("vector", "objectrotation"):
-            stored["worldUpVector"] = _numbers(constraint.up_vector)
-        if constraint.up_object >= 0:
-            stored["worldUpObject"] = rig.address(constraint.up_object)
-    return stored
+    kind, chain, rotates = constraint.kind, constraint.chain, "rx" in CHANNELS[constraint.kind]
+    aims, rolls = kind == "aim", constraint.space == "roll"
+    vector = aims and constraint.world_up in ("vector", "objectrotation")
+    return ConstraintRecord(
+        kind=kind,
+        child=rig.address(constraint.child),
+        drivers=tuple(map(rig.address, constraint.drivers)),
+        weights=_numbers(constraint.weights),
+        offsets=_numbers(constraint.offsets),
+        chain=tuple(map(rig.address, chain)),
+        skip=tuple(channel for channel in CHANNELS[kind] if channel in constraint.skip),
+        rotate_order=constraint.order if rotates else None,
+        joint_orient=_numbers(constraint.joint_orient) if rotates else None,
+        rest=_numbers(constraint.rest) if aims or rolls else None,
+        space=constraint.space if kind == "orient" else None,
+        roll_axis=constraint.roll if rolls else None,
+        aim=_numbers(constraint.aim) if aims else None,
+        up=_numbers(constraint.up) if aims else None,
+        world_up=constraint.world_up if aims else None,
+        world_up_vector=_numbers(constraint.up_vector) if vector else None,
+        world_up_object=rig.address(constraint.up_object) if aims and constraint.up_object >= 0 else "",
+    )
 
 
 def constraints_of(rig: Rig) -> dict[int, Constraint]:
@@ -147,20 +139,20 @@ def constraint_of(rig: Rig, record: ConstraintRecord) -> Constraint:
         weights=np.array(record.weights, dtype=np.float64),
         offsets=np.array(record.offsets, dtype=np.float64).reshape(-1, 4, 4),
         skip=frozenset(record.skip),
-        order=record.rotate_order,
-        joint_orient=np.array(record.joint_orient, dtype=np.float64),
-        rest=np.array(record.rest, dtype=np.float64),
-        space=record.space,
-        roll=record.roll_axis,
-        aim=record.aim,
-        up=record.up,
-        world_up=record.world_up,
-        up_vector=record.world_up_vector,
+        order=record.rotate_order or "xyz",
+        joint_orient=np.array(record.joint_orient or IDENTITY, dtype=np.float64),
+        rest=np.array(record.rest or IDENTITY, dtype=np.float64),
+        space=record.space or "world",
+        roll=record.roll_axis or "",
+        aim=record.aim or _X,
+        up=record.up or _Y,
+        world_up=record.world_up or "none",
+        up_vector=record.world_up_vector or _Y,
         up_object=rig.find(record.world_up_object, "node") if record.world_up_object else -1,
         chain=tuple(rig.find(name) for name in record.chain),
     )
 
 
-def _numbers(values: Any) -> list[float]:
-    """As a flat list; −0 is written as 0."""
-    return [float(value) + 0.0 for value in np.asarray(values, dtype=np.float64).ravel()]
+def _numbers(values: Any) -> Any:
+    """As a flat tuple; −0 is written as 0."""
+    return tuple(float(value) + 0.0 for value in np.asarray(values, dtype=np.float64).ravel())

@@ -2,7 +2,7 @@
 
 schemas/node.schema.json describes the records for other programs. Files may hold anything: `Record.from_dict`
 never raises, and says in `Record.problems` what of a record cannot be used. `Record.to_dict` gives back what
-was stored, in its order, with keys that this version does not know.
+was stored, in its order, with keys that this version does not know. What is its default is not stored.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ Names = tuple[str, ...]
 ControlKind = Literal["fk", "ik", "root"]
 ConstraintKind = Literal["parent", "point", "orient", "scale", "aim", "polevector"]
 ConstraintSpace = Literal["world", "local", "roll"]
+RollAxis = Literal["x", "y", "z", ""]
 WorldUp = Literal["vector", "object", "objectrotation", "none"]
 NodeConstraintKind = Literal["rotation", "roll", "aim"]
 ReaderKind = Literal["dot", "cone", "rbf"]
@@ -74,10 +75,11 @@ class Stored:
         found = dict(self.stored)
         for key in _keys(type(self)):
             value = getattr(self, key.field)
-            if key.name in found and key.read(found[key.name]) == value:
-                continue
-            if key.name in found or key.required or value != key.default:
-                found[key.name] = _plain(value)
+            if value == key.default:
+                found.pop(key.name, None)
+            elif key.name not in found or key.read(found[key.name]) != value:
+                read = key.read(value)  # a whole number that is meant as a float
+                found[key.name] = _plain(value if read is None else read)
         return found
 
 
@@ -104,15 +106,15 @@ class ConstraintRecord(Record):
     offsets: tuple[float, ...]
     chain: Names = ()
     skip: Names = ()
-    rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = "xyz"
-    joint_orient: Quaternion = (0.0, 0.0, 0.0, 1.0)
-    rest: Quaternion = (0.0, 0.0, 0.0, 1.0)
-    space: ConstraintSpace = "world"
-    roll_axis: Literal["x", "y", "z", ""] = ""
-    aim: Triple = (1.0, 0.0, 0.0)
-    up: Triple = (0.0, 1.0, 0.0)
-    world_up: WorldUp = "none"
-    world_up_vector: Triple = (0.0, 1.0, 0.0)
+    rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] | None = None
+    joint_orient: Quaternion | None = None
+    rest: Quaternion | None = None
+    space: ConstraintSpace | None = None
+    roll_axis: RollAxis | None = None
+    aim: Triple | None = None
+    up: Triple | None = None
+    world_up: WorldUp | None = None
+    world_up_vector: Triple | None = None
     world_up_object: str = ""
     vrm: NodeConstraintKind | None = None
 
@@ -125,13 +127,13 @@ class ControlRecord(Record):
     kind: ControlKind
     joint: str
     chain: Names = ()
+    side: Literal["left", "right", ""] | None = None
     shape: str = ""
     size: float | None = None
     color: Triple | None = None
     named: str = ""
-    soft: float = 0.0
-    stretch: bool = False
-    side: Literal["left", "right", ""] = ""
+    soft: float | None = None
+    stretch: bool | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,7 +167,7 @@ class LimbRecord(Record):
     up_from: str = ""
     hinge: Triple | None = None
     lengths: tuple[float, ...] = ()
-    planar: bool = False
+    planar: bool | None = None
     source: str = ""
     locators: Names = ()
     end_aim: str | Triple | None = None
@@ -186,17 +188,17 @@ class PoleVectorRecord(Record):
 
     type: ClassVar[str] = "poleVector"
     chain: Names
-    method: Literal["perpendicular", "ratio"] = "perpendicular"
-    from_: Literal["middle", "root", "foot"] = "middle"
-    reach: float = 0.5
-    reach_of: Literal["limb", "chord"] = "limb"
+    method: Literal["perpendicular", "ratio"] | None = None
+    from_: Literal["middle", "root", "foot"] | None = None
     distance: float | None = None
+    reach: float | None = None
+    reach_of: Literal["limb", "chord"] | None = None
     bend: float | None = None
     source: str = ""
+    pose: str = ""
     shape: str = ""
     size: float | None = None
     color: Triple | None = None
-    pose: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,8 +212,22 @@ class TargetRecord(Stored):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OutputRecord(Stored):
+    """What the weight of a target drives: a morph target of a mesh, or an attribute of a control."""
+
+    target: str
+    mesh: str = ""
+    morph: str = ""
+    control: str = ""
+    attribute: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class PoseReaderRecord(Record):
-    """A pose-space driver: how much a joint is in each of some poses. inner, outer: in degrees."""
+    """A pose-space driver: how much a joint is in each of some poses. inner, outer: in degrees.
+
+    before: the keys that it has replaced, see `rigtri.operations.add_posereader.replaced_keys`.
+    """
 
     type: ClassVar[str] = "poseReader"
     name: str
@@ -219,16 +235,16 @@ class PoseReaderRecord(Record):
     frame: str
     axis: Triple
     reader: ReaderKind
-    targets: tuple[TargetRecord, ...]
-    outputs: tuple[Mapping[str, Any], ...]
-    within: float
-    inner: float = 0.0
-    outer: float = 90.0
-    kernel: Kernel = "linear"
-    mode: ReaderMode = "swing"
+    inner: float | None = None
+    outer: float | None = None
+    kernel: Kernel | None = None
+    mode: ReaderMode | None = None
     rest: Quaternion | None = None
-    before: tuple[Mapping[str, Any], ...] = ()
+    targets: tuple[TargetRecord, ...]
+    outputs: tuple[OutputRecord, ...]
+    within: float
     fps: float | None = None
+    before: tuple[Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -257,6 +273,14 @@ class RivetRecord(Record):
 
 
 @dataclass(frozen=True, kw_only=True)
+class InfluenceRecord(Stored):
+    """How many joints each point of a mesh had room for, before its weights were split."""
+
+    mesh: str
+    count: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class TwistRecord(Record):
     """A joint along a bone that takes a share of a twist."""
 
@@ -269,7 +293,7 @@ class TwistRecord(Record):
     at: float
     weight: float
     axis: Triple | None = None
-    influences: tuple[Mapping[str, Any], ...] = ()
+    influences: tuple[InfluenceRecord, ...] = ()
 
 
 RECORDS: Mapping[str, type[Record]] = {
@@ -300,6 +324,11 @@ def illegible(stored: Mapping[str, Any]) -> str:
     return (
         "" if isinstance(kind, str) and kind in RECORDS else f"its type {kind!r} is not known to this rigtri"
     )
+
+
+def damage(stored: Mapping[str, Any]) -> str:
+    """What of a record of this version cannot be used, in words; "" where all can."""
+    return ", ".join(RECORDS[stored["type"]].from_dict(stored).problems)
 
 
 class _Key(NamedTuple):

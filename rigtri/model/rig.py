@@ -24,7 +24,7 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import ADDED, SWITCH, Record
+from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Record
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
@@ -71,6 +71,8 @@ class Rig(NodeNames):
     pending: PendingEdits = field(default_factory=PendingEdits)
     content: Content = field(default_factory=Content)
     source: RigSource | None = None
+    # By the id of what is stored; rigs that are made of one another share it.
+    _parsed: dict[int, tuple[Mapping[str, Any], Record]] = field(default_factory=dict, repr=False)
 
     @property
     def meshes(self) -> Sequence[Mesh]:
@@ -133,11 +135,22 @@ class Rig(NodeNames):
         """The nodes with metadata of these types."""
         return [node for node in self.metadata if self.type_of(node) in types]
 
+    def record(self, node: int) -> Record | None:
+        """What rigtri has stored on a node; None where there is nothing, or nothing that can be used."""
+        kind = RECORDS.get(self.type_of(node))
+        if kind is None:
+            return None
+        stored = self.metadata[node]
+        if id(stored) not in self._parsed:
+            self._parsed[id(stored)] = stored, kind.from_dict(stored)
+        record = self._parsed[id(stored)][1]
+        return None if record.problems else record
+
     def records(self, kind: type[R]) -> dict[int, R]:
         """What is stored in records of one type, by node; without those that cannot be used."""
         if kind not in self._records:
-            found = {node: kind.from_dict(self.metadata[node]) for node in self.nodes_of(kind.type)}
-            self._records[kind] = {node: record for node, record in found.items() if not record.problems}
+            found = {node: self.record(node) for node in self.nodes_of(kind.type)}
+            self._records[kind] = {node: one for node, one in found.items() if isinstance(one, kind)}
         return self._records[kind]
 
     @cached_property

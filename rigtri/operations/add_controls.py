@@ -8,6 +8,7 @@ under the control.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -20,6 +21,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.control_shapes import COLORS, Kind
 from rigtri.model.joint_names import Side, side
+from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
@@ -29,7 +31,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
 from rigtri.operations.options.add_controls import TOKENS as TOKENS
 from rigtri.operations.options.add_controls import AddControlsOptions as AddControlsOptions
-from rigtri.operations.rigtri_nodes import add, call, find, group, home, noted, remembered, stand
+from rigtri.operations.rigtri_nodes import add, call, find, group, home, remembered, stand, with_record
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.limbs import Limb, forward, girths, named_limbs, recognise, with_recognised
 from rigtri.report import Report
@@ -73,7 +75,7 @@ class _Builder:
         self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
         self.controls: dict[int, int] = {}
         # The controls of this run: node, kind and joint.
-        self.made: list[tuple[int, str, int]] = []
+        self.made: list[tuple[int, ControlKind, int]] = []
 
     @property
     def _all_limbs(self) -> bool:
@@ -87,7 +89,7 @@ class _Builder:
         for joint in self._joints():
             self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
         for limb in dict.fromkeys(self.limbs):
-            chain = [self.rig.address(node) for node in limb.triple]
+            chain = tuple(map(self.rig.address, limb.triple))
             self._ik(limb, {"joint": chain[-1], "chain": chain})
         self._poles()
         self._give_names()
@@ -96,7 +98,7 @@ class _Builder:
         return self.rig
 
     def _give_names(self) -> None:
-        """Names by the user's rule, and a note of those that new controls have."""
+        """Names by the user's rule, and a record of those that new controls have."""
         if self.options.name is not None:
             names = {c: self._name(joint, kind, self.options.name) for c, kind, joint in self.made}
             self.rig = call(self.rig, names, self.options.name, self.report)
@@ -123,29 +125,29 @@ class _Builder:
         place = self.ref.position(top).copy()
         low = float(dot(points, up).min())
         place = place + up * (low - float(dot(place, up)))
-        note = {"joint": self.rig.address(top)}
-        control = self._find("root", note)
+        about = {"joint": self.rig.address(top)}
+        control = self._find("root", about)
         front = forward(self.rig, self.limbs or recognise(self.rig), self.ref.world)
         drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
         if control is None:
             self.rig, parent = group(self.rig)
-            control = self._new("root", top, parent, note, drawing)
+            control = self._new("root", top, parent, about, drawing)
         else:
             self._again(control, "root", top, drawing)
         self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
         self.made.append((control, "root", top))
 
-    def _find(self, kind: str, note: Mapping[str, Any]) -> int | None:
-        return find(self.rig, type="control", kind=kind, **note)
+    def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:
+        return find(self.rig, ControlRecord, kind=kind, **about)
 
-    def _control(self, joint: int, kind: str, note: Mapping[str, Any]) -> int:
+    def _control(self, joint: int, kind: ControlKind, about: Mapping[str, Any]) -> int:
         """The control of a kind over a joint, found again or new, its offset in the joint's frame."""
-        control = self._find(kind, note)
+        control = self._find(kind, about)
         axes = self._frame(joint)
         parent = self._parent(joint, kind)
         drawing = self._drawing(kind, joint, *self._size(joint))
         if control is None:
-            control = self._new(kind, joint, parent, note, drawing)
+            control = self._new(kind, joint, parent, about, drawing)
         else:
             self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
@@ -165,24 +167,23 @@ class _Builder:
         self._limits(about)
 
     def _limits(self, about: Mapping[str, Any]) -> None:
-        """How an IK limb reaches, on its control's note; what says nothing is not stored."""
+        """How an IK limb reaches, in its control's record; what is zero is not stored."""
         control = self._find("ik", about)
-        given = {"soft": self.options.soft, "stretch": self.options.stretch}
-        fields = {word: value for word, value in given.items() if value is not None}
-        if control is None or not fields:
+        if control is None:
             return
-        note = {word: value for word, value in self.rig.metadata[control].items() if word not in fields}
-        note |= {word: value for word, value in fields.items() if value}
-        self.rig = noted(self.rig, control, note)
+        own, given = self.rig.records(ControlRecord)[control], self.options
+        soft = own.soft if given.soft is None else given.soft or None
+        stretch = own.stretch if given.stretch is None else given.stretch or None
+        self.rig = with_record(self.rig, control, replace(own, soft=soft, stretch=stretch))
 
     def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
         """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""
         place, axes = self.world[limb.end, 3, :3], self._frame(limb.end)
         if known is None:
             parent, like = beside(self.rig, limb.start)
-            note = {"v": 1, "type": "control", "kind": "ik", **about, "side": self._side(limb.end)}
+            record = ControlRecord(kind="ik", **about, side=self._side(limb.end))
             name = self._name(limb.end, "ik")
-            self.rig, node = add_joint(self.rig, name, parent, note, place, axes, like=like)
+            self.rig, node = add_joint(self.rig, name, parent, record, place, axes, like=like)
         else:
             self.rig, node = move_joint(self.rig, known, place, axes), known
         self.made.append((node, "ik", limb.end))
@@ -193,20 +194,22 @@ class _Builder:
             raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
         return axes
 
-    def _name(self, joint: int, kind: str, rule: str = NAME) -> str:
+    def _name(self, joint: int, kind: ControlKind, rule: str = NAME) -> str:
         name = self.rig.names[joint] or f"joint_{joint}"
         return rule.format(joint=name, side=self._side(joint), kind=_WORDS[kind])
 
-    def _new(self, kind: str, joint: int, parent: int, note: Mapping[str, Any], drawing: Drawing) -> int:
+    def _new(
+        self, kind: ControlKind, joint: int, parent: int, about: Mapping[str, Any], drawing: Drawing
+    ) -> int:
         name = self._name(joint, kind)
-        about = {"v": 1, "type": "control", "kind": kind, **note, "side": self._side(joint)}
-        offset_note = {"v": 1, "type": "offset", "kind": kind, "joint": note["joint"]}
-        self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_note)
-        self.rig, control = add(self.rig, name, offset, about)
+        record = ControlRecord(kind=kind, **about, side=self._side(joint))
+        offset_record = OffsetRecord(kind=kind, joint=record.joint)
+        self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_record)
+        self.rig, control = add(self.rig, name, offset, record)
         self.rig = draw(self.rig, control, drawing)
         return control
 
-    def _again(self, control: int, kind: str, joint: int, drawing: Drawing) -> None:
+    def _again(self, control: int, kind: ControlKind, joint: int, drawing: Drawing) -> None:
         """A control that is there already gets what was asked for."""
         self.rig = draw_anew(self.rig, control, drawing, self._requested(kind, joint), self.report)
 
@@ -228,7 +231,7 @@ class _Builder:
         }
         return frozenset(key for key, given in requested.items() if given)
 
-    def _parent(self, joint: int, kind: str) -> int:
+    def _parent(self, joint: int, kind: ControlKind) -> int:
         """The control of the nearest joint above that has one; IK ends hang under the root control."""
         above = self.tree.above.get(joint, -1) if kind == "fk" else -1
         while above >= 0:
@@ -279,18 +282,19 @@ class _Builder:
         )
         self.rig = add_polevector(self.rig, options=pole_options, report=self.report)
         for node in self._drawn_poles(limbs):
-            middle = self.rig.find(str(self.rig.metadata[node]["chain"][1]))
+            record = self.rig.records(PoleVectorRecord)[node]
+            middle = self.rig.find(record.chain[1])
             drawing = self._drawing("pole", middle, 0.5 * self._size(middle)[0], np.array([1.0, 0.0, 0.0]))
             if node not in before:
                 self.rig = draw(self.rig, node, drawing)
-            elif "shape" in self.rig.metadata[node]:
+            elif record.shape:
                 requested = self._requested("pole", middle)
                 self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
 
     def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
         """The pole vectors of limbs that are no joints."""
-        chains = ([self.rig.address(node) for node in limb.triple] for limb in limbs)
-        found = [find(self.rig, type="poleVector", chain=chain) for chain in chains]
+        chains = (tuple(map(self.rig.address, limb.triple)) for limb in limbs)
+        found = [find(self.rig, PoleVectorRecord, chain=chain) for chain in chains]
         return [node for node in found if node is not None and not self.rig.is_joint[node]]
 
     def _report_kept(self, control: int) -> None:
@@ -301,7 +305,7 @@ class _Builder:
             "strip the file first",
         )
 
-    def _record(self, control: int, kind: str, joint: int) -> None:
+    def _record(self, control: int, kind: ControlKind, joint: int) -> None:
         offset = control if self.rig.is_joint[control] else int(self.rig.parents[control])
         parent = int(self.rig.parents[offset])
         place = world_of(self.rig, offset)[3, :3]

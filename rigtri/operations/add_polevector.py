@@ -8,6 +8,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,20 @@ from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
 from rigtri.maths.triangle import bend_angle, bend_direction, frame, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, normalise, project
+from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.control_drawing import KEYS
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
-from rigtri.operations.rigtri_nodes import add, find, home, noted, plain_name, refuse_taken, renamed, stand
+from rigtri.operations.rigtri_nodes import (
+    add,
+    find,
+    home,
+    plain_name,
+    refuse_taken,
+    renamed,
+    stand,
+    with_record,
+)
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.bend_direction import SOURCE_TEXT, Bend, bend, crossings
 from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
@@ -44,8 +54,8 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
     if options.name is not None:
-        chain = [rig.address(node) for node in limbs[0].triple]
-        refuse_taken(rig, options.name, find(rig, type="poleVector", chain=chain))
+        chain = tuple(map(rig.address, limbs[0].triple))
+        refuse_taken(rig, options.name, find(rig, PoleVectorRecord, chain=chain))
     ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
     others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
@@ -173,9 +183,9 @@ def _place(
             f"the root and end of the limb {_title(rig, limb)} are at one place: it has no chord"
         )
     degrees = float(np.degrees(bend_angle(*points)))
-    note = _note(rig, limb, options, found, degrees)
+    record = _pole_record(rig, limb, options, found, degrees)
     _warn_bend(rig, limb, found, degrees, report)
-    rig, node = _placed(rig, limb, note, options, position, _axes(points, found, options))
+    rig, node = _placed(rig, limb, record, options, position, _axes(points, found, options))
     entry: dict[str, Any] = {
         "limb": [rig.title(k) for k in limb.triple],
         "polevector": rig.names[node],
@@ -191,15 +201,21 @@ def _place(
     return rig
 
 
-def _note(rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degrees: float) -> dict[str, Any]:
-    chain = [rig.address(node) for node in limb.triple]
-    note: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": chain}
-    note |= {"method": options.method, "from": options.from_}
-    if options.distance is not None:
-        note["distance"] = float(options.distance)
-    else:
-        note |= {"reach": float(options.reach), "reachOf": options.reach_of}
-    return note | {"bend": round(degrees, 4), "source": found.source, "pose": options.pose}
+def _pole_record(
+    rig: Rig, limb: Limb, options: AddPolevectorOptions, found: Bend, degrees: float
+) -> PoleVectorRecord:
+    far = options.distance is not None
+    return PoleVectorRecord(
+        chain=tuple(map(rig.address, limb.triple)),
+        method=options.method,
+        from_=options.from_,
+        distance=options.distance,
+        reach=None if far else options.reach,
+        reach_of=None if far else options.reach_of,
+        bend=round(degrees, 4),
+        source=found.source,
+        pose=options.pose,
+    )
 
 
 def _warn_bend(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
@@ -225,24 +241,30 @@ def _title(rig: Rig, limb: Limb) -> str:
 
 
 def _placed(
-    rig: Rig, limb: Limb, note: dict[str, Any], options: AddPolevectorOptions, position: Floats, axes: Floats
+    rig: Rig,
+    limb: Limb,
+    record: PoleVectorRecord,
+    options: AddPolevectorOptions,
+    position: Floats,
+    axes: Floats,
 ) -> tuple[Rig, int]:
     """The limb's pole vector at its place, found again by its chain or made new."""
-    node = find(rig, type="poleVector", chain=note["chain"])
+    node = find(rig, PoleVectorRecord, chain=record.chain)
     name = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
     if node is not None:
         joint = is_joint_kind(rig, node, options.as_)
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
-        drawing = {key: rig.metadata[node][key] for key in KEYS if key in rig.metadata[node]}
-        rig = noted(rig, node, note | drawing)
+        old = rig.records(PoleVectorRecord)[node]
+        record = replace(record, shape=old.shape, size=old.size, color=old.color)
+        rig = with_record(rig, node, record)
         return (move_joint if joint else stand)(rig, node, position, axes), node
     if options.as_ == "joint":
         parent, like = beside(rig, limb.start)
-        return add_joint(rig, name, parent, note, position, axes, like=like)
+        return add_joint(rig, name, parent, record, position, axes, like=like)
     rig, parent = home(rig)
-    rig, node = add(rig, name, parent, note)
+    rig, node = add(rig, name, parent, record)
     return stand(rig, node, position, axes), node
 
 

@@ -1,24 +1,23 @@
 """Curves of controls: drawn when new, redrawn on request, left alone where a user has edited them.
 
-What was drawn is in the note: shape, size and colour. Lines of the file that are no longer those are
+What was drawn is in the record: shape, size and colour. Lines of the file that are no longer those are
 a user's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import cast
 
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Kind, drawn
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.rigtri_nodes import noted
+from rigtri.operations.rigtri_nodes import with_record
 from rigtri.report import Report
 
 # Sizes that differ by less, as a share, are one: what float32 leaves of a bone's length.
 _SAME_SIZE = 1e-5
-KEYS = ("shape", "size", "color")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,21 +32,30 @@ class Drawing:
 
 
 def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:
-    """Draw at a node, and note what."""
+    """Draw at a control or pole vector, and store what."""
     color = (float(drawing.color[0]), float(drawing.color[1]), float(drawing.color[2]))
     size = float(drawing.size)
     lines = drawn(drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead)
-    note = {**rig.metadata[node], "shape": drawing.shape, "size": size, "color": list(color)}
+    record = replace(_record(rig, node), shape=drawing.shape, size=size, color=color)
     pending = replace(rig.pending, shapes={**rig.pending.shapes, node: lines})
-    return replace(noted(rig, node, note), pending=pending)
+    return replace(with_record(rig, node, record), pending=pending)
+
+
+def _record(rig: Rig, node: int) -> ControlRecord | PoleVectorRecord:
+    record = rig.record(node)
+    assert isinstance(record, ControlRecord | PoleVectorRecord)  # nothing else is drawn
+    return record
 
 
 def draw_anew(rig: Rig, node: int, drawing: Drawing, requested: frozenset[str], report: Report) -> Rig:
-    """Draw at a known node what is ``requested``, of KEYS; the rest stays, and what a user has edited."""
-    note = rig.metadata[node]
+    """Draw at a known node what is ``requested`` of shape, size and color.
+
+    The rest stays, and what a user has edited.
+    """
     if not requested:
         return rig
-    if node not in rig.pending.shapes and not _is_ours(rig, node, note):
+    now = _drawn(rig, node, drawing)
+    if now is None or not (node in rig.pending.shapes or _is_shown(rig, node, now)):
         report.warn(
             "shape-kept",
             f"the lines of '{rig.title(node)}' are not those that rigtri has drawn; they stay as they are",
@@ -55,19 +63,22 @@ def draw_anew(rig: Rig, node: int, drawing: Drawing, requested: frozenset[str], 
         return rig
     target = replace(
         drawing,
-        shape=drawing.shape if "shape" in requested else note["shape"],
-        size=drawing.size if "size" in requested else note["size"],
-        color=drawing.color if "color" in requested else tuple(note["color"]),
+        shape=drawing.shape if "shape" in requested else now.shape,
+        size=drawing.size if "size" in requested else now.size,
+        color=drawing.color if "color" in requested else now.color,
     )
-    same = abs(target.size - note["size"]) <= _SAME_SIZE * note["size"]
-    if same and target.shape == note["shape"] and list(target.color) == list(note["color"]):
-        return rig
-    return draw(rig, node, target)
+    same = abs(target.size - now.size) <= _SAME_SIZE * now.size
+    return rig if same and (target.shape, target.color) == (now.shape, now.color) else draw(rig, node, target)
 
 
-def _is_ours(rig: Rig, node: int, note: Mapping[str, Any]) -> bool:
-    """Whether the file shows what the note says."""
+def _is_shown(rig: Rig, node: int, drawing: Drawing) -> bool:
     lines = rig.content.read_lines(rig.keys[node])
-    if lines is None or any(key not in note for key in KEYS):
-        return False
-    return lines.are(str(note["shape"]), float(note["size"]), note["color"])
+    return lines is not None and lines.are(drawing.shape, drawing.size, drawing.color)
+
+
+def _drawn(rig: Rig, node: int, like: Drawing) -> Drawing | None:
+    """What a node's record says that is drawn there, lying as ``like``; None where it says nothing."""
+    record = _record(rig, node)
+    if not record.shape or record.size is None or record.color is None:
+        return None
+    return replace(like, shape=cast("Kind", record.shape), size=record.size, color=record.color)

@@ -25,7 +25,7 @@ from rigtri.operations.declaration.option import vector
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.orient_joints.up_direction import crossing
-from rigtri.operations.rigtri_nodes import free_name, group, noted, plain_name
+from rigtri.operations.rigtri_nodes import free_name, group, plain_name, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
@@ -60,7 +60,7 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     else:
         rig, joints = _build(rig, shape, options, report)
     for node, part in zip(joints, range(len(joints)), strict=True):
-        rig = noted(rig, node, _note(rig, joints, part, shape, options))
+        rig = with_record(rig, node, _limb_record(rig, joints, part, shape, options))
     for part, node in enumerate(joints):
         report.added.append(_record(rig, node, shape, part, new=not known))
     if options.pole:
@@ -242,8 +242,8 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
     axes = _handed(rig, parent, shape.axes, options, report)
     joints: list[int] = []
     for part, (name, place) in enumerate(zip(names, shape.points, strict=True)):
-        note = {"v": 1, "type": "limb", "limb": _title(options), "part": part}
-        rig, parent = add_joint(rig, name, parent, note, place, axes[part])
+        record = LimbRecord(limb=_title(options), part=part)
+        rig, parent = add_joint(rig, name, parent, record, place, axes[part])
         joints.append(parent)
     return (new_skin(rig, _title(options), joints) if own else rig), joints
 
@@ -297,27 +297,31 @@ def _handed(rig: Rig, parent: int, axes: Floats, options: MakeLimbOptions, repor
     return axes * np.where(np.arange(3) == third, -1.0, 1.0)[:, np.newaxis]
 
 
-def _note(rig: Rig, joints: list[int], part: int, shape: _Shape, options: MakeLimbOptions) -> dict[str, Any]:
-    """What a joint is of which limb; the first one says all that is known of the limb."""
-    note: dict[str, Any] = {"v": 1, "type": "limb", "limb": _title(options), "part": part}
+def _limb_record(
+    rig: Rig, joints: list[int], part: int, shape: _Shape, options: MakeLimbOptions
+) -> LimbRecord:
+    """What a joint is of which limb; the first one has all that is known of the limb."""
+    record = LimbRecord(limb=_title(options), part=part)
     if part > 0:
-        return note
-    style = options.style
-    along = shape.points[1:] - shape.points[:-1]
-    note |= {"chain": [rig.address(node) for node in joints], "middle": rig.address(joints[shape.middle])}
-    note |= {"aim": style.aim, "up": style.up, "upFrom": "world" if style.world else style.up_from}
+        return record
+    style, end = options.style, options.end_aim
     # Seen from the root joint, so that it holds wherever the limb goes.
     seen = np.array([dot(shape.hinge, axis) for axis in shape.axes[0]])
-    note["hinge"] = np.where(np.abs(seen) < _NOISE, 0.0, seen).tolist()
-    note |= {"lengths": [float(x) for x in length(along)], "planar": options.planar, "source": shape.source}
-    if options.locators:
-        note["locators"] = [rig.address(rig.find(name)) for name in options.locators]
-    if options.end_aim is not None:
-        named = isinstance(options.end_aim, str)
-        note["endAim"] = (
-            rig.address(rig.find(str(options.end_aim))) if named else [*map(float, options.end_aim)]
-        )
-    return note
+    x, y, z = np.where(np.abs(seen) < _NOISE, 0.0, seen).tolist()
+    return replace(
+        record,
+        chain=tuple(map(rig.address, joints)),
+        middle=rig.address(joints[shape.middle]),
+        aim=style.aim,
+        up=style.up,
+        up_from="world" if style.world else style.up_from,
+        hinge=(x, y, z),
+        lengths=tuple(length(shape.points[1:] - shape.points[:-1]).tolist()),
+        planar=options.planar,
+        source=shape.source,
+        locators=tuple(rig.address(rig.find(name)) for name in options.locators),
+        end_aim=rig.address(rig.find(end)) if isinstance(end, str) else end,
+    )
 
 
 def _record(rig: Rig, node: int, shape: _Shape, part: int, *, new: bool) -> dict[str, Any]:

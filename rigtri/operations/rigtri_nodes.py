@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import UsageError
+from rigtri.evaluation.zero_pose import world_at_zero
 from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.metadata import ControlRecord, GroupRecord, Record
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -37,36 +39,37 @@ def group(rig: Rig) -> tuple[Rig, int]:
     """
     for node in rig.nodes_of("group"):
         return rig, node
-    return add(rig, GROUP, rig.rules.group_parent, {"v": 1, "type": "group"})
+    return add(rig, GROUP, rig.rules.group_parent, GroupRecord())
 
 
 def home(rig: Rig) -> tuple[Rig, int]:
     """The node that new locators and IK controls go under: the root control, else the group."""
-    root = find(rig, type="control", kind="root")
+    root = find(rig, ControlRecord, kind="root")
     return (rig, root) if root is not None else group(rig)
 
 
-def add(rig: Rig, name: str, parent: int, note: Mapping[str, Any]) -> tuple[Rig, int]:
-    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a note; and its index."""
+def add(rig: Rig, name: str, parent: int, record: Record) -> tuple[Rig, int]:
+    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a record; and its index."""
     node = len(rig)
     rig = rig.with_nodes([free_name(rig, name, None)], [parent], np.zeros((1, 3)), IDENTITY[np.newaxis])
-    return noted(rig, node, note), node
+    return with_record(rig, node, record), node
 
 
-def noted(rig: Rig, node: int, note: Mapping[str, Any]) -> Rig:
-    """The rig with another note on a node."""
-    return rig if rig.metadata.get(node) == note else replace(rig, metadata={**rig.metadata, node: note})
+def with_record(rig: Rig, node: int, record: Record) -> Rig:
+    """The rig with another record on a node."""
+    stored = record.to_dict()
+    return rig if rig.metadata.get(node) == stored else replace(rig, metadata={**rig.metadata, node: stored})
 
 
-def find(rig: Rig, **fields: Any) -> int | None:
-    """The first node whose record has all of ``fields``; None where there is none."""
-    return next(find_all(rig, **fields), None)
+def find(rig: Rig, of: type[Record], /, **values: Any) -> int | None:
+    """The first node with a record of a type that has all of the values; None where there is none."""
+    return next(find_all(rig, of, **values), None)
 
 
-def find_all(rig: Rig, **fields: Any) -> Iterator[int]:
-    """The nodes whose records have all of ``fields``."""
-    for node, note in rig.metadata.items():
-        if all(note.get(key) == value for key, value in fields.items()):
+def find_all(rig: Rig, of: type[Record], /, **values: Any) -> Iterator[int]:
+    """The nodes with records of a type that have all of the values."""
+    for node, record in rig.records(of).items():
+        if all(getattr(record, field) == value for field, value in values.items()):
             yield node
 
 
@@ -110,12 +113,7 @@ def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
 
 def unposed(rig: Rig, node: int) -> Floats:
     """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
-    world = np.eye(4)
-    while node >= 0:
-        if rig.type_of(node) != "control":
-            world = multiply(world, rig.local[node])
-        node = int(rig.parents[node])
-    return world
+    return world_at_zero(rig, node, set(rig.nodes_of("control")))
 
 
 def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
@@ -177,10 +175,10 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
     return remembered(rig, names)
 
 
-def remembered(rig: Rig, nodes: Any) -> Rig:
-    """The rig with notes that say what nodes are called, so that another name is known as a user's."""
+def remembered(rig: Rig, nodes: Iterable[int]) -> Rig:
+    """The rig with what controls are called in their records, so that another name is known as a user's."""
     for node in nodes:
-        rig = noted(rig, node, {**rig.metadata[node], "named": rig.names[node]})
+        rig = with_record(rig, node, replace(rig.records(ControlRecord)[node], named=rig.names[node]))
     return rig
 
 
@@ -188,7 +186,7 @@ def _may_change(rig: Rig, node: int, name: str, report: Report) -> bool:
     """Whether a control has the name that it was given, or none yet."""
     if rig.keys[node] is None or rig.names[node] == name:
         return True
-    mine = rig.metadata[node].get("named") == rig.names[node]
+    mine = rig.records(ControlRecord)[node].named == rig.names[node]
     if not mine or rig.is_joint[node]:
         why = "joints keep their names" if mine else "that name was not given by rigtri"
         report.warn("name-kept", f"'{rig.title(node)}' is not renamed to '{name}': {why}")
@@ -200,14 +198,12 @@ def _goes_along(rig: Rig, node: int, offset: int) -> bool:
 
 
 def _addressed(before: Rig, rig: Rig, nodes: list[int]) -> Rig:
-    """The rig with notes that find renamed nodes where they are now."""
+    """The rig with metadata that finds renamed nodes where they are now."""
     now = {before.address(node): rig.address(node) for node in nodes}
     now = {old: new for old, new in now.items() if old != new}
     if not now:
         return rig
-    for node, note in list(rig.metadata.items()):
-        rig = noted(rig, node, {key: _follow(key, value, now) for key, value in note.items()})
-    return rig
+    return replace(rig, metadata={node: _follow("", stored, now) for node, stored in rig.metadata.items()})
 
 
 def _follow(key: str, value: Any, now: Mapping[str, str]) -> Any:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
+from rigtri.model.metadata import Record
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.declaration.option import EndKind
@@ -33,7 +33,7 @@ def add_joint(
     rig: Rig,
     name: str,
     parent: int,
-    note: Mapping[str, Any],
+    record: Record,
     position: Floats,
     axes: Floats,
     *,
@@ -45,7 +45,7 @@ def add_joint(
     to its parent as it does at rest. Below a node of no skin it is a plain node: see `new_skin`.
     like: the joint whose skins it joins instead, where the parent is none.
     """
-    rig, node = add(rig, name, parent, note)
+    rig, node = add(rig, name, parent, record)
     rig = stand(rig, node, position, axes)
     kin = parent if like is None else like
     skins = tuple(skin if _row(skin, kin) is None else _grown(rig, skin, node) for skin in rig.skins)

@@ -21,7 +21,6 @@ from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
-from rigtri.operations.add_twist.twist import INFLUENCES
 from rigtri.operations.operation import operation
 from rigtri.operations.options.strip import StripOptions as StripOptions
 from rigtri.report import Report
@@ -39,16 +38,12 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     rig, driven = restore_replaced_keys(rig, readers, report)
     for node, columns in driven.items():
         report.morph_changes.setdefault(rig.keys[node], set()).update(columns)
-    notes = {}
-    for node, note in rig.metadata.items():
-        if node in gone:
-            continue
-        if note.get("type") == "frame" and "joint" in note and not options.splits:
-            notes[node] = note
-            continue
-        report.removed.append({"node": rig.address(node), "type": str(note.get("type", "")), "kept": True})
+    holders = frozenset[int]() if options.splits else rig.holders
+    metadata = {node: stored for node, stored in rig.metadata.items() if node in holders - gone}
+    for node in (node for node in rig.metadata if node not in gone and node not in metadata):
+        report.removed.append({"node": rig.address(node), "type": rig.type_of(node), "kept": True})
     for node in sorted(gone):
-        kind = str(rig.metadata.get(node, {}).get("type", "shape"))
+        kind = rig.type_of(node) or "shape"
         report.removed.append({"node": rig.address(node), "type": kind, "kept": False})
     if not report.removed:
         return rig
@@ -57,7 +52,7 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     stripped = replace(
         rig,
         names=names,
-        metadata=notes,
+        metadata=metadata,
         node_constraints=_others(rig),
         pending=replace(
             rig.pending,
@@ -129,17 +124,18 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
                 at[row] = twist.at
                 at[heir] = 1.0 if rig.known(twist.driver) == int(skin.joints[heir]) else 0.0
         idle = not weighted[lost].any() and bool(stays[: len(stays) - len(lost)].all())
-        found.append(JointMerge(number, rows, at, _widths(rig, gone), idle))
+        found.append(JointMerge(number, rows, at, _widths(rig), idle))
     return tuple(found)
 
 
-def _widths(rig: Rig, gone: frozenset[int]) -> dict[int, int]:
+def _widths(rig: Rig) -> dict[int, int]:
     """How many joints each point of a mesh had before its weights were split, by the mesh's node."""
     found: dict[int, int] = {}
-    for entry in (entry for node in sorted(gone) for entry in rig.metadata.get(node, {}).get(INFLUENCES, ())):
-        mesh = rig.known(entry["mesh"])
-        if mesh is not None:
-            found[mesh] = min(int(entry["count"]), found.get(mesh, int(entry["count"])))
+    for _, twist in sorted(rig.records(TwistRecord).items()):
+        for one in twist.influences:
+            mesh = rig.known(one.mesh)
+            if mesh is not None:
+                found[mesh] = min(one.count, found.get(mesh, one.count))
     return found
 
 
@@ -172,7 +168,7 @@ def _gone(rig: Rig) -> frozenset[int]:
     for node in sorted(gone):
         for child in rig.children[node]:
             if child not in gone:
-                joint = rig.metadata.get(node, {}).get("joint")
+                joint = getattr(rig.record(node), "joint", None)
                 where = f"'{joint}' or another node that stays" if joint else "a node that stays"
                 raise GeometryError(
                     f"'{rig.title(child)}' is a child of '{rig.title(node)}', which strip removes, and is "

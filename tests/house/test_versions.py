@@ -15,10 +15,10 @@ from second_opinions import validator
 
 from rigtri import diff, verify
 from rigtri.formats import read
-from rigtri.model.metadata import RECORDS
+from rigtri.model.metadata import RECORDS, FrameRecord
 from rigtri.model.rig import Rig
 from rigtri.operations import add_controls
-from rigtri.operations.rigtri_nodes import noted
+from rigtri.operations.rigtri_nodes import with_record
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
@@ -108,8 +108,8 @@ def test_what_a_later_version_has_stored_is_reported_and_stays(
 
 def test_joint_metadata_of_a_later_version_stays_beside_ours(samples: Path, tmp_path: Path) -> None:
     def marked(rig: Rig, report: Report) -> Rig:
-        note = {"v": 1, "type": "frame", "up": "world", "invented": True}
-        return noted(noted(rig, rig.find("hand_L"), note), rig.find("head"), note)
+        record = FrameRecord(up="world", invented=True)
+        return with_record(with_record(rig, rig.find("hand_L"), record), rig.find("head"), record)
 
     path = tmp_path / "in.usda"
     edit(samples / "biped.usda", path, marked)

@@ -21,6 +21,7 @@ from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.formats.gltf.container import open_container
+from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
@@ -38,8 +39,8 @@ TRUSTING = ReadOptions(allow_external_paths=True)
 AXES = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])
 
 
-def note(limb: str, part: int) -> dict[str, Any]:
-    return {"v": 1, "type": "limb", "limb": limb, "part": part}
+def part_of(limb: str, part: int) -> LimbRecord:
+    return LimbRecord(limb=limb, part=part)
 
 
 def grown(rig: Rig, report: Report | None = None) -> Rig:
@@ -48,8 +49,8 @@ def grown(rig: Rig, report: Report | None = None) -> Rig:
     leaf, middle = int(joints[-1]), int(joints[len(joints) // 2])
     for number, parent in enumerate((leaf, middle)):
         place = rig.world[parent, 3, :3] + np.array([1.0, 2.0, 3.0])
-        rig, node = add_joint(rig, f"new{number}", parent, note("a", number), place, AXES)
-    rig, _ = add_joint(rig, "new2", node, note("a", 2), place + np.array([0.0, 1.0, 0.0]), AXES)
+        rig, node = add_joint(rig, f"new{number}", parent, part_of("a", number), place, AXES)
+    rig, _ = add_joint(rig, "new2", node, part_of("a", 2), place + np.array([0.0, 1.0, 0.0]), AXES)
     return rig
 
 
@@ -59,7 +60,7 @@ def grow(source: Path, target: Path, **options: Any) -> Outcome:
 
 def test_a_new_joint_stands_to_its_parent_in_the_bind_pose_as_at_rest() -> None:
     rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
-    rig, node = add_joint(rig, "new", 1, note("a", 0), np.array([3.0, 1.0, 0.0]), AXES)
+    rig, node = add_joint(rig, "new", 1, part_of("a", 0), np.array([3.0, 1.0, 0.0]), AXES)
     assert rig.skins[0].joints.tolist() == [0, 1, 2, 3]
     assert_allclose(rig.world[node, :3, :3], AXES, atol=1e-15)
     assert_allclose(rig.skins[0].inverse_bind[3], np.linalg.inv(rig.world[node]), atol=1e-12)
@@ -70,7 +71,7 @@ def test_a_new_joint_stands_to_its_parent_in_the_bind_pose_as_at_rest() -> None:
 def test_a_joint_moved_back_has_the_bits_it_had() -> None:
     rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0.5))
     place = np.array([3.0, 1.0, 0.0])
-    rig, node = add_joint(rig, "new", 1, note("a", 0), place, AXES)
+    rig, node = add_joint(rig, "new", 1, part_of("a", 0), place, AXES)
     there = move_joint(rig, node, place + 1.0, np.eye(3))
     assert_allclose(there.skins[0].inverse_bind[3], np.linalg.inv(there.world[node]), atol=1e-12)
     same = move_joint(rig, node, place * (1 + 1e-9), AXES)
@@ -80,8 +81,8 @@ def test_a_joint_moved_back_has_the_bits_it_had() -> None:
 
 def test_a_joint_below_a_plain_node_is_a_node_until_a_skin_is_made() -> None:
     rig = chain((0, 0, 0), (0, 1, 0))
-    rig, root = add_joint(rig, "root", -1, note("a", 0), np.ones(3), np.eye(3))
-    rig, tip = add_joint(rig, "tip", root, note("a", 1), np.full(3, 2.0), np.eye(3))
+    rig, root = add_joint(rig, "root", -1, part_of("a", 0), np.ones(3), np.eye(3))
+    rig, tip = add_joint(rig, "tip", root, part_of("a", 1), np.full(3, 2.0), np.eye(3))
     assert len(rig.skins[0].joints) == 2
     rig = new_skin(rig, "mine", [root, tip])
     assert rig.is_joint[[root, tip]].all()
@@ -277,7 +278,7 @@ def test_new_joints_are_reoriented_and_split_like_all_others(tmp_path: Path) -> 
 
     def step(rig: Rig, report: Report) -> Rig:
         place = rig.world[rig.find("wrist"), 3, :3] + 1.0
-        rig, _ = add_joint(rig, "new", rig.find("wrist"), note("a", 0), place, np.eye(3))
+        rig, _ = add_joint(rig, "new", rig.find("wrist"), part_of("a", 0), place, np.eye(3))
         return orient_joints(rig, options=OrientJointsOptions(on_nonuniform_scale="split"), report=report)
 
     outcome = edit(source, out, step, options=ReadOptions(allow_rename=True))

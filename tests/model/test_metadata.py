@@ -11,11 +11,27 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigtri.model.metadata import ADDED, RECORDS, ControlRecord, RivetRecord, Stored, TargetRecord, _keys
+from rigtri.formats import read
+from rigtri.model.constraints import constraint_of
+from rigtri.model.metadata import (
+    ADDED,
+    RECORDS,
+    ConstraintRecord,
+    ControlRecord,
+    RivetRecord,
+    Stored,
+    TargetRecord,
+    _keys,
+)
+from rigtri.model.rig import Rig
+from rigtri.operations.rigtri_nodes import add, group
+from rigtri.pipeline.edit import edit
+from rigtri.report import Report
 
 SCHEMA = json.loads(Path("schemas/node.schema.json").read_text("utf-8"))
 FORMS = SCHEMA["$defs"]
 CONTROL = {"joint": "hand", "mine": [1, 2], "kind": "ik", "v": 1, "type": "control", "soft": 0.25}
+IDENTITY = tuple(float(row == column) for row in range(4) for column in range(4))
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
@@ -31,8 +47,8 @@ def described(form: dict[str, Any], kind: type[Stored]) -> None:
             assert keys[name].read(choice) == choice
         if name in keys and "enum" in inner:
             assert keys[name].read("banana") is None
-        if name in keys and "default" in inner:
-            assert keys[name].default == inner["default"]
+        if name in keys:
+            assert keys[name].required or keys[name].default in ("", (), None, False)  # what is not stored
 
 
 @pytest.mark.parametrize("name", sorted(RECORDS))
@@ -43,6 +59,16 @@ def test_records_are_what_the_schema_describes(name: str) -> None:
 def test_the_schema_describes_every_record() -> None:
     assert set(SCHEMA["properties"]["type"]["enum"]) == set(RECORDS) == {*ADDED, "frame"}
     described(FORMS["poseReader"]["properties"]["targets"]["items"], TargetRecord)
+
+
+def test_a_constraint_has_the_defaults_of_the_schema(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    record = ConstraintRecord(
+        kind="orient", child="head", drivers=("spine",), weights=(1.0,), offsets=IDENTITY
+    )
+    made, form = constraint_of(rig, record), FORMS["constraint"]["properties"]
+    assert made.order == form["rotateOrder"]["default"]
+    assert made.space == form["space"]["default"]
 
 
 def test_a_record_is_written_as_it_was_with_what_it_does_not_know() -> None:
@@ -66,7 +92,7 @@ def test_whole_numbers_may_be_floats_as_in_usd() -> None:
 def test_what_cannot_be_used_is_named() -> None:
     record = ControlRecord.from_dict({"kind": "banana", "soft": "0.5"})
     assert record.problems == ("its kind is 'banana'", "its joint is missing", "its soft is '0.5'")
-    assert (record.kind, record.joint, record.soft) == ("fk", "", 0.0)
+    assert (record.kind, record.joint, record.soft) == ("fk", "", None)
 
 
 @given(st.sampled_from(sorted(RECORDS)).map(RECORDS.__getitem__).flatmap(
@@ -78,3 +104,22 @@ def test_damaged_records_never_raise(damaged: tuple[type[Stored], dict[str, Any]
     kind, stored = damaged
     record = kind.from_dict(stored)
     assert not stored or record.problems or repr(record.to_dict()) == repr(stored)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_damaged_record_is_reported_once_and_not_used(suffix: str, samples: Path, tmp_path: Path) -> None:
+    """Before, it was passed over without a word."""
+    file = tmp_path / f"in{suffix}"
+    edit(samples / f"biped{suffix}", file, damaged)
+    document = read(file)
+    (notice,) = [one for one in document.warnings if one.code == "note-damaged"]
+    assert "its kind is 'banana'" in notice.text
+    assert not document.rig.records(ControlRecord)
+    assert len(document.rig.nodes_of("control")) == 1  # strip finds it
+
+
+def damaged(rig: Rig, report: Report) -> Rig:
+    rig, parent = group(rig)
+    rig, node = add(rig, "bad_ctl", parent, ControlRecord(kind="fk", joint="head"))
+    stored = {**rig.metadata[node], "kind": "banana"}
+    return replace(rig, metadata={**rig.metadata, node: stored})

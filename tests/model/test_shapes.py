@@ -13,6 +13,7 @@ from second_opinions import usd_errors
 
 from rigtri.formats import read
 from rigtri.model.control_shapes import KINDS, drawn
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rigtri_nodes import add, group
 from rigtri.pipeline.edit import edit
@@ -69,7 +70,7 @@ def test_another_kind_is_an_error() -> None:
 def with_shape(rig: Rig, report: Report) -> Rig:
     rig, parent = group(rig)
     for kind in ("circle", "cube"):
-        rig, node = add(rig, f"{kind}_ctl", parent, {"v": 1, "type": "control"})
+        rig, node = add(rig, f"{kind}_ctl", parent, ControlRecord(kind="fk", joint="hips"))
         shape = drawn(kind, size=0.1, normal=np.eye(3)[0], color=(1.0, 0.8, 0.0))
         rig = replace(rig, pending=replace(rig.pending, shapes={**rig.pending.shapes, node: shape}))
     return rig

@@ -52,7 +52,7 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import illegible
+from rigtri.model.metadata import damage, illegible
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
@@ -295,8 +295,11 @@ class GltfDocument:
             if why:
                 text = f"What rigtri stored on node {node} stays as it is: {why}"
                 self.notices.append(Notice("note-unread", text))
-            else:
-                found[node] = note
+                continue
+            found[node] = note
+            if why := damage(note):
+                text = f"What rigtri stored on node {node} is damaged and is not used: {why}"
+                self.notices.append(Notice("note-damaged", text))
         return found
 
     def _freeze(self, rig: Rig, ordered: list[dict[str, object]], fixed: dict[int, str]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,14 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Track
 from rigtri.model.mesh_triangles import meshes_named
-from rigtri.model.metadata import PoseReaderRecord
+from rigtri.model.metadata import (
+    OutputRecord,
+    PoseReaderRecord,
+    PoseWeightRecord,
+    Quaternion,
+    TargetRecord,
+    Triple,
+)
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
@@ -28,7 +34,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
 from rigtri.operations.options.add_posereader import Goal as Goal
-from rigtri.operations.rigtri_nodes import add, find, group, noted, refuse_taken
+from rigtri.operations.rigtri_nodes import add, find, group, refuse_taken, with_record
 from rigtri.report import Report
 
 
@@ -46,45 +52,42 @@ def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -
     return rebind_rivets(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
 
 
-def options_of(note: Mapping[str, Any]) -> AddPosereaderOptions:
-    """The options that a pose reader was made with, from its metadata.
+def options_of(record: PoseReaderRecord) -> AddPosereaderOptions:
+    """The options that a pose reader was made with.
 
-    Goals have their names and nodes; directions and poses of a note are seen from the frame, and stay there.
+    Goals have their names and nodes; directions and poses are seen from the frame, and stay in the record.
     """
-    outputs, reader = note["outputs"], note["reader"]
-    own = {name: note[name] for name in ONLY_OF.get(reader, ()) if name in note}
-    x, y, z = map(float, note["axis"])
+    given = {name: getattr(record, name) for name in ONLY_OF.get(record.reader, ())}
+    own = {name: value for name, value in given.items() if value is not None}
     return AddPosereaderOptions(
-        driver=note["driver"],
-        axis=(x, y, z),
-        frame=note["frame"] or "world",
-        reader=reader,
-        target=tuple(Goal(str(t["name"]), node=str(t.get("node", ""))) for t in note["targets"]),
-        morph=tuple((str(o["target"]), str(o["mesh"]), str(o["morph"])) for o in outputs if "morph" in o),
-        attribute=tuple(
-            (str(o["target"]), str(o["control"]), str(o["attribute"])) for o in outputs if "morph" not in o
-        ),
+        driver=record.driver,
+        axis=record.axis,
+        frame=record.frame or "world",
+        reader=record.reader,
+        target=tuple(Goal(target.name, node=target.node) for target in record.targets),
+        morph=tuple((o.target, o.mesh, o.morph) for o in record.outputs if o.morph),
+        attribute=tuple((o.target, o.control, o.attribute) for o in record.outputs if not o.morph),
         **own,
-        name=str(note["name"]),
-        within=float(note["within"]),
-        fps=note.get("fps"),
+        name=record.name,
+        within=record.within,
+        fps=record.fps,
     )
 
 
 def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
     """The rig with what a pose reader drives baked anew, at rest and in some clips, by their places.
 
-    Raises what `add_posereader` does, where what the note names is not there any more.
+    Raises what `add_posereader` does, where what the record names is not there any more.
     """
-    note = rig.metadata[node]
+    record = rig.records(PoseReaderRecord)[node]
     report = report if report is not None else Report()
-    options = options_of(note)
+    options = options_of(record)
     check(options)
-    return _Builder(rig, options, report, note=note, clips=frozenset(clips)).build()
+    return _Builder(rig, options, report, record=record, clips=frozenset(clips)).build()
 
 
 class _Builder:
-    """One run: the rig as it grows. note: of a reader that is there. clips: the places of those baked."""
+    """One run: the rig as it grows. record: of a reader that is there. clips: the places of those baked."""
 
     def __init__(
         self,
@@ -92,7 +95,7 @@ class _Builder:
         options: AddPosereaderOptions,
         report: Report,
         *,
-        note: Mapping[str, Any] | None = None,
+        record: PoseReaderRecord | None = None,
         clips: frozenset[int] | None = None,
     ) -> None:
         self.clips = clips
@@ -102,8 +105,8 @@ class _Builder:
         self.frame = self._frame()
         self.seen = ReaderFrame(rig, self.driver, self.frame, report)
         self.axis = normalise(np.array(options.axis, dtype=np.float64))
-        self.note = dict(note) if note is not None else self._note()
-        self.reader = PoseReader.of_record(PoseReaderRecord.from_dict(self.note))
+        self.record = record or self._new_record()
+        self.reader = PoseReader.of_record(self.record)
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
             raise GeometryError(
                 f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "
@@ -124,14 +127,14 @@ class _Builder:
 
     def build(self) -> Rig:
         rig, parent = group(self.rig)
-        node = find(rig, type="poseReader", name=self.name)
+        node = find(rig, PoseReaderRecord, name=self.name)
         if node is None:
             if self.options.name:
                 refuse_taken(rig, self.options.name)
-            rig, node = add(rig, self.name, parent, self.note)
+            rig, node = add(rig, self.name, parent, self.record)
         else:
             rig = self._given_back(rig, node)
-        self.note[replaced_keys.KEY] = list(rig.metadata[node].get(replaced_keys.KEY, ()))
+        self.record = replace(self.record, before=rig.records(PoseReaderRecord)[node].before)
         self.rig = rig
         values = self._value_nodes(node)
         counts: dict[str, int] = {}
@@ -150,9 +153,7 @@ class _Builder:
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *value_tracks(values, times, found)]
             self.rig = put_tracks(self.rig, timeline, tracks)
-        if not self.note[replaced_keys.KEY]:
-            del self.note[replaced_keys.KEY]
-        self.rig = noted(self.rig, node, self.note)
+        self.rig = with_record(self.rig, node, self.record)
         if not counts:
             self.report.warn(
                 "reader-without-clips",
@@ -165,48 +166,45 @@ class _Builder:
 
     def _given_back(self, rig: Rig, node: int) -> Rig:
         """The rig with the keys back that this reader has replaced, where it drives others from now on."""
-        note = rig.metadata[node]
-        required = [(output.get("mesh"), output.get("morph")) for output in self.note["outputs"]]
-        had = [(output.get("mesh"), output.get("morph")) for output in note.get("outputs", ())]
-        if set(had) <= set(required):
+        old = rig.records(PoseReaderRecord)[node]
+        required, had = ({(o.mesh, o.morph) for o in record.outputs} for record in (self.record, old))
+        if had <= required:
             return rig
         rig, driven = replaced_keys.restore_replaced_keys(rig, [node], self.report)
         for mesh, columns in driven.items():
             self.report.morph_changes.setdefault(rig.keys[mesh], set()).update(columns)
-        return noted(rig, node, {key: value for key, value in note.items() if key != replaced_keys.KEY})
+        return with_record(rig, node, replace(old, before=()))
 
-    def _note(self) -> dict[str, Any]:
+    def _new_record(self) -> PoseReaderRecord:
         rig, options = self.rig, self.options
-        mine: dict[str, Any] = {}
-        if options.reader == "cone":
-            mine = {"inner": float(options.inner), "outer": float(options.outer)}
-        if options.reader == "rbf":
-            mine = {"kernel": options.kernel, "mode": options.mode, "rest": self._numbers(self.seen.resting)}
+        cone, rbf = options.reader == "cone", options.reader == "rbf"
         controls = {name: self._control(name) for _, name, _ in options.attribute}
         outputs = [
             *(
-                {"target": t, "mesh": rig.address(meshes_named(rig, mesh)[0].node), "morph": morph}
+                OutputRecord(target=t, mesh=rig.address(meshes_named(rig, mesh)[0].node), morph=morph)
                 for t, mesh, morph in options.morph
             ),
             *(
-                {"target": t, "control": rig.address(controls[control]), "attribute": attribute}
+                OutputRecord(target=t, control=rig.address(controls[control]), attribute=attribute)
                 for t, control, attribute in options.attribute
             ),
         ]
-        return {
-            "v": 1,
-            "type": "poseReader",
-            "name": self.name,
-            "driver": rig.address(self.driver),
-            "frame": rig.address(self.frame) if self.frame >= 0 else "",
-            "axis": self._numbers(self.axis),
-            "reader": options.reader,
-            **mine,
-            "targets": [self._target(goal) for goal in self.goals],
-            "outputs": outputs,
-            "within": float(options.within),
-            **({"fps": float(options.fps)} if options.fps is not None else {}),
-        }
+        return PoseReaderRecord(
+            name=self.name,
+            driver=rig.address(self.driver),
+            frame=rig.address(self.frame) if self.frame >= 0 else "",
+            axis=_triple(self.axis),
+            reader=options.reader,
+            inner=options.inner if cone else None,
+            outer=options.outer if cone else None,
+            kernel=options.kernel if rbf else None,
+            mode=options.mode if rbf else None,
+            rest=_quaternion(self.seen.resting) if rbf else None,
+            targets=tuple(map(self._target, self.goals)),
+            outputs=tuple(outputs),
+            within=options.within,
+            fps=options.fps,
+        )
 
     def _control(self, name: str) -> int:
         """A control that add-controls has made."""
@@ -215,17 +213,13 @@ class _Builder:
             raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
         return node
 
-    @staticmethod
-    def _numbers(values: Floats) -> list[float]:
-        return [float(value) for value in values]
-
-    def _target(self, goal: Goal) -> dict[str, Any]:
-        """A target as the note has it: a node, a direction in the frame, or a rotation in it."""
+    def _target(self, goal: Goal) -> TargetRecord:
+        """A target as the record has it: a node, a direction in the frame, or a rotation in it."""
         if goal.node:
             node = self.rig.find(goal.node, "node")
             if node == self.driver:
                 raise UsageError(f"--target {goal.node}: a joint does not point at itself; name another node")
-            return {"name": goal.name, "node": self.rig.address(node)}
+            return TargetRecord(name=goal.name, node=self.rig.address(node))
         if goal.pose or goal.rotation is not None:
             rotation = (
                 self.seen.rotation_in_pose(goal.pose) if goal.rotation is None else np.array(goal.rotation)
@@ -236,8 +230,8 @@ class _Builder:
             away = between(rotate(self.seen.resting, self.axis), direction)
             rotation = product(away, self.seen.resting)
         if self.options.reader == "rbf":
-            return {"name": goal.name, "rotation": self._numbers(rotation)}
-        return {"name": goal.name, "direction": self._numbers(direction)}
+            return TargetRecord(name=goal.name, rotation=_quaternion(rotation))
+        return TargetRecord(name=goal.name, direction=_triple(direction))
 
     def _nodes(self) -> dict[str, int]:
         """The nodes that targets name, by address."""
@@ -252,14 +246,15 @@ class _Builder:
         for column, name in enumerate(goal.name for goal in self.goals):
             if column in driving and name not in outputs:
                 continue
-            note: dict[str, Any] = {"v": 1, "type": "poseWeight", "reader": self.name, "target": name}
+            record = PoseWeightRecord(reader=self.name, target=name)
             if name in outputs:
                 control, attribute = outputs[name]
-                note |= {"control": self.rig.address(self._control(control)), "attribute": attribute}
-            node = find(self.rig, type="poseWeight", reader=self.name, target=name)
+                address = self.rig.address(self._control(control))
+                record = replace(record, control=address, attribute=attribute)
+            node = find(self.rig, PoseWeightRecord, reader=self.name, target=name)
             if node is None:
-                self.rig, node = add(self.rig, f"{self.name}_{name}", reader, note)
-            self.rig = noted(self.rig, node, note)
+                self.rig, node = add(self.rig, f"{self.name}_{name}", reader, record)
+            self.rig = with_record(self.rig, node, record)
             if abs(self.rig.translation[node, 0] - rest[column]) > STILL:
                 translation = self.rig.translation.copy()
                 translation[node] = [rest[column], 0.0, 0.0]
@@ -268,13 +263,11 @@ class _Builder:
         return found
 
     def _keep(self, title: str, timeline: Timeline) -> None:
-        """Note what drives the morph targets until now."""
+        """Store what drives the morph targets until now."""
         for drive in self.drives:
             was, mesh = timeline.track(drive.mesh.node, "weights"), self.rig.address(drive.mesh.node)
-            old = self.note[replaced_keys.KEY]
-            self.note[replaced_keys.KEY] = replaced_keys.add_replaced_keys(
-                old, title, mesh, was, drive.columns
-            )
+            kept = replaced_keys.add_replaced_keys(self.record.before, title, mesh, was, drive.columns)
+            self.record = replace(self.record, before=kept)
 
     def _morph_tracks(self, timeline: Timeline, times: Floats, found: Floats) -> Iterable[Track]:
         for drive in self.drives:
@@ -306,3 +299,13 @@ class _Builder:
                 "keys": dict(counts),
             }
         )
+
+
+def _triple(values: Floats) -> Triple:
+    x, y, z = map(float, values)
+    return x, y, z
+
+
+def _quaternion(values: Floats) -> Quaternion:
+    x, y, z, w = map(float, values)
+    return x, y, z, w

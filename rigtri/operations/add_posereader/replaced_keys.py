@@ -11,12 +11,12 @@ import numpy as np
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, put_tracks, timelines
 from rigtri.model.animation import Track
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
-# The key of a note with what is kept: {clip, mesh, morphs, times, values, interpolation} each; no
+# What a record keeps in ``before``: {clip, mesh, morphs, times, values, interpolation} each; no
 # times where nothing drove the mesh; unlisted: those of the morphs that the clip had no word for.
-KEY = "before"
 
 
 def timelines_by_title(rig: Rig) -> dict[str, Timeline]:
@@ -31,7 +31,7 @@ def timelines_by_title(rig: Rig) -> dict[str, Timeline]:
 
 def add_replaced_keys(
     old: Sequence[Mapping[str, Any]], clip: str, mesh: str, was: Track | None, morphs: Collection[int]
-) -> list[Mapping[str, Any]]:
+) -> tuple[Mapping[str, Any], ...]:
     """What is kept of all clips, with the columns of a track that are driven from now on.
 
     old: what an earlier run has kept, which stays. was: the track as it is now; None for none.
@@ -49,7 +49,7 @@ def add_replaced_keys(
             }
     new = [column for column in morphs if column not in entry["morphs"]]
     if not new:
-        return list(old)
+        return tuple(old)
     entry = {**entry, "morphs": [*entry["morphs"], *new]}
     unlisted = [] if was is None else [*entry.get("unlisted", ()), *(k for k in new if k in was.unlisted)]
     if unlisted:
@@ -58,7 +58,7 @@ def add_replaced_keys(
         rows = sample(was, np.array(entry["times"], dtype=np.float64))[:, new]
         pairs = zip(entry["values"], rows.tolist(), strict=True)
         entry["values"] = [[*values, *row] for values, row in pairs]
-    return [*others, entry]
+    return (*others, entry)
 
 
 def restore_replaced_keys(
@@ -71,7 +71,7 @@ def restore_replaced_keys(
     """
     driven: dict[int, set[int]] = {}
     for node in sorted(nodes, reverse=True):
-        for entry in rig.metadata[node].get(KEY, ()):
+        for entry in rig.records(PoseReaderRecord)[node].before:
             mesh, timeline = rig.known(entry["mesh"]), timelines_by_title(rig).get(entry["clip"])
             now = None if mesh is None or timeline is None else timeline.track(mesh, "weights")
             if mesh is None or timeline is None or now is None:

@@ -19,6 +19,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import meshes_named
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
 from rigtri.report import Report
@@ -143,17 +144,13 @@ def morph_drives(
 
 def _warn_driven_twice(rig: Rig, mesh: Mesh, column: int, morph: str, reader: str, report: Report) -> None:
     """Warn where another reader drives a morph target too: the keys will be this one's."""
-    for note in rig.metadata.values():
-        if note.get("type") != "poseReader" or note.get("name") == reader:
-            continue
-        for output in note.get("outputs", ()):
-            if rig.known(output.get("mesh")) == mesh.node and output.get("morph") in (
-                str(column),
-                *mesh.morph_names[column : column + 1],
-            ):
+    names = (str(column), *mesh.morph_names[column : column + 1])
+    for other in rig.records(PoseReaderRecord).values():
+        for output in other.outputs if other.name != reader else ():
+            if rig.known(output.mesh) == mesh.node and output.morph in names:
                 report.warn(
                     "morph-driven-twice",
-                    f"Morph target '{morph}' of '{mesh.name}' is driven by reader '{note['name']}' too; "
+                    f"Morph target '{morph}' of '{mesh.name}' is driven by reader '{other.name}' too; "
                     f"its keys are now those of '{reader}'",
                     geometry=True,
                 )

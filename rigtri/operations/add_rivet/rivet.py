@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -30,10 +29,11 @@ from rigtri.maths.vectors import cross, length
 from rigtri.model.animation import Interpolation, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
+from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
-from rigtri.operations.rigtri_nodes import add, find, group, noted, stand
+from rigtri.operations.rigtri_nodes import add, find, group, stand, with_record
 from rigtri.report import Report
 
 # Something so long, as a share of the mesh, may be attached to a rivet: rotations count as its end moves.
@@ -71,31 +71,29 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
     return rig
 
 
-def options_of(note: Mapping[str, Any]) -> AddRivetOptions:
-    """The options that a rivet was made with, from its metadata; its place is left to the caller."""
-    return AddRivetOptions(
-        mesh=note["mesh"], name=(str(note["name"]),), within=float(note["within"]), fps=note.get("fps")
-    )
+def options_of(record: RivetRecord) -> AddRivetOptions:
+    """The options that a rivet was made with; its place is left to the caller."""
+    return AddRivetOptions(mesh=record.mesh, name=(record.name,), within=record.within, fps=record.fps)
 
 
 def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
     """The rig with a rivet where its triangle is now: at rest, and in some clips, by their places.
 
-    Raises GeometryError where the mesh of its note has no such points any more, FileError.
+    Raises GeometryError where its mesh has no such points any more, FileError.
     """
-    note = rig.metadata[node]
-    options, mesh_node = options_of(note), rig.known(note["mesh"])
+    record = rig.records(RivetRecord)[node]
+    mesh_node, number = rig.known(record.mesh), record.primitive
     meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node]
-    rows, number = np.array(note["vertices"], dtype=np.int64), int(note["primitive"])
+    rows = np.array(record.vertices, dtype=np.int64)
     if not number < len(meshes) or rows.min() < 0 or rows.max() >= len(meshes[number].points):
         raise GeometryError(
-            f"Rivet '{rig.title(node)}': mesh '{note['mesh']}' has no such triangle, or cannot be read; "
+            f"Rivet '{rig.title(node)}': mesh '{record.mesh}' has no such triangle, or cannot be read; "
             "make it anew with: rigtri add-rivet"
         )
-    ground = _Ground(rig, meshes, note["mesh"])
-    seat = _Seat(meshes[number], number, rows, np.array(note["barycentric"]), ground.number(number, rows))
+    ground = _Ground(rig, meshes, record.mesh)
+    seat = _Seat(meshes[number], number, rows, np.array(record.barycentric), ground.number(number, rows))
     report = report if report is not None else Report()
-    return _Rivet(rig, options.name[0], seat, ground.size, options, report, frozenset(clips)).built()
+    return _Rivet(rig, record.name, seat, ground.size, options_of(record), report, frozenset(clips)).built()
 
 
 def _listed(numbers: Sequence[float]) -> str:
@@ -210,23 +208,22 @@ class _Rivet:
     clips: frozenset[int] | None = None
 
     def built(self) -> Rig:
-        note = {
-            "v": 1,
-            "type": "rivet",
-            "name": self.name,
-            "mesh": self.rig.address(self.seat.mesh.node),
-            "primitive": self.seat.primitive,
-            "vertices": [int(vertex) for vertex in self.seat.vertices],
-            "barycentric": [float(weight) for weight in self.seat.weights],
-            "within": self.options.within,
-            **({"fps": float(self.options.fps)} if self.options.fps is not None else {}),
-        }
+        a, b, c = map(float, self.seat.weights)
+        record = RivetRecord(
+            name=self.name,
+            mesh=self.rig.address(self.seat.mesh.node),
+            primitive=self.seat.primitive,
+            vertices=tuple(map(int, self.seat.vertices)),
+            barycentric=(a, b, c),
+            within=self.options.within,
+            fps=self.options.fps,
+        )
         rig, parent = group(self.rig)
-        node = find(rig, type="rivet", name=self.name)
+        node = find(rig, RivetRecord, name=self.name)
         if node is None:
-            rig, node = add(rig, self.name, parent, note)
+            rig, node = add(rig, self.name, parent, record)
         else:
-            rig = noted(rig, node, note)
+            rig = with_record(rig, node, record)
         resting = self._seats(SkinnedPoints(rig, self.seat.mesh, self.seat.vertices).at_rest()[np.newaxis])[0]
         rig = stand(rig, node, resting[:3], to_axes(resting[3:]))
         held = SkinnedPoints(rig, self.seat.mesh, self.seat.vertices, int(rig.parents[node]))

@@ -18,7 +18,7 @@ from rigtri.maths.matrices import inverse, nearest_rotation, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import TwistRecord
+from rigtri.model.metadata import InfluenceRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, WeightRedistribution
 from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
@@ -26,13 +26,10 @@ from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
-from rigtri.operations.rigtri_nodes import find, find_all, noted, plain_name, refuse_taken
+from rigtri.operations.rigtri_nodes import find, find_all, plain_name, refuse_taken, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint
 from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report
-
-# The key of a note with {mesh, count} each: how many joints points had room for before the split.
-INFLUENCES = "influences"
 
 
 @dataclass(frozen=True)
@@ -70,7 +67,7 @@ def _check_names(rig: Rig, bones: list[_Bone], options: AddTwistOptions) -> None
     names: set[str] = set()
     for of in bones:
         for number in range(1, options.count + 1):
-            if find(rig, **_record(rig, of), number=number) is None:
+            if find(rig, TwistRecord, **_ends(rig, of), number=number) is None:
                 name = _name(rig, of, number, options)
                 refuse_taken(rig, name)
                 if plain_name(name) in names:
@@ -134,18 +131,19 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
 
 
 def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution]) -> Rig:
-    """Let the note of a bone's first twist joint say how many joints points could have, unless it does.
+    """Store with a bone's first twist joint how many joints points could have, unless that is known.
 
     Of meshes with room for more than any point has, which nothing else tells. glTF has sets of four.
     """
-    if not rig.rules.raw_quaternions or INFLUENCES in rig.metadata[node]:
+    record = rig.records(TwistRecord)[node]
+    if not rig.rules.raw_quaternions or record.influences:
         return rig
     skins = {spread.skin for spread in spreads}
     widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
     if not widths:
         return rig
-    counts = [{"mesh": rig.address(mesh), "count": width} for mesh, width in widths.items()]
-    return noted(rig, node, {**rig.metadata[node], INFLUENCES: counts})
+    found = (InfluenceRecord(mesh=rig.address(mesh), count=width) for mesh, width in widths.items())
+    return with_record(rig, node, replace(record, influences=tuple(found)))
 
 
 def _roomy(mesh: Mesh) -> bool:
@@ -153,7 +151,7 @@ def _roomy(mesh: Mesh) -> bool:
 
 
 def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
-    most = max((int(rig.metadata[node]["number"]) for node in find_all(rig, **_record(rig, of))), default=0)
+    most = max((record.number for record in _twists(rig, of).values()), default=0)
     if most > options.count:
         raise UsageError(
             f"'{rig.title(of.joint)}' has {most} twist joints already; give --count {most} or more, or strip "
@@ -161,9 +159,14 @@ def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
         )
 
 
-def _record(rig: Rig, of: _Bone) -> dict[str, Any]:
-    """What the notes of a bone's twist joints say of it."""
-    return {"type": "twist", "joint": rig.address(of.joint), "to": rig.address(of.to)}
+def _ends(rig: Rig, of: _Bone) -> dict[str, str]:
+    """What the records of a bone's twist joints say of it."""
+    return {"joint": rig.address(of.joint), "to": rig.address(of.to)}
+
+
+def _twists(rig: Rig, of: _Bone) -> dict[int, TwistRecord]:
+    """The twist joints of a bone."""
+    return {node: rig.records(TwistRecord)[node] for node in find_all(rig, TwistRecord, **_ends(rig, of))}
 
 
 def _joint(
@@ -172,21 +175,27 @@ def _joint(
     """One twist joint of a bone, found again or new, at its place and with its keys."""
     at = number / (options.count + 1)
     weight = options.weights[number - 1] if options.weights else at - 1.0 if of.upper else at
-    note = {"v": 1, **_record(rig, of), "driver": rig.address(of.driver), "number": number}
-    note |= {"count": options.count, "at": at, "weight": float(weight)}
-    if options.axis is not None:
-        note["axis"] = [float(x) for x in options.axis]
+    record = TwistRecord(
+        joint=rig.address(of.joint),
+        to=rig.address(of.to),
+        driver=rig.address(of.driver),
+        number=number,
+        count=options.count,
+        at=at,
+        weight=weight,
+        axis=options.axis,
+    )
     place = transform_points(line * at, rig.world[of.joint])
     axes = nearest_rotation(rig.world[of.joint])
-    node = find(rig, **_record(rig, of), number=number)
+    node = find(rig, TwistRecord, **_ends(rig, of), number=number)
     new = node is None
     if node is None:
         name = _name(rig, of, number, options)
-        rig, node = add_joint(rig, name, of.joint, note, place, axes)
+        rig, node = add_joint(rig, name, of.joint, record, place, axes)
     else:
-        note |= {key: rig.metadata[node][key] for key in (INFLUENCES,) if key in rig.metadata[node]}
-        rig = move_joint(noted(rig, node, note), node, place, axes)
-    rig, keys = _keys(rig, node, note, options, report)
+        record = replace(record, influences=rig.records(TwistRecord)[node].influences)
+        rig = move_joint(with_record(rig, node, record), node, place, axes)
+    rig, keys = _keys(rig, node, record, options, report)
     report.added.append(
         {
             "node": rig.names[node],
@@ -205,13 +214,13 @@ def _joint(
 
 
 def _keys(
-    rig: Rig, node: int, note: Mapping[str, Any], options: AddTwistOptions, report: Report
+    rig: Rig, node: int, record: TwistRecord, options: AddTwistOptions, report: Report
 ) -> tuple[Rig, list[dict[str, Any]]]:
     """Keys for a twist joint, and how well they follow, by clip."""
     if not options.keys:
         return rig, []
-    rig, found = keyed(rig, twist_of(rig, node, TwistRecord.from_dict(note)))
-    driver = str(note["driver"])
+    rig, found = keyed(rig, twist_of(rig, node, record))
+    driver = record.driver
     for clip, (off, refined) in found.items():
         if off > BOUND and refined:
             report.warn(
@@ -234,7 +243,7 @@ def _spreads(
 ) -> list[WeightRedistribution]:
     """How each skin that holds the bone's joint shares its weight."""
     places = {of.joint: 1.0 if of.upper else 0.0}
-    places |= {node: float(rig.metadata[node]["at"]) for node in find_all(rig, **_record(rig, of))}
+    places |= {node: record.at for node, record in _twists(rig, of).items()}
     found = []
     for number, skin in enumerate(rig.skins):
         rows = {node: row for row, node in enumerate(skin.joints.tolist()) if node in places}

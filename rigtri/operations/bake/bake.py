@@ -43,6 +43,7 @@ from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.constraints import constraints_of
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (
@@ -60,12 +61,14 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions
 from rigtri.operations.pose import at_rest
+from rigtri.operations.rigtri_nodes import with_record
 from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warnings
+from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
 from rigtri.report import Report
 
-# Notes of nodes whose keys follow joints, and are made anew after them.
+# Types of nodes whose keys follow joints, and are made anew after them.
 _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 # Followers that are joints bring times to each other at most so often: an interval is halved until it fits.
 _ROUNDS = 8
@@ -91,15 +94,12 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
 
 def _with_limits(rig: Rig, options: BakeOptions) -> Rig:
     """The rig with another soft or stretch for its IK controls."""
-    if options.soft is None and options.stretch is None:
-        return rig
-    notes = dict(rig.metadata)
-    for node, note in rig.metadata.items():
-        if note.get("type") == "control" and note.get("kind") == "ik":
-            more = {} if options.soft is None else {"soft": options.soft}
-            more |= {} if options.stretch is None else {"stretch": options.stretch}
-            notes[node] = {**note, **more}
-    return replace(rig, metadata=notes)
+    for node in ik_ends(rig):
+        own = rig.records(ControlRecord)[node]
+        soft = own.soft if options.soft is None else options.soft
+        stretch = own.stretch if options.stretch is None else options.stretch
+        rig = with_record(rig, node, replace(own, soft=soft, stretch=stretch))
+    return rig
 
 
 class _Baker:

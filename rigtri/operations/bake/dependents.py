@@ -8,6 +8,7 @@ from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageErro
 from rigtri.evaluation.dependency_graph import dependencies, find_cycle
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.model.constraints import constraints_of
+from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
@@ -43,9 +44,9 @@ def refuse_cycles(rig: Rig) -> None:
 
 def _nodes_that_move(rig: Rig, rivet: int) -> set[int]:
     """The nodes that move the triangle of a rivet; none where there is no such triangle any more."""
-    note = rig.metadata[rivet]
-    mesh_node, rows = rig.known(note["mesh"]), np.array(note["vertices"], dtype=np.int64)
-    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node][int(note["primitive"]) :]
+    record = rig.records(RivetRecord)[rivet]
+    mesh_node, rows = rig.known(record.mesh), np.array(record.vertices, dtype=np.int64)
+    meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node][record.primitive :]
     return (
         set(SkinnedPoints(rig, meshes[0], rows).nodes)
         if meshes and rows.max() < len(meshes[0].points)

@@ -10,6 +10,7 @@ import numpy as np
 from rigtri.evaluation.curve_refinement import MOST_A_SECOND
 from rigtri.maths.quaternions import dot
 from rigtri.model.animation import Track, key_values
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
@@ -46,10 +47,10 @@ def warn_undersampled(rig: Rig, report: Report, most: float) -> None:
 def _end_of(rig: Rig, name: str | None) -> str | None:
     """The IK end of the limb that a joint is of."""
     node = rig.known(name) if name else None
-    for control, note in rig.metadata.items():
-        if note.get("kind") == "ik" and node in [rig.known(joint) for joint in note.get("chain", ())]:
-            return rig.title(control) if node is not None else None
-    return None
+    if node is None:
+        return None
+    limbs = rig.records(ControlRecord).items()
+    return next((rig.title(control) for control, limb in limbs if node in map(rig.known, limb.chain)), None)
 
 
 def warn_spline_swings(rig: Rig, report: Report) -> None:

@@ -23,17 +23,17 @@ from rigtri.maths.quaternions import IDENTITY, angle_between
 from rigtri.maths.vectors import length
 from rigtri.model.constraints import (
     Constraint,
-    constraint_metadata,
+    constraint_record,
     constraints_of,
 )
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord
+from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
 from rigtri.operations.operation import operation
 from rigtri.operations.options.constrain import ConstrainOptions as ConstrainOptions
 from rigtri.operations.options.constrain import check_weight
-from rigtri.operations.rigtri_nodes import add, group, noted, renamed
+from rigtri.operations.rigtri_nodes import add, group, renamed, with_record
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -152,7 +152,7 @@ def _place(rig: Rig, rule: Constraint, report: Report) -> int | None:
     if same is None and len(others) == 1:
         report.warn(
             "constraint-replaced",
-            f"'{rig.names[others[0]]}', a {rig.metadata[others[0]]['kind']} constraint of "
+            f"'{rig.names[others[0]]}', a {of_child[others[0]].kind} constraint of "
             f"'{rig.title(rule.child)}', set the same channels; the new one takes its place",
         )
         return others[0]
@@ -214,32 +214,32 @@ def _warn(rig: Rig, rule: Constraint, report: Report) -> None:
 
 
 def _stored(rig: Rig, rule: Constraint, place: int | None, vrm: bool, report: Report) -> Rig:
-    """The rig with the rule's note, and the record of it."""
+    """The rig with the record of the rule, which is reported."""
     name = f"con_{rig.names[rule.child] or f'node_{rule.child}'}_{rule.kind}"
-    note, known = constraint_metadata(rig, rule), rig.node_constraints
+    record, known = constraint_record(rig, rule), rig.node_constraints
     if place is None:
         rig, above = group(rig)
-        rig, node = add(rig, name, above, note)
+        rig, node = add(rig, name, above, record)
     else:
         node = place
-        if rig.metadata[node]["kind"] != rule.kind:
+        if rig.records(ConstraintRecord)[node].kind != rule.kind:
             rig = renamed(rig, node, name)
         rig = remove_node_constraint(rig, node)
     if vrm:
         rig, why, kind = export_node_constraint(rig, rule, known)
-        note |= {"vrm": kind} if kind else {}
+        record = replace(record, vrm=kind)
         if kind is None:
             report.warn(
                 UNTOLD,
                 f"'{rig.title(rule.child)}': VRMC_node_constraint cannot hold this {rule.kind} constraint "
                 f"({why}); it is stored in extras alone",
             )
-    rig = noted(rig, node, note)
-    report.added.append(_record(rig, rule, node, note))
+    rig = with_record(rig, node, record)
+    report.added.append(_record(rig, rule, node, record.vrm))
     return rig
 
 
-def _record(rig: Rig, rule: Constraint, node: int, note: dict[str, Any]) -> dict[str, Any]:
+def _record(rig: Rig, rule: Constraint, node: int, vrm: str | None) -> dict[str, Any]:
     record: dict[str, Any] = {
         "node": rig.names[node],
         "type": "constraint",
@@ -249,7 +249,7 @@ def _record(rig: Rig, rule: Constraint, node: int, note: dict[str, Any]) -> dict
             rig.title(k): float(weight) for k, weight in zip(rule.drivers, rule.weights, strict=True)
         },
         "new": rig.keys[node] is None,
-        "vrm": note.get("vrm"),
+        "vrm": vrm,
     }
     if rule.kind == "polevector":
         return record | {"chain": [rig.title(joint) for joint in rule.chain]}

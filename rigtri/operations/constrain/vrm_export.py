@@ -23,6 +23,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Constraint
+from rigtri.model.metadata import ConstraintRecord
 from rigtri.model.rig import Rig
 
 Said = Literal["rotation", "roll", "aim"]
@@ -61,11 +62,11 @@ def remove_node_constraint(rig: Rig, node: int) -> Rig:
 
     Its metadata has ``vrm``: that there is one, and of which kind.
     """
-    note = rig.metadata[node]
-    child = rig.known(note.get("child"))
-    if "vrm" not in note or child is None:
+    record = rig.records(ConstraintRecord)[node]
+    child = rig.known(record.child)
+    if record.vrm is None or child is None:
         return rig
-    kept = tuple(c for c in rig.node_constraints if (c.kind, c.node) != (note["vrm"], child))
+    kept = tuple(c for c in rig.node_constraints if (c.kind, c.node) != (record.vrm, child))
     return replace(rig, node_constraints=kept)
 
 

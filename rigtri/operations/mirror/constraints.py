@@ -6,50 +6,46 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.frames.mirroring import mirrored_axes, world_rotation
 from rigtri.maths.matrices import identity
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint, constraints_of
+from rigtri.model.metadata import ConstraintRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
-from rigtri.operations.mirror.mirrored_metadata import (
+from rigtri.operations.mirror.counterparts import (
     ALIKE,
-    MirrorOptions,
+    NotMirroredError,
     alike,
     direction,
-    lone,
+    mirror_each,
     of_side,
     other,
     size_of,
 )
+from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.report import Report
 
 
-def mirror_rules(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
+def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Let the twins follow as this side does, by offsets that leave them where they are."""
-    for node, note in of_side(rig, options, "constraint"):
+
+    def build(rig: Rig, node: int, report: Report) -> Rig:
         rule = constraints_of(rig).get(node)
         mirrored = None if rule is None else _mirrored(rig, rule, options)
         if rule is None or mirrored is None:
-            lone(rig, node, report, "constraint", "the other side lacks a node that it is about")
-            continue
+            raise NotMirroredError("the other side lacks a node that it is about")
         keep = bool(np.abs(rule.offsets - identity(len(rule.offsets))).max() > ALIKE)
-        built_report = Report()
-        try:
-            built = follow(rig, mirrored, keep=keep, vrm="vrm" in note, report=built_report)
-        except (UsageError, GeometryError) as error:
-            lone(rig, node, report, "constraint", str(error))
-            continue
+        vrm = rig.records(ConstraintRecord)[node].vrm is not None
+        built = follow(rig, mirrored, keep=keep, vrm=vrm, report=report)
         same = len(built) == len(rig) and all(
-            alike(known, built.metadata[k], size_of(rig)) for k, known in rig.metadata.items()
+            alike(stored, built.metadata[k], size_of(rig)) for k, stored in rig.metadata.items()
         )
-        rig = rig if same else built
-        report.added.extend(built_report.added)
-        report.extend(built_report.warnings)
-    return rig
+        return rig if same else built
+
+    return mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
 
 
 def _mirrored(rig: Rig, rule: Constraint, options: MirrorOptions) -> Constraint | None:
@@ -59,28 +55,32 @@ def _mirrored(rig: Rig, rule: Constraint, options: MirrorOptions) -> Constraint 
     up_object = other(rig, rule.up_object) if rule.up_object >= 0 else -1
     if child is None or up_object is None or None in drivers or None in chain:
         return None
-    up_vector = np.array(rule.up_vector, dtype=np.float64)
-    if rule.world_up == "vector":
-        up_vector = options.across.directions(up_vector) + 0.0
-    elif rule.world_up == "objectrotation":
-        up_vector = direction(rig, rule.up_object, up_object, up_vector, options)
-    vectors = (
-        direction(rig, rule.child, child, np.array(own, dtype=np.float64), options)
-        for own in (rule.aim, rule.up)
-    )
-    aim, up, above = ((float(v[0]), float(v[1]), float(v[2])) for v in (*vectors, up_vector))
-    return replace(
+    mirrored = replace(
         rule,
         child=child,
         drivers=tuple(node for node in drivers if node is not None),
         chain=tuple(node for node in chain if node is not None),
         joint_orient=_joint_orient(rig, rule, child, options),
         rest=to_parts(rig.normalised_local[child]).rotation,
-        aim=aim if rule.kind == "aim" else rule.aim,
-        up=up if rule.kind == "aim" else rule.up,
-        up_vector=above if rule.kind == "aim" else rule.up_vector,
         up_object=up_object,
     )
+    if rule.kind != "aim":
+        return mirrored
+    return replace(
+        mirrored,
+        aim=direction(rig, rule.child, child, rule.aim, options),
+        up=direction(rig, rule.child, child, rule.up, options),
+        up_vector=_up_vector(rig, rule, up_object, options),
+    )
+
+
+def _up_vector(rig: Rig, rule: Constraint, up_object: int, options: MirrorOptions) -> Triple:
+    if rule.world_up == "objectrotation":
+        return direction(rig, rule.up_object, up_object, rule.up_vector, options)
+    if rule.world_up == "vector":
+        x, y, z = (options.across.directions(np.array(rule.up_vector)) + 0.0).tolist()
+        return x, y, z
+    return rule.up_vector
 
 
 def _joint_orient(rig: Rig, rule: Constraint, child: int, options: MirrorOptions) -> Floats:

@@ -8,6 +8,7 @@ Source: `rigtri.frames.mirroring` (what each way of mirroring means).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,17 +20,18 @@ from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import UNTOLD
 from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
-from rigtri.operations.mirror.constraints import mirror_rules
+from rigtri.operations.mirror.constraints import mirror_constraints
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
-from rigtri.operations.mirror.limbs import mirror_limbs, mirror_twists
-from rigtri.operations.mirror.mirrored_metadata import WHAT, MirrorOptions, What, side
+from rigtri.operations.mirror.counterparts import side
+from rigtri.operations.mirror.limbs import mirror_limbs
 from rigtri.operations.mirror.pose_readers import mirror_readers
 from rigtri.operations.mirror.rivets import mirror_rivets
+from rigtri.operations.mirror.twists import mirror_twists
 from rigtri.operations.operation import operation
+from rigtri.operations.options.mirror import WHAT, What
+from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
-
-__all__ = ["WHAT", "MirrorOptions", "What", "mirror"]
 
 
 @operation(MirrorOptions)
@@ -56,19 +58,9 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
 
 
 def _mirrored(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
-    steps = {
-        "limbs": mirror_limbs,
-        "joints": _joints,
-        "controls": mirror_controls,
-        "polevectors": mirror_poles,
-        "twists": mirror_twists,
-        "constraints": mirror_rules,
-        "rivets": mirror_rivets,
-        "posereaders": mirror_readers,
-    }
     for what in WHAT:
         if what in (options.what or WHAT):
-            rig = steps[what](rig, options, report)
+            rig = _STEPS[what](rig, options, report)
     return rig
 
 
@@ -125,3 +117,15 @@ def _both_sides(rig: Rig, options: MirrorOptions) -> Selection:
     named |= {other for joint in named if (other := twin_of(rig, joint)) is not None}
     joints = [joint for joint in tree.joints if joint in named & may and side_of(rig, joint)]
     return Selection(joints=tuple(rig.address(joint) for joint in joints))
+
+
+_STEPS: Mapping[What, Callable[[Rig, MirrorOptions, Report], Rig]] = {
+    "limbs": mirror_limbs,
+    "joints": _joints,
+    "controls": mirror_controls,
+    "polevectors": mirror_poles,
+    "twists": mirror_twists,
+    "constraints": mirror_constraints,
+    "rivets": mirror_rivets,
+    "posereaders": mirror_readers,
+}

@@ -1,30 +1,35 @@
-"""Mirroring pose readers: created or updated on the other side."""
+"""Mirroring pose readers: created or updated on the other side.
+
+A joint may have several, so the twin of one is found by its joint and by its own name.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.frames.mirroring import world_rotation
 from rigtri.maths.quaternions import conjugate, multiply, rotate
-from rigtri.model.joint_names import twin
+from rigtri.model.joint_names import Side, twin
 from rigtri.model.mesh_triangles import meshes_named
+from rigtri.model.metadata import OutputRecord, PoseReaderRecord, TargetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader, options_of
-from rigtri.operations.mirror.mirrored_metadata import (
-    MirrorOptions,
+from rigtri.operations.mirror.counterparts import (
+    OTHER,
+    SUFFIX,
     alike,
     direction,
-    lone,
+    mirror_each,
     of_side,
     other,
+    side,
     size_of,
+    twin_address,
+    warn_not_mirrored,
 )
-from rigtri.operations.mirror.pose_reader_names import reader_names
+from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
 from rigtri.report import Report
 
@@ -32,122 +37,151 @@ from rigtri.report import Report
 def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Read the twins' poses as this side's are read, and drive what is the twin of what these drive."""
     names = reader_names(rig, options.from_side)
-    for node, note in of_side(rig, options, "poseReader"):
-        twin_options = _twin_options(rig, node, note, names[node], options, report)
-        if twin_options is None:
-            continue
+
+    def build(rig: Rig, node: int, report: Report) -> Rig:
+        record = rig.records(PoseReaderRecord)[node]
+        twin_options = _twin_options(rig, node, record, names[node], options, report)
         built_report = Report()
-        try:
-            built = add_posereader(rig, options=twin_options, report=built_report)
-        except (UsageError, GeometryError, FileError) as error:
-            lone(rig, node, report, "pose reader", str(error))
-            continue
-        known = find(rig, type="poseReader", name=twin_options.name)
-        same = known is not None and alike(rig.metadata[known], built.metadata[known], size_of(rig))
-        report.added.extend(built_report.added)
-        report.extend(built_report.warnings)
-        if not same:
-            rig = built
-            for key, columns in built_report.morph_changes.items():
-                report.morph_changes.setdefault(key, set()).update(columns)
-    return rig
+        built = add_posereader(rig, options=twin_options, report=built_report)
+        known = find(rig, PoseReaderRecord, name=twin_options.name)
+        if known is not None and alike(rig.metadata[known], built.metadata[known], size_of(rig)):
+            built, built_report.morph_changes = rig, {}
+        report.merge(built_report)
+        return built
+
+    return mirror_each(rig, of_side(rig, options, PoseReaderRecord), "pose reader", build, report)
 
 
 def _twin_options(
-    rig: Rig, node: int, note: Mapping[str, Any], name: str, options: MirrorOptions, report: Report
-) -> AddPosereaderOptions | None:
-    """The options of add-posereader for the twin; None, and reported, where there are none."""
-    here = rig.known(note["driver"])
-    there = None if here is None else other(rig, here)
-    frames = _frames(rig, note)
-    if here is None or there is None or frames is None:
-        lone(rig, node, report, "pose reader")
-        return None
-    goals = _goals(rig, note, (here, there), frames, options)
-    if goals is None:
-        lone(rig, node, report, "pose reader", "a node that it looks for has no twin")
-        return None
-    morphs, attributes = _outputs(rig, node, note, report)
-    x, y, z = direction(rig, here, there, np.array(note["axis"], dtype=np.float64), options).tolist()
+    rig: Rig, node: int, record: PoseReaderRecord, name: str, options: MirrorOptions, report: Report
+) -> AddPosereaderOptions:
+    """The options of add-posereader for the twin."""
+    driver = twin_address(rig, record.driver)
+    frame = twin_address(rig, record.frame) if record.frame else ""
+    here, there = rig.find(record.driver), rig.find(driver)
+    seen_from = (rig.find(record.frame), rig.find(frame)) if frame else (-1, -1)
+    morphs, attributes = _outputs(rig, node, record, report)
     return replace(
-        options_of(note),
-        driver=rig.address(there),
-        axis=(x, y, z),
-        frame=rig.address(frames[1]) if frames[1] >= 0 else "world",
-        target=goals,
+        options_of(record),
+        driver=driver,
+        axis=direction(rig, here, there, record.axis, options),
+        frame=frame or "world",
+        target=_goals(rig, record, (here, there), seen_from, options),
         morph=morphs,
         attribute=attributes,
         name=name,
     )
 
 
-def _frames(rig: Rig, note: Mapping[str, Any]) -> tuple[int, int] | None:
-    """What the reader and its twin are seen from; −1 for the world, None where there is no twin."""
-    if not note["frame"]:
-        return -1, -1
-    here = rig.known(note["frame"])
-    there = None if here is None else other(rig, here)
-    return None if here is None or there is None else (here, there)
-
-
 def _goals(
     rig: Rig,
-    note: Mapping[str, Any],
+    record: PoseReaderRecord,
     drivers: tuple[int, int],
     frames: tuple[int, int],
     options: MirrorOptions,
-) -> tuple[Goal, ...] | None:
-    found = []
+) -> tuple[Goal, ...]:
     here, there = (world_rotation(rig, frame) for frame in frames)
     resting, twins = (world_rotation(rig, driver) for driver in drivers)
-    for target in note["targets"]:
-        name = str(target["name"])
-        if "node" in target:
-            node = rig.known(target["node"])
-            twin_node = None if node is None else other(rig, node)
-            if twin_node is None:
-                return None
-            found.append(Goal(name, node=rig.address(twin_node)))
-        elif "rotation" in target:
+
+    def goal(target: TargetRecord) -> Goal:
+        if target.node:
+            why = "a node that it looks for has no twin"
+            return Goal(target.name, node=twin_address(rig, target.node, why))
+        if target.rotation is not None:
             # What turns the driver from rest to the pose, in the world, mirrored as turns are.
-            pose = multiply(here, np.array(target["rotation"], dtype=np.float64))
+            pose = multiply(here, np.array(target.rotation))
             turn = options.across.rotation(multiply(pose, conjugate(resting)))
             x, y, z, w = multiply(conjugate(there), multiply(turn, twins)).tolist()
-            found.append(Goal(name, rotation=(x, y, z, w)))
-        else:
-            seen = options.across.directions(rotate(here, np.array(target["direction"], dtype=np.float64)))
-            x, y, z = seen.tolist()
-            found.append(Goal(name, direction=(x, y, z)))
-    return tuple(found)
+            return Goal(target.name, rotation=(x, y, z, w))
+        seen = options.across.directions(rotate(here, np.array(target.direction)))
+        x, y, z = seen.tolist()
+        return Goal(target.name, direction=(x, y, z))
+
+    return tuple(map(goal, record.targets))
 
 
 Triples = tuple[tuple[str, str, str], ...]
 
 
-def _outputs(rig: Rig, node: int, note: Mapping[str, Any], report: Report) -> tuple[Triples, Triples]:
+def _outputs(rig: Rig, node: int, record: PoseReaderRecord, report: Report) -> tuple[Triples, Triples]:
     """The morph targets and attributes that the twin drives; what has no twin is reported."""
     morphs, attributes = [], []
-    for output in note["outputs"]:
-        named = rig.known(output.get("mesh", output.get("control")))
-        there = None if named is None else other(rig, named)
-        target = str(output["target"])
-        if "morph" in output:
-            morph = None if there is None else _morph(rig, there, str(output["morph"]), same=there == named)
-            if there is None or morph is None:
-                lone(rig, node, report, f"morph target '{output['morph']}' of pose reader", "it has no twin")
-            else:
-                morphs.append((target, rig.path(there), morph))
-        elif there is None:
-            lone(rig, node, report, f"attribute '{output['attribute']}' of pose reader", "it has no twin")
+    for output in record.outputs:
+        here = rig.known(output.mesh or output.control)
+        there = None if here is None else other(rig, here)
+        morph = None if there is None else _morph(rig, there, output, same=there == here)
+        if there is None or morph is None:
+            kind = f"morph target '{output.morph}'" if output.morph else f"attribute '{output.attribute}'"
+            warn_not_mirrored(rig, node, report, f"{kind} of pose reader", "it has no twin")
+        elif output.morph:
+            morphs.append((output.target, rig.path(there), morph))
         else:
-            attributes.append((target, rig.address(there), str(output["attribute"])))
+            attributes.append((output.target, rig.address(there), output.attribute))
     return tuple(morphs), tuple(attributes)
 
 
-def _morph(rig: Rig, mesh: int, name: str, *, same: bool) -> str | None:
+def _morph(rig: Rig, mesh: int, output: OutputRecord, *, same: bool) -> str | None:
     """The twin of a morph target: by its name; on a mesh of its own, also the same name or number."""
+    name = output.morph
+    if not name:
+        return ""
     found = meshes_named(rig, rig.path(mesh))[0]
     if twin(name) != name and twin(name) in found.morph_names:
         return twin(name)
     there = name in found.morph_names or (name.isdecimal() and int(name) < len(found.morphs))
     return name if there and not same else None
+
+
+# --- names
+
+
+def reader_names(rig: Rig, from_side: Side) -> dict[int, str]:
+    """The names of the twins of all pose readers of one side, each its own.
+
+    With the sides swapped, else with the driver's twin's side behind it; numbered where another
+    has that name. A twin whose name has come about from the other side is known by that.
+    """
+    readers = rig.records(PoseReaderRecord)
+    called = {record.name: node for node, record in readers.items()}
+    names = _names(rig, from_side)
+    for source, name in _names(rig, OTHER[from_side]).items():
+        here = called.get(name)
+        if here in names and called.get(names[here]) is None and _paired(rig, source, here):
+            names[here] = readers[source].name
+    return names
+
+
+def reader_twin(rig: Rig, node: int) -> int | None:
+    """The pose reader of the other side; None where there is none."""
+    readers = rig.records(PoseReaderRecord)
+    target = reader_names(rig, _side(rig, readers[node])).get(node)
+    return next((k for k, r in readers.items() if r.name == target and _paired(rig, node, k)), None)
+
+
+def _names(rig: Rig, from_side: Side) -> dict[int, str]:
+    """The names as the readers of one side, in the order of the names, give them."""
+    readers, names = rig.records(PoseReaderRecord), dict[int, str]()
+    mine = [node for node, record in readers.items() if _side(rig, record) == from_side]
+    called = {*rig.names} | {record.name for record in readers.values()}
+    # Names that say a side first: theirs are swapped, and the others make room.
+    for node in sorted(mine, key=lambda k: (twin(readers[k].name) == readers[k].name, readers[k].name)):
+        own = readers[node].name
+        target = twin(own) if twin(own) != own else f"{own}{SUFFIX[from_side]}"
+        taken = {*names.values()} | (called - {r.name for k, r in readers.items() if _paired(rig, node, k)})
+        name, count = target, 2
+        while name in taken:
+            name, count = f"{target}_{count}", count + 1
+        names[node] = name
+    return names
+
+
+def _side(rig: Rig, record: PoseReaderRecord) -> Side:
+    driver = rig.known(record.driver)
+    return "" if driver is None else side(rig, driver)
+
+
+def _paired(rig: Rig, one: int, two: int) -> bool:
+    """Whether two readers read a joint and its twin."""
+    readers = rig.records(PoseReaderRecord)
+    here, there = rig.known(readers[one].driver), rig.known(readers[two].driver)
+    return here is not None and here != there and there == other(rig, here)

@@ -15,10 +15,13 @@ from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.joint_names import twin
+from rigtri.model.metadata import PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
-from rigtri.operations.mirror.mirrored_metadata import MirrorOptions, other, side
-from rigtri.operations.mirror.pose_reader_names import reader_twin
+from rigtri.operations.mirror.counterparts import other, side
+from rigtri.operations.mirror.pose_readers import reader_twin
+from rigtri.operations.options.mirror import MirrorOptions
+from rigtri.operations.rigtri_nodes import find
 
 # Degrees that tools leave of symmetric axes.
 DEGREES = 0.1
@@ -80,9 +83,7 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None) -> Asymmetry:
     joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
     found, alone = _pairs(rig, joints, options)
     rest = rig.world
-    kinds = {
-        node: str(note.get("type")) for node, note in rig.metadata.items() if node not in set(tree.joints)
-    }
+    kinds = {node: rig.type_of(node) for node in rig.metadata if node not in set(tree.joints)}
     standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
     rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))
     alone += unpaired + _pairs(rig, rules, options)[1]
@@ -118,12 +119,11 @@ def _pairs(rig: Rig, nodes: Iterable[int], options: MirrorOptions) -> tuple[dict
 
 def _twin(rig: Rig, node: int) -> int | None:
     """The twin of a node; of rivets and readers, which have names of their own, the one called so."""
-    note = rig.metadata.get(node, {})
-    if note.get("type") == "poseReader":
+    record = rig.record(node)
+    if isinstance(record, PoseReaderRecord):
         return reader_twin(rig, node)
-    if note.get("type") == "rivet":
-        names = {str(n.get("name")): k for k, n in rig.metadata.items() if n.get("type") == note["type"]}
-        return names.get(twin(str(note["name"])))
+    if isinstance(record, RivetRecord):
+        return find(rig, RivetRecord, name=twin(record.name))
     return other(rig, node)
 
 

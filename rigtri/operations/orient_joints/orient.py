@@ -18,6 +18,7 @@ from rigtri.frames.reoriented_constraints import lost_rules
 from rigtri.maths.quaternions import IDENTITY, rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
+from rigtri.model.metadata import FrameRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.orient_joints import OrientJointsOptions
@@ -183,12 +184,11 @@ def _marked(rig: Rig, outcome: messages.Outcome) -> Rig:
     What keeps its axes keeps its mark or none: nothing was invented for it now. A node has one record, so
     a joint of rigtri's own keeps what says how it was made.
     """
-    metadata = {node: dict(note) for node, note in rig.metadata.items()}
+    metadata = dict(rig.metadata)
     moves, ups = rotates(outcome.delta), outcome.requested.ups
     for joint in (joint for joint in outcome.targets.joints if moves[joint] and joint not in rig.own):
-        own = metadata.get(joint, {})
         if ups.step[joint] >= 7:
-            metadata[joint] = {"v": 1, "type": "frame", "up": ups.source[joint], "invented": True}
-        elif own.get("type") == "frame" and own.get("invented"):
+            metadata[joint] = FrameRecord(up=ups.source[joint], invented=True).to_dict()
+        elif isinstance(own := rig.record(joint), FrameRecord) and own.invented:
             del metadata[joint]
     return rig if metadata == rig.metadata else replace(rig, metadata=metadata)

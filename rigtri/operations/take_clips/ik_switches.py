@@ -18,7 +18,7 @@ from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
-from rigtri.model.metadata import SWITCH
+from rigtri.model.metadata import SWITCH, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
@@ -51,7 +51,7 @@ def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
 
 def ik_ends(rig: Rig) -> list[int]:
     """The controls that IK reaches for."""
-    return [node for node, note in rig.metadata.items() if note.get("kind") == "ik"]
+    return [node for node, record in rig.records(ControlRecord).items() if record.kind == "ik"]
 
 
 def hold_switched_on_ik(rig: Rig, switched: Switches, every: Sequence[Timeline]) -> Rig:

@@ -6,7 +6,7 @@ nobody has moved them is read from the other file, too; only the motion is this 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.maths.matrices import decompose, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import ADDED
+from rigtri.model.metadata import ADDED, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
@@ -40,19 +40,20 @@ _SAME_PLACE = 1e-5
 
 @operation(None)
 def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
-    """The rig with the notes of ``described`` on its nodes of the same names, at rest where they are there.
+    """The rig with the metadata of ``described`` on nodes of the same names, at rest where they are there.
 
     A warning names nodes that are not there, and joints that are bound otherwise, whose controls keep
     their own rest. GeometryError where no node is there, or no control finds its joint.
     """
-    notes = {node: note for node, note in described.metadata.items() if note.get("type") in ADDED}
-    if not notes:
+    stored = {node: described.metadata[node] for node in described.nodes_of(*ADDED)}
+    if not stored:
         raise GeometryError("The file of --rig has nothing of rigtri's: no controls, poles or constraints")
     both = pairs(described, rig)
-    found = {both.of[node]: note for node, note in notes.items() if node in both.of}
-    # A group only holds the others; as a Scope without notes it is no node.
-    missing = [node for node in notes if node not in both.of and notes[node].get("type") != "group"]
-    if not any(note.get("type") != "group" for note in found.values()):
+    found = {both.of[node]: own for node, own in stored.items() if node in both.of}
+    # A group only holds the others; as a Scope without metadata it is no node.
+    others = [node for node in stored if described.type_of(node) != "group"]
+    missing = [node for node in others if node not in both.of]
+    if missing == others:
         many = [described.names[node] for node in missing if described.names[node] in both.unclear]
         raise GeometryError(
             f"Several nodes of one name could be meant by {list_names(many)} of the file of --rig; "
@@ -66,11 +67,11 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     _warn_other_metadata(rig, found, report)
     whole = replace(rig, metadata={**rig.metadata, **found})
     _refuse_strange_joints(whole, found, described, report)
-    others = _bound_otherwise(rig, described, both.of)
-    if others:
+    bound = _bound_otherwise(rig, described, both.of)
+    if bound:
         report.warn(
             "other-bind-poses",
-            f"Joints are bound otherwise than in the file of --rig ({list_names(others)}): "
+            f"Joints are bound otherwise than in the file of --rig ({list_names(bound)}): "
             "another character, "
             "or axes that a DCC has turned. Controls keep the rest of this file, which may be what a frame "
             "of a clip shows. For a file that a DCC has exported: rigtri take-clips RIG --from IN",
@@ -80,7 +81,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     switched = switches(whole, {node: node for node in ik_ends(whole)})
     if switched.on | switched.off:
         whole = put_back(whole, described, both.of, report)
-    rested = _rested(whole, described, {node: both.of[node] for node in notes if node in both.of}, report)
+    rested = _rested(whole, described, {node: both.of[node] for node in stored if node in both.of}, report)
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
@@ -88,21 +89,19 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
 
 def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:
     """A warning where the file has other metadata of its own."""
-    names = [rig.title(node) for node, note in found.items() if rig.metadata.get(node, note) != note]
+    names = [rig.title(node) for node, own in found.items() if rig.metadata.get(node, own) != own]
     if names:
         text = f"The metadata of {list_names(names)} in this file is replaced by that of the file of --rig"
         report.warn("described-anew", text)
 
 
-def _refuse_strange_joints(
-    rig: Rig, found: Mapping[int, Mapping[str, Any]], described: Rig, report: Report
-) -> None:
+def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, report: Report) -> None:
     """Warn of controls whose joint is none of this file; GeometryError where all are such."""
-    controls = [note for note in found.values() if note.get("type") == "control"]
-    lost = {str(note.get("joint")): None for note in controls if rig.known(note.get("joint")) is None}
+    joints = [record.joint for node, record in rig.records(ControlRecord).items() if node in nodes]
+    lost = [name for name in dict.fromkeys(joints) if rig.known(name) is None]
     if not lost:
         return
-    name = next(iter(lost))
+    name = lost[0]
     joint = described.known(name)
     called = name if joint is None else described.names[joint]
     there, here = described.names.count(called), rig.names.count(called)
@@ -113,7 +112,7 @@ def _refuse_strange_joints(
         reason = f"{here} nodes of this file are called '{called}', so the name is ambiguous"
     more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
     text = f"'{name}'{more}, which controls of the file of --rig move, is not found in this file: {reason}"
-    if all(str(note.get("joint")) in lost for note in controls):
+    if len(lost) == len(set(joints)):
         raise GeometryError(f"{text}. Name a file that has this character alone, or at the same paths")
     report.warn("not-in-this-file", text)
 
@@ -203,7 +202,7 @@ def _same_above(rig: Rig, described: Rig, node: int, theirs: int) -> bool:
 def _placing(rig: Rig, node: int) -> str:
     """The name of the nearest node above that places what is below it; "" for none."""
     above = int(rig.parents[node])
-    while above >= 0 and rig.metadata.get(above, {}).get("type", "group") == "group":
+    while above >= 0 and rig.type_of(above) in ("", "group"):
         if np.abs(rig.local[above] - np.eye(4)).max() > 1e-6:
             break
         above = int(rig.parents[above])

@@ -16,10 +16,10 @@ sys.path.insert(0, str(HERE.parents[1]))
 def main() -> None:
     from builds import STEPS
 
-    from rigtri.model.metadata import VERSION
+    from rigtri.model.metadata import VERSION, FrameRecord
     from rigtri.model.rig import Rig
     from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
-    from rigtri.operations.rigtri_nodes import noted
+    from rigtri.operations.rigtri_nodes import with_record
     from rigtri.pipeline.edit import edit
     from rigtri.report import Report
 
@@ -31,7 +31,7 @@ def main() -> None:
             rig, options=AddPosereaderOptions(driver="head", target=goals, name="plain"), report=report
         )
         # As orient-joints marks a joint whose up direction nothing tells; this figure has none such.
-        return noted(rig, rig.find("head"), {"v": 1, "type": "frame", "up": "world", "invented": True})
+        return with_record(rig, rig.find("head"), FrameRecord(up="world", invented=True))
 
     folder = HERE / str(VERSION)
     for name in ("biped.glb", "biped.usda"):

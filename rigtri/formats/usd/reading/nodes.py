@@ -15,7 +15,7 @@ from rigtri.formats.usd.reading import joint_tokens, mesh_reader, metadata_attri
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import compose, decompose, identity
 from rigtri.model.format_rules import FormatRules
-from rigtri.model.metadata import ADDED, illegible
+from rigtri.model.metadata import ADDED, damage, illegible
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
@@ -157,6 +157,9 @@ class Nodes:
         if why:
             text = f"What rigtri stored on '{title}' stays as it is: {why}"
             self.warnings.append(Notice("note-unread", text))
+        elif broken := damage(metadata):
+            text = f"What rigtri stored on '{title}' is damaged and is not used: {broken}"
+            self.warnings.append(Notice("note-damaged", text))
         return bool(why)
 
     def rig(self) -> Rig:
