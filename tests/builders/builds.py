@@ -26,14 +26,15 @@ Step = Callable[[Rig, Report], Rig]
 
 def _joints(rig: Rig) -> list[int]:
     """Joints of the file's own, of its largest skin, that their addresses find."""
-    named = [k for k in _every(rig) if k not in rig.own and len(rig.match(rig.address(k))) == 1]
+    named = [k for k in _every(rig) if len(rig.match(rig.address(k))) == 1]
     if not named:
         raise GeometryError("no joint that can be named")
     return named
 
 
 def _every(rig: Rig) -> list[int]:
-    return max((skin.joints for skin in rig.skins), key=len, default=np.arange(0)).tolist()
+    skins = [[k for k in skin.joints.tolist() if k not in rig.own] for skin in rig.skins]
+    return max(skins, key=len, default=[])
 
 
 def _controls(rig: Rig, report: Report) -> Rig:
@@ -66,7 +67,7 @@ def _limbs(rig: Rig, report: Report) -> Rig:
     """One below a middle joint, and one on its own."""
     joints = _joints(rig)
     parent, places = joints[len(joints) // 2], rig.world[:, 3, :3]
-    size = float(np.ptp(places, axis=0).max()) or 1.0
+    size = float(np.ptp(np.delete(places, list(rig.own), axis=0), axis=0).max()) or 1.0
     steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
     x, y, z = ((float(a), float(b), float(c)) for a, b, c in places[parent] + steps)
     below = make_limb.MakeLimbOptions(points=(x, y, z), name="added", parent=rig.address(parent))

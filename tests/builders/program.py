@@ -6,6 +6,7 @@ import inspect
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import entry_points
 from typing import Any
 
@@ -32,6 +33,7 @@ class Ran:
         return json.loads(self.stdout)
 
 
+@cache
 def program() -> click.Group:
     """The installed program, found the way the shell finds it."""
     (script,) = entry_points(group="console_scripts", name="rigtri")

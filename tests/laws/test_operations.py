@@ -15,10 +15,12 @@ import pytest
 from baked_files import keyed_file, rigged_file
 from places import SAMPLES, slow
 from program import cli
+from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.formats import read
 from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.edit import edit
+from rigtri.verification.checks import check
 from rigtri.verification.compare.compare import TOLERANCE, verify
 
 
@@ -146,3 +148,26 @@ def test_strip_gives_the_source_back(made: Made, tmp_path: Path) -> None:
     bare = tmp_path / made.source.name
     cli("strip", made.result, "-o", bare, "--no-verify", code=0)
     assert bare.read_bytes() == made.source.read_bytes()
+
+
+@cases()
+def test_what_is_stored_is_sound(made: Made) -> None:
+    schema = validator("node")
+    for metadata in read(made.result).rig.metadata.values():
+        schema.validate(metadata)
+    known = {finding.id for finding in check(made.source)}
+    found = [finding for finding in check(made.result) if finding.id not in known]
+    # A limb of its own moves nothing yet, which is worth no more than a notice.
+    assert [finding for finding in found if finding.severity != "info" or ".note." in finding.id] == []
+
+
+def test_the_khronos_validator_finds_no_new_errors(folder: Path) -> None:
+    every = [_made(command, ".glb", folder) for command in CASES]
+    errors = khronos_errors(*(path for made in every for path in (made.source, made.result)))
+    for made, before, after in zip(every, errors[::2], errors[1::2], strict=True):
+        assert not after - before, made.command
+
+
+@cases(suffixes=(".usda", slow(".usdz")))
+def test_openusd_finds_no_new_errors(made: Made) -> None:
+    assert not usd_errors(made.result) - usd_errors(made.source)

@@ -17,7 +17,6 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
-from rigtri.operations.strip import strip
 
 # The bound, as a share of the size.
 NEAR = 1e-6
@@ -111,12 +110,3 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     np.testing.assert_allclose(
         world[:, rig.find("staff")], offset @ np.linalg.inv(back) @ world[:, joint], atol=3e-5
     )
-
-
-def test_strip_takes_the_keys_of_offsets_out_again() -> None:
-    rig = rigged()
-    bare = strip(bake(rig, options=BakeOptions(to="controls")))
-    own = rig.own
-    assert not [t for clip in bare.clips for t in clip.tracks if t.node in own]
-    for a, b in zip(rig.clips, bare.clips, strict=True):
-        assert len(a.tracks) == len(b.tracks)

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from flat_options import axes_of
 from numpy.testing import assert_allclose
-from places import files_of_all_kinds, leave_out_refused
 from program import cli
 from pxr import Usd, UsdGeom, UsdSkel
 from rigs import chain, rig_of
@@ -26,7 +25,6 @@ from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.verification.compare.compare import verify
 
 TRUSTING = ReadOptions(allow_external_paths=True, empty=True)
 # The article's: shoulder, elbow, wrist. AB × BC points along −z.
@@ -226,69 +224,6 @@ def test_a_new_usd_file_has_the_units_that_are_requested(tmp_path: Path) -> None
     stage = Usd.Stage.Open(str(out))
     assert (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)) == ("Z", 1.0)
     cli("make-limb", "-o", tmp_path / "a.glb", *words[3:], "--up-axis", "z", code=2)
-
-
-def middle_joint(rig: Rig) -> int:
-    """A joint in the middle of the largest skin that a name can say."""
-    joints = max((skin.joints for skin in rig.skins), key=len, default=np.arange(len(rig))).tolist()
-    named = [k for k in joints if len(rig.match(rig.address(k))) == 1]
-    return named[len(named) // 2]
-
-
-def placed(rig: Rig, **options: Any) -> MakeLimbOptions:
-    """Options for a limb at a middle joint, as large as the rig."""
-    parent = middle_joint(rig)
-    points = rig.world[:, 3, :3]
-    size = float(np.ptp(points, axis=0).max()) or 1.0
-    start = rig.world[parent, 3, :3]
-    steps = np.array([[0.0, 0, 0], [0.2, 0.1, 0.05], [0.4, 0, 0]]) * size
-    three = tuple((float(x), float(y), float(z)) for x, y, z in start + steps)
-    return MakeLimbOptions(points=three, name="added", **options)
-
-
-@pytest.mark.parametrize("path", files_of_all_kinds(), ids=lambda path: path.name)
-def test_limbs_change_nothing_else_and_come_only_once(path: Path, tmp_path: Path) -> None:
-    """One below a joint, and one on its own."""
-    before = read(path, TRUSTING)
-    options = placed(before.rig, parent=before.rig.address(middle_joint(before.rig)))
-
-    def step(rig: Rig, report: Report) -> Rig:
-        rig = make_limb(rig, options=options, report=report)
-        return make_limb(rig, options=replace(options, name="free", parent=None), report=report)
-
-    once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
-    try:
-        outcome = edit(path, once, step, options=TRUSTING)
-    except FileError as error:
-        leave_out_refused(path, error)
-    assert outcome.verification is not None
-    assert outcome.verification.deviation == 0.0
-    after = read(once, TRUSTING)
-    found = verify(before, after)
-    assert found.deviation == 0.0
-    assert found.lost == ()
-    size = np.abs(options.points).max()
-    for name in ("added", "free"):
-        places = after.rig.world[[after.rig.find(f"{name}_{k}") for k in (1, 2, 3)], 3, :3]
-        assert_allclose(places, options.points, atol=1e-5 * size)
-    report = edit(once, twice, step, options=TRUSTING).report
-    assert once.read_bytes() == twice.read_bytes()
-    assert not any(entry["new"] for entry in report.added)
-    for note in after.rig.metadata.values():
-        validator("node").validate(note)
-
-
-def test_the_validators_find_no_new_errors(samples: Path, tmp_path: Path) -> None:
-    def step(rig: Rig, report: Report) -> Rig:
-        rig = make_limb(rig, options=placed(rig, parent="spine"), report=report)
-        return make_limb(rig, options=replace(placed(rig), name="free"), report=report)
-
-    for name in ("biped.usda", "biped.usdz"):
-        edit(samples / name, tmp_path / name, step)
-        assert not usd_errors(tmp_path / name) - usd_errors(samples / name)
-    edit(samples / "biped.glb", tmp_path / "biped.glb", step)
-    before, after = khronos_errors(samples / "biped.glb", tmp_path / "biped.glb")
-    assert not after - before
 
 
 def test_usdskel_finds_the_new_skeleton_where_it_stands(tmp_path: Path) -> None:

@@ -472,22 +472,6 @@ def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(tmp_path: Path)
     ]
 
 
-def test_the_program_writes_the_motion_and_a_second_run_changes_no_byte(tmp_path: Path) -> None:
-    edited, out, again = (tmp_path / name for name in ("edited.glb", "out.glb", "again.glb"))
-    edit(BIPED, edited, _edited_step)
-    for source, target in ((BIPED, out), (out, again)):
-        words = ["take-clips", str(source), "--from", str(edited), "-o", str(target)]
-        cli(*words, code=0)
-    assert apart(rig_of(out), rig_of(edited), "walk") < CLOSE
-    assert again.read_bytes() == out.read_bytes()
-    cli(*words, "--overwrite", "--as", "walk", code=2)
-
-
-def _edited_step(rig: Rig, report: Report) -> Rig:
-    report.reposed = True
-    return turned_key(orient_joints(rig, report=report), "shin_L")
-
-
 def test_a_usd_mesh_below_a_prim_of_its_name_and_names_that_begin_with_digits_are_known() -> None:
     rig = rig_of()
     names = [f"2{name}" if name == "hand_L" else name for name in rig.names]

@@ -56,21 +56,6 @@ def test_the_deviation_of_a_sample_is_at_the_float32_floor(path: Path, tmp_path:
     assert outcome.written
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
-def test_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
-    (tmp_path / "again").mkdir()
-    once, twice = tmp_path / path.name, tmp_path / "again" / path.name
-    edit(path, once, orient)
-    edit(once, twice, orient)
-    assert twice.read_bytes() == once.read_bytes()
-
-
-@pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
-def test_a_rig_nobody_changed_gives_back_the_same_bytes(path: Path, tmp_path: Path) -> None:
-    edit(path, tmp_path / path.name, nothing)
-    assert (tmp_path / path.name).read_bytes() == path.read_bytes()
-
-
 @pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
 def test_a_result_that_looks_different_is_refused_and_leaves_nothing(
     name: str, samples: Path, tmp_path: Path
