@@ -47,8 +47,8 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         rigtri explain 0 140 0 25 140 -5 50 140 0 -o arm.svg
         rigtri explain hero.glb --limb forearm_L
     """
+    from rigtri.export.explain.explain import text
     from rigtri.export.explain.picture import picture
-    from rigtri.export.explain.text import text
 
     output, report = values["output"], Report()
     if output is not None:

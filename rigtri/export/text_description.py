@@ -24,7 +24,6 @@ from rigtri.model.animation import Clip
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.report import Report
 from rigtri.text import columns, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
@@ -41,15 +40,14 @@ _DEEPEST, _DOTTED = 60, 1 / 4
 _SPARE = (3, 4, 4, 3)
 
 
-def describe(rig: Rig, *, report: Report | None = None, width: int | None = None) -> str:
+def describe(rig: Rig, *, width: int | None = None) -> str:
     """A rig as text, without a newline at its end.
 
     Joints as a tree: name, label, where their axes point as seen from the front (``x→y↑z⊙``) and
     in the world (``+x`` or numbers), the axis nearest to the child and how far it misses it, the
     distance to the child, the bend between the bones, and what is unusual. Other
-    nodes stand in brackets. Then skins, clips, what rigtri has noted on nodes,
-    and the warnings of ``report``. width: of the terminal; columns that make the tree wider are left out,
-    the numbers of the axes first.
+    nodes stand in brackets. Then skins, clips, and what rigtri has stored on nodes. width: of the
+    terminal; columns that make the tree wider are left out, the numbers of the axes first.
     """
     seen = _Seen(rig)
     kind = "joints" if rig.is_joint.any() else "nodes"
@@ -64,10 +62,6 @@ def describe(rig: Rig, *, report: Report | None = None, width: int | None = None
         ("skins", columns([_skin_words(skin, k) for k, skin in enumerate(rig.skins)])),
         ("clips", columns([_clip_words(clip, k) for k, clip in enumerate(rig.shown_clips)])),
         ("notes", columns([_note_words(seen, node) for node in sorted(rig.metadata)])),
-        (
-            "warnings",
-            [f"{w.code}: {plain(w.text, one_line=True)}" for w in (report.warnings if report else ())],
-        ),
     ]
     blocks = []
     for title, lines in sections:

@@ -19,9 +19,8 @@ from strategies import vectors
 
 import rigtri
 from rigtri.errors import GeometryError
-from rigtri.export.explain.explain import Explanation, explain
+from rigtri.export.explain.explain import Explanation, explain, text
 from rigtri.export.explain.picture import picture
-from rigtri.export.explain.text import text
 from rigtri.maths.trigonometry import Floats
 
 ARM = ([0, 140, 0], [25, 140, -5], [50, 140, 0])

@@ -15,6 +15,8 @@ from rigtri.maths.trigonometry import Floats
 LONGEST = 36
 # Cells of the grid that shows where there is room, in pixels; letters as a share of the size of their font.
 _CELL, _LETTER, _WIDE = 3.0, 0.56, 1.05
+# The smallest letters, in pixels.
+_LEAST = 8.0
 # How far a name may be from its joint, in pixels, and where: right and down.
 _AWAY = (3.0, 12.0, 26.0)
 _WAYS = ((1.0, 0.0), (0.8, -0.7), (0.8, 0.7), (0.0, -1.0), (0.0, 1.0), (-0.8, -0.7), (-0.8, 0.7), (-1.0, 0.0))
@@ -42,7 +44,7 @@ def width(text: str, font: float) -> float:
     return font * (_LETTER * (len(text) - wide) + _WIDE * wide)
 
 
-def fitted(text: str, font: float, wide: float, least: float = 8.0) -> tuple[str, float]:
+def fitted(text: str, font: float, wide: float) -> tuple[str, float]:
     """A line that has ``wide`` pixels, and its font: smaller where it must be, then cut.
 
     >>> fitted("three joints", 12.0, 400.0)
@@ -53,11 +55,11 @@ def fitted(text: str, font: float, wide: float, least: float = 8.0) -> tuple[str
     ('three j…', 8.0)
     """
     size = min(font, np.floor(20.0 * wide / max(width(text, 10.0), 1.0)) / 2.0)
-    if size >= least:
+    if size >= _LEAST:
         return text, float(size)
-    while text and width(f"{text}…", least) > wide:
+    while text and width(f"{text}…", _LEAST) > wide:
         text = text[:-1].rstrip()
-    return f"{text}…", least
+    return f"{text}…", _LEAST
 
 
 def labels(

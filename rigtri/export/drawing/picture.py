@@ -101,13 +101,13 @@ def draw(
     for number_of, (side, window) in enumerate(zip(sides, windows, strict=True)):
         parts += _panel(side, window, options, number_of)
     description = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
-    return sheet([*parts, *gizmo(view, 40.0, high - 40.0)], wide, high, description)
+    return sheet([*parts, *gizmo(view, high)], wide, high, description)
 
 
 @np.errstate(all="ignore")
-def seen(rig: Rig, options: DrawOptions = DrawOptions(), report: Report | None = None) -> list[Mark]:
+def seen(rig: Rig, options: DrawOptions = DrawOptions()) -> list[Mark]:
     """What `draw` would draw of one rig, as lines and arrows in space, for those who draw otherwise."""
-    return _side(rig, options.checked(), "", report if report is not None else Report()).marks
+    return _side(rig, options.checked(), "", Report()).marks
 
 
 def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
@@ -181,11 +181,11 @@ def _outlines(found: Sequence[Patch], window: Window) -> list[Floats]:
     return [loop * _CELL + corner for loop in loops]
 
 
-def gizmo(view: View, x: float, y: float, size: float = 20.0) -> Iterator[str]:
-    """The axes of the world at a corner of the sheet, with their letters."""
-    axes = np.eye(3)
+def gizmo(view: View, high: int) -> Iterator[str]:
+    """The axes of the world at the lower left corner of a sheet, with their letters."""
+    axes, size = np.eye(3), 20.0
     flat, depth = view.flat(axes), view.depth(axes)
-    start = np.array([x, y])
+    start = np.array([40.0, high - 40.0])
     yield "<g><title>axes of the world</title>"
     for k in sorted(range(3), key=lambda k: float(depth[k])):
         end = start + flat[k] * [size, -size]

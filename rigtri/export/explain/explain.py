@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,7 @@ from rigtri.maths.vectors import angle, as_vectors, cross, dot, length, normalis
 _DEGREES = 180.0 / np.pi
 # What is nothing beside the largest number of its row is written as 0: rounding, which nobody meant.
 _NOTHING = 1e-12
+_AIM = "Aiming node A at node B"
 # Sides, in file units, whose fourth powers keep their digits.
 _SQUARED = (1e-70, 1e70)
 
@@ -183,115 +185,59 @@ def _vectors(made: _Maker, squared: _Maker) -> list[Step]:
 
 
 def _products(made: _Maker) -> list[Step]:
-    one, other = normalise(made.ab), normalise(made.ac)
-    spread = float(angle(made.ab, made.ac)) * _DEGREES
-    bend = float(bend_angle(made.a, made.b, made.c)) * _DEGREES
-    slide = "The Dot Product"
+    one, other, normal = normalise(made.ab), normalise(made.ac), cross(made.ab, made.ac)
+    spread = angle(made.ab, made.ac) * _DEGREES if np.isfinite(one + other).all() else np.nan
+    bend = bend_angle(made.a, made.b, made.c) * _DEGREES if made.ab.any() and made.bc.any() else np.nan
+    of_dot, of_cross = partial(made.step, "The Dot Product"), partial(made.step, "The Cross Product")
+    of_arm = partial(made.step, "Using Vector Math to Rig an Arm")
+    cosine = "cosine of the angle at A: 1 the same way, 0 at a right angle, −1 opposite"
+    flexes = "n = AB × BC: a positive turn about it bends the limb more"
     return [
-        made.step(slide, "AB · AC", "dot(AB, AC)", dot(made.ab, made.ac)),
-        made.step(
-            slide,
-            "norm AB · norm AC",
-            "dot of the normalised",
-            dot(one, other),
-            "cosine of the angle at A: 1 the same way, 0 at a right angle, −1 opposite",
-        ),
-        made.step(
-            slide,
-            "acos(norm AB · norm AC)",
-            "angle(AB, AC)",
-            spread if np.isfinite(one + other).all() else np.nan,
-            "degrees, at A",
-        ),
-        made.step(
-            "The Cross Product",
-            "AB × AC",
-            "cross(AB, AC)",
-            cross(made.ab, made.ac),
-            "the normal of the plane, at right angles to both",
-        ),
-        made.step(
-            "The Cross Product",
-            "‖AB × AC‖ / 2",
-            "length(cross(AB, AC)) / 2",
-            0.5 * length(cross(made.ab, made.ac)),
-            "area of the triangle",
-        ),
-        made.step(
-            "Using Vector Math to Rig an Arm",
-            "shdYAxis",
-            "hinge(A, B, C)",
-            hinge(made.a, made.b, made.c),
-            "n = AB × BC: a positive turn about it bends the limb more",
-        ),
-        made.step(
-            "Ours",
-            "",
-            "bend_angle(A, B, C)",
-            bend if made.ab.any() and made.bc.any() else np.nan,
-            "degrees: 0 straight, 180 folded",
-        ),
+        of_dot("AB · AC", "dot(AB, AC)", dot(made.ab, made.ac)),
+        of_dot("norm AB · norm AC", "dot of the normalised", dot(one, other), cosine),
+        of_dot("acos(norm AB · norm AC)", "angle(AB, AC)", spread, "degrees, at A"),
+        of_cross("AB × AC", "cross(AB, AC)", normal, "the normal of the plane, at right angles to both"),
+        of_cross("‖AB × AC‖ / 2", "length(cross(AB, AC)) / 2", 0.5 * length(normal), "area of the triangle"),
+        of_arm("shdYAxis", "hinge(A, B, C)", hinge(made.a, made.b, made.c), flexes),
+        made.step("Ours", "", "bend_angle(A, B, C)", bend, "degrees: 0 straight, 180 folded"),
     ]
 
 
 def _matrix(made: _Maker) -> list[Step]:
-    slide = "Aiming node A at node B"
-    axes = np.array([normalise(made.ab), *np.full((2, 3), np.nan)])
+    x, y, z = normalise(made.ab), np.full(3, np.nan), np.full(3, np.nan)
     if np.isfinite(hinge(made.a, made.b, made.c)).all():
-        axes = frame(made.ab, made.ac)
-    talk = ("aim_X = norm AB", "aim_Y = aim_Z × aim_X", "aim_Z = norm(aim_X × norm AC)")
-    why = ("X aims at B", "Y is as near to C as a right angle lets it be", "Z is the normal of the plane")
-    rows = [
-        made.step(slide, t, f"frame(AB, AC)[{k}]", axes[k], w)
-        for k, (t, w) in enumerate(zip(talk, why, strict=True))
-    ]
+        x, y, z = frame(made.ab, made.ac)
+    row = partial(made.step, _AIM)
+    nearest = "Y is as near to C as a right angle lets it be"
     return [
-        rows[0],
-        rows[2],
-        rows[1],
-        made.step(slide, "A_pos", "a", made.a, "the fourth row: where it stands"),
+        row("aim_X = norm AB", "frame(AB, AC)[0]", x, "X aims at B"),
+        row("aim_Z = norm(aim_X × norm AC)", "frame(AB, AC)[2]", z, "Z is the normal of the plane"),
+        row("aim_Y = aim_Z × aim_X", "frame(AB, AC)[1]", y, nearest),
+        row("A_pos", "a", made.a, "the fourth row: where it stands"),
     ]
 
 
 def _pole(made: _Maker) -> list[Step]:
-    a, b, c, slide = made.a, made.b, made.c, "Pole Vector"
-    foot, size = project(b, a, c), limb_length(a, b, c)
+    a, b, c = made.a, made.b, made.c
+    foot, reach = project(b, a, c), 0.5 * limb_length(a, b, c)
     share = dot(made.ab, made.ac) / dot(made.ac, made.ac)
+    row = partial(made.step, "Pole Vector")
 
     def where() -> str:
         off = float(share)
         side = "between A and C" if 0 <= off <= 1 else "beyond C" if off > 1 else "behind A"
         return f"the point of AC nearest to B, at {short(100 * off)} % of the way, {side}"
 
-    reach = 0.5 * size
+    along, half = "how far along AC, from 0 to 1", "how far off the elbow: half of the arm"
+    side, pole = bend_direction(a, b, c), pole_position(a, b, c)
     return [
-        made.step(
-            slide, "AB · AC / AC · AC", "dot(AB, AC) / dot(AC, AC)", share, "how far along AC, from 0 to 1"
-        ),
-        made.step(slide, "P", "project(B, A, C)", foot, where),
-        made.step(slide, "PB = B − P", "b - foot", b - foot),
-        made.step(slide, "‖PB‖", "length(PB)", length(b - foot), "how far the limb is from straight"),
-        made.step(
-            slide,
-            "PB.normal()",
-            "bend_direction(A, B, C)",
-            bend_direction(a, b, c),
-            "where the limb bends to",
-        ),
-        made.step(
-            slide,
-            "(‖AB‖ + ‖BC‖) * 0.5",
-            "limb_length(A, B, C) * reach",
-            reach,
-            "how far off the elbow: half of the arm",
-        ),
-        made.step(
-            slide,
-            "B + PB.normal() * that",
-            "pole_position(A, B, C)",
-            pole_position(a, b, c),
-            "where the pole vector stands",
-        ),
+        row("AB · AC / AC · AC", "dot(AB, AC) / dot(AC, AC)", share, along),
+        row("P", "project(B, A, C)", foot, where),
+        row("PB = B − P", "b - foot", b - foot),
+        row("‖PB‖", "length(PB)", length(b - foot), "how far the limb is from straight"),
+        row("PB.normal()", "bend_direction(A, B, C)", side, "where the limb bends to"),
+        row("(‖AB‖ + ‖BC‖) * 0.5", "limb_length(A, B, C) * reach", reach, half),
+        row("B + PB.normal() * that", "pole_position(A, B, C)", pole, "where the pole vector stands"),
     ]
 
 
@@ -304,3 +250,48 @@ def plain_numbers(vector: Floats) -> list[float]:
 def short(value: float) -> str:
     """A number with six digits at most."""
     return f"{value + 0.0:.6g}"
+
+
+def text(found: Explanation, *, width: int = 120) -> str:
+    """The explanation in lines of up to ``width`` characters where that can be, without a newline at its end.
+
+    A heading is the title of the slide; below it, each line has the talk's notation, rigtri's, the
+    numbers, and what they mean.
+    """
+    lines = []
+    for letter, name, point in zip("ABC", found.names, found.points, strict=True):
+        lines.append(f"{letter} = {_shown(tuple(plain_numbers(point)))}{f'  {name}' * (name != letter)}")
+    if found.trouble:
+        lines += ["", f"Note: {found.trouble}."]
+    rows = [(step, (step.talk, step.ours, _shown(step.value))) for step in found.steps]
+    wide = [max(len(row[k]) for _, row in rows) for k in range(3)]
+    slide = ""
+    for step, row in rows:
+        if step.slide != slide:
+            lines += [*(_matrix_lines(found) if slide == _AIM else []), "", step.slide]
+            slide = step.slide
+        line = "  " + "  ".join(word.ljust(size) for word, size in zip(row, wide, strict=True))
+        why = step.why if step.value is not None else ""
+        beside = len(line) + 2 + len(why) <= width
+        lines += [f"{line}  {why}".rstrip()] if beside else [line.rstrip(), f"      {why}"]
+    return "\n".join(lines)
+
+
+def _matrix_lines(found: Explanation) -> list[str]:
+    """The rows of the aim matrix; none where it has not all of them."""
+    x, z, y, at = (step.value for step in found.steps if step.slide == _AIM)
+    if not all(isinstance(row, tuple) for row in (x, y, z, at)):
+        return []
+    cells = [[*map(short, row), last] for row, last in ((x, "0"), (y, "0"), (z, "0"), (at, "1"))]  # type: ignore[arg-type]
+    wide = max(len(cell) for row in cells for cell in row)
+    names = ("X axis", "Y axis", "Z axis", "Translation")
+    rows = [
+        f"{name:<11}  {'  '.join(c.rjust(wide) for c in row)}" for name, row in zip(names, cells, strict=True)
+    ]
+    return ["  M = [aim_X, aim_Y, aim_Z, A_pos]", *(f"    {row}" for row in rows)]
+
+
+def _shown(value: tuple[Any, ...] | float | None) -> str:
+    if value is None:
+        return "none"
+    return f"({', '.join(map(short, value))})" if isinstance(value, tuple) else short(value)

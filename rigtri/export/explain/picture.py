@@ -16,7 +16,7 @@ from rigtri.maths.triangle import frame, hinge, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, project
 
-_SIZE = (900, 700)
+_WIDE, _HIGH = 900, 700
 # Axes and dots as shares of the longest side.
 _AXES, _DOT = 0.2, 0.012
 # A triangle lies flat whose normal is nearer to upright than this cosine.
@@ -25,18 +25,17 @@ _FLAT = 0.8
 
 # What is no number is left out.
 @np.errstate(all="ignore")
-def picture(found: Explanation, *, view: str | None = None, size: tuple[int, int] = _SIZE) -> str:
+def picture(found: Explanation, *, view: str | None = None) -> str:
     """The three points as an SVG picture. view: x,y,z, where it is seen from; else across its plane."""
-    wide, high = size
     marks = [mark for mark in _marks(found) if mark.clear]
     seen = _across(found) if view is None else View.along(direction(view), [0.0, 1.0, 0.0], [0.0, 0.0, -1.0])
     points = [mark.points for mark in marks] or [found.points]
-    (window,) = Window.around(points, seen, [(0.0, 64.0, float(wide), high - 64.0)], 70.0)
+    (window,) = Window.around(points, seen, [(0.0, 64.0, float(_WIDE), _HIGH - 64.0)], 70.0)
     parts, _ = panel(marks, window, [], font=15.0)
     a, b, c = (shown(name) for name in found.names)
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
-    parts += heading(lines, 0.0, wide)
-    return sheet([*parts, *gizmo(seen, 40.0, high - 40.0)], wide, high, f"{a}, {b}, {c}: {_words(found)}")
+    parts += heading(lines, 0.0, _WIDE)
+    return sheet([*parts, *gizmo(seen, _HIGH)], _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}")
 
 
 def _words(found: Explanation) -> str:

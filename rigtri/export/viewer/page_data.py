@@ -71,13 +71,8 @@ def _nodes(rig: Rig) -> list[int]:
         return list(range(len(rig)))
     listed = {node for node in range(len(rig)) if rig.is_joint[node]} | set(rig.metadata)
     listed |= {track.node for track in _prim_tracks(rig)} | {node for pair in _followed(rig) for node in pair}
-    listed |= {node for joints, pole in limbs(rig).items() for node in (*joints, pole)} - {-1}
-    for node in sorted(listed, reverse=True):
-        above = int(rig.parents[node])
-        while above >= 0 and above not in listed:
-            listed.add(above)
-            above = int(rig.parents[above])
-    return sorted(listed)
+    listed |= {node for joints, pole in limbs(rig).items() for node in (*joints, pole)}
+    return sorted(rig.with_ancestors(listed))
 
 
 def _paths(rig: Rig, nodes: list[int]) -> dict[int, str]:

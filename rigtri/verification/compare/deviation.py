@@ -155,15 +155,12 @@ def _needed(before: Rig, after: Rig, probes: Sequence[Probe]) -> tuple[tuple[Rig
 
 def _part_of(rig: Rig, nodes: Integers) -> tuple[Rig, Integers]:
     """A part of a rig that places ``nodes``, and where each node went, (n,)."""
-    keep = np.zeros(len(rig), dtype=bool)
-    keep[nodes] = True
-    for node in range(len(rig) - 1, -1, -1):
-        if keep[node] and rig.parents[node] >= 0:
-            keep[rig.parents[node]] = True
-    if 5 * int(keep.sum()) >= 4 * len(rig):  # to pose the rest costs less than to leave it out
+    kept = sorted(rig.with_ancestors(nodes.tolist()))
+    if 5 * len(kept) >= 4 * len(rig):  # to pose the rest costs less than to leave it out
         return rig, np.arange(len(rig))
-    place = np.where(keep, np.cumsum(keep) - 1, -1)
-    return rig.part(np.flatnonzero(keep).tolist())[0], place
+    place = np.full(len(rig), -1)
+    place[kept] = np.arange(len(kept))
+    return rig.part(kept)[0], place
 
 
 def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = False) -> tuple[Rig, Rig]:

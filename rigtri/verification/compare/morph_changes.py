@@ -27,29 +27,18 @@ _POSES = 64
 
 
 def without_changes(before: Source, after: Source, changes: MorphChanges) -> tuple[Source, Source]:
-    """Both documents with the weights of ``changes`` at 0."""
+    """Both documents with all morph weights at common times and those of ``changes`` 0."""
     if not changes:
         return before, after
     resting = {mesh.node: mesh.morph_weights for mesh in before.outlines()}
-    rigs = exclude_changes(before.rig, after.rig, changes, resting)
-    return DocumentView(before, rigs[0]), DocumentView(after, rigs[1])
-
-
-def exclude_changes(
-    before: Rig, after: Rig, changes: MorphChanges, resting: Mapping[int, Floats]
-) -> tuple[Rig, Rig]:
-    """Both rigs with all morph weights at common times and those of ``changes`` 0.
-
-    resting: the weights of meshes that no track drives, by node of ``before``.
-    """
-    place = {key: node for node, key in enumerate(after.keys) if key is not None}
-    mine, theirs = list(before.clips), list(after.clips)
+    place = {key: node for node, key in enumerate(after.rig.keys) if key is not None}
+    mine, theirs = list(before.rig.clips), list(after.rig.clips)
     for k, clip in enumerate(mine):
         partner = next((j for j, c in enumerate(theirs) if c.key == clip.key and c.name == clip.name), -1)
         if partner < 0:
             continue
         was, now = _weights(clip), _weights(theirs[partner])
-        for node, key in enumerate(before.keys):
+        for node, key in enumerate(before.rig.keys):
             there = place.get(key, -1)
             tracks = was.get(node), now.get(there)
             if tracks == (None, None) or there < 0:
@@ -57,7 +46,10 @@ def exclude_changes(
             pair = _resampled(tracks, node, there, changes.get(key, ()), resting.get(node))
             mine[k] = _with(mine[k], tracks[0], pair[0])
             theirs[partner] = _with(theirs[partner], tracks[1], pair[1])
-    return replace(before, clips=tuple(mine)), replace(after, clips=tuple(theirs))
+    return (
+        DocumentView(before, replace(before.rig, clips=tuple(mine))),
+        DocumentView(after, replace(after.rig, clips=tuple(theirs))),
+    )
 
 
 def _weights(clip: Clip) -> dict[int, Track]:

@@ -236,9 +236,7 @@ def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
             found[joints if mesh.box is not None else joints[np.unique(mesh.joints[mesh.weights != 0])]] = (
                 True
             )
-    for node in range(len(rig) - 1, -1, -1):
-        if found[node] and rig.parents[node] >= 0:
-            found[rig.parents[node]] = True
+    found[list(rig.with_ancestors(np.flatnonzero(found).tolist()))] = True
     return found
 
 
