@@ -68,7 +68,10 @@ def _unseen(whole: Any) -> Iterator[str]:
         if not prim.IsA(UsdGeom.Mesh):
             continue
         binding = UsdSkel.BindingAPI(prim)
-        if any(_inbetweens(whole.GetPrimAtPath(path)) for path in _shapes(binding)):
+        relation = binding.GetBlendShapeTargetsRel()
+        shapes = map(whole.GetPrimAtPath, relation.GetForwardedTargets() if relation else ())
+        blend_shapes = (UsdSkel.BlendShape(prim) for prim in shapes if prim and prim.IsA(UsdSkel.BlendShape))
+        if any(shape.GetInbetweens() for shape in blend_shapes):
             yield "blend shapes with inbetweens are shown without these, in a straight line"
         method = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("primvars:skel:skinningMethod")
         if method and method.Get() == UsdSkel.Tokens.dualQuaternion:
@@ -76,15 +79,6 @@ def _unseen(whole: Any) -> Iterator[str]:
         joints = binding.GetJointIndicesPrimvar()
         if joints and joints.GetElementSize() > 4:
             yield FOUR
-
-
-def _shapes(binding: Any) -> list[Any]:
-    targets = binding.GetBlendShapeTargetsRel()
-    return list(targets.GetForwardedTargets()) if targets else []
-
-
-def _inbetweens(shape: Any) -> bool:
-    return bool(shape and shape.IsA(UsdSkel.BlendShape) and UsdSkel.BlendShape(shape).GetInbetweens())
 
 
 def _textures(

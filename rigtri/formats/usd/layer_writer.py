@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,14 +15,17 @@ from rigtri.errors import FileError, UsageError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition import layers
-from rigtri.formats.usd.composition.stage import MARK, is_override, open_over, overridden_file
-from rigtri.formats.usd.opinions.drop_redundant_opinions import drop_redundant_opinions
-from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.composition.stage import DEFAULT, MARK, is_override, open_over, overridden_file
+from rigtri.formats.usd.composition.time_samples import time_samples
+from rigtri.formats.usd.opinions.edits import Edit, Setting
 from rigtri.formats.usd.opinions.instance_edits import apply_edits
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
 from rigtri.report import Notice
+
+# What an attribute has besides its values.
+_METADATA = ("typeName", "variability", "custom", "elementSize", "interpolation", "customData")
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +87,7 @@ class Output:
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
         apply_edits(stage, edits, layer, notices)
         if strips and not packed and not is_override(self.layer):
-            drop_redundant_opinions(stage, layer, edits, self._composed_in_place)
+            _drop_redundant(stage, layer, edits, self._composed_in_place)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
             shutil.copyfile(self.source.path, part)
@@ -175,6 +178,64 @@ class Output:
         layer.subLayerPaths = [self._source_from(target)]
         layer.customLayerData = {**layer.customLayerData, MARK: {"override": "stage"}}
         return layer
+
+
+def _drop_redundant(stage: Any, layer: Any, edits: Iterable[Edit], composed: Callable[[Any], Any]) -> None:
+    """Take values out of a layer that only repeat what weaker layers hold, and overs left bare.
+
+    edits: what has set values, as where strip has put one back.
+    stage: of the source. composed: the stage of a layer in the source's place, which it may change.
+    """
+    paths = {edit.path for edit in edits if isinstance(edit, Setting)}
+    paths = {path for path in sorted(paths) if layer.GetAttributeAtPath(path) and _lies_below(stage, path)}
+    if not paths:
+        return
+    bare = layers.copy_of(layer)
+    for path in paths:
+        _remove(bare, path)
+    shown, below = composed(layers.copy_of(layer)), composed(bare)
+    same = [path for path in sorted(paths) if _resolved(shown, path) == _resolved(below, path)]
+    with Sdf.ChangeBlock():
+        for path in same:
+            _remove(layer, path)
+    for path in same:
+        _prune(layer, path.GetPrimPath())
+
+
+def _lies_below(stage: Any, path: Any) -> bool:
+    attribute = stage.GetAttributeAtPath(path)
+    return bool(attribute) and any(
+        spec.layer != stage.GetRootLayer() for spec in attribute.GetPropertyStack(DEFAULT)
+    )
+
+
+def _resolved(stage: Any, path: Any) -> Any:
+    """Metadata, default and samples of an attribute; None where it has none."""
+    attribute = stage.GetAttributeAtPath(path)
+    if not attribute or not attribute.HasAuthoredValue():
+        return None
+    metadata = {key: attribute.GetMetadata(key) for key in _METADATA}
+    return metadata, attribute.Get(DEFAULT), list(time_samples(attribute))
+
+
+def _remove(layer: Any, path: Any) -> None:
+    spec = layer.GetAttributeAtPath(path)
+    del spec.owner.properties[spec.name]
+
+
+def _prune(layer: Any, path: Any) -> None:
+    """Take away a prim, and those above it, that are overs of nothing."""
+    while path != Sdf.Path.absoluteRootPath:
+        spec = layer.GetPrimAtPath(path)
+        path = path.GetParentPath()
+        if spec is None:
+            continue
+        more = {key for key in spec.ListInfoKeys() if key != "specifier"}
+        if spec.specifier != Sdf.SpecifierOver or spec.properties or spec.nameChildren or more:
+            return
+        if spec.variantSets:
+            return
+        del spec.nameParent.nameChildren[spec.name]
 
 
 def _check_sums(package: usdz.Package, path: Path, notices: list[Notice]) -> None:

@@ -216,17 +216,8 @@ def write(package: Package, root: bytes, part: Path) -> None:
             written += len(local) + len(data)
         listing, count = b"".join(directory), len(directory)
         sink.write(listing)
-        end = (
-            b"PK\5\6",
-            0,
-            0,
-            count,
-            count,
-            len(listing),
-            written,
-            len(package.comment) - max(package.junk, 0),
-        )
-        sink.write(_END.pack(*end) + package.comment)
+        comment = len(package.comment) - max(package.junk, 0)
+        sink.write(_END.pack(b"PK\5\6", 0, 0, count, count, len(listing), written, comment) + package.comment)
 
 
 def _pad(unpadded: int) -> bytes:

@@ -84,17 +84,10 @@ def _opened(identifier: str) -> Any:
         return None
 
 
-def check_used(stage: Any, path: Path, *, allow_external: bool) -> None:
-    """FileError for a layer of a stage that lies outside, whatever has named it."""
-    for layer in stage.GetUsedLayers():
-        if layer.realPath and not allow_external and lies_outside(layer.realPath, path):
-            raise _outside(layer.identifier, f"{path}")
-
-
-def check_file(other: Path, path: Path, *, allow_external: bool) -> None:
-    """FileError for a file that ``path`` is about and that lies outside its folder."""
-    if not allow_external and lies_outside(str(other), path):
-        raise _outside(str(other), f"{path}")
+def check_outside(file: str, path: Path, name: str, *, allow_external: bool) -> None:
+    """FileError for a file, called ``name``, that lies outside the folder of ``path``, which needs it."""
+    if not allow_external and lies_outside(file, path):
+        raise _outside(name, f"{path}")
 
 
 def _identifier(layer: Any, asset: str, where: str, path: Path, allow_external: bool) -> str:

@@ -107,7 +107,10 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     if not stage:
         raise FileError(f"{path}: no USD file, or a damaged one.")
     codeless_schemas.check_known()
-    external_paths.check_used(stage, path, allow_external=allow_external)
+    for layer in stage.GetUsedLayers():
+        if layer.realPath:
+            name = layer.identifier
+            external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
     return stage, _unresolved(texts, path.parent)
 
 
@@ -146,7 +149,7 @@ def overridden_file(layer: Any, path: Path) -> Path | None:
 
 def open_over(layer: Any, below: Path, path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
     """The stage of bare opinions in ``path`` over the file ``below``, and what was noticed about that."""
-    external_paths.check_file(below, path, allow_external=allow_external)
+    external_paths.check_outside(str(below), path, str(below), allow_external=allow_external)
     stage, warnings = open_stage(below, allow_external=allow_external)
     with quiet(f"{below}: USD cannot read it"):
         # What their expressions name is known only with the variables of that file.
@@ -197,8 +200,11 @@ def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
     every = sorted({_seen_from(folder, name) for name in found})
     leaving = [name for name in every if "[../" in name]
     notices = [Notice("unresolved", _leaves(name)) for name in leaving[:3]]
-    names = [name for name in every if name not in leaving]
-    return [*notices, *_missing(names)]
+    if names := [name for name in every if name not in leaving]:
+        what, verb = ("1 file", "was") if len(names) == 1 else (f"{len(names)} files", "were")
+        text = f"{what} that this one refers to {verb} not found: {listed(names)}"
+        notices.append(Notice("unresolved", text))
+    return notices
 
 
 def _leaves(name: str) -> str:
@@ -208,15 +214,6 @@ def _leaves(name: str) -> str:
         f"{package} refers to '{inner}', which leads out of the package: USD looks for it only inside, so it "
         "was not found. Put it into the package, or unpack that"
     )
-
-
-def _missing(names: list[str]) -> list[Notice]:
-    if not names:
-        return []
-    shown = listed(names)
-    what = "1 file" if len(names) == 1 else f"{len(names)} files"
-    verb = "was" if len(names) == 1 else "were"
-    return [Notice("unresolved", f"{what} that this one refers to {verb} not found: {shown}")]
 
 
 def _seen_from(folder: Path, name: str) -> str:

@@ -17,7 +17,6 @@ import numpy as np
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
-from rigtri.maths.trigonometry import Floats
 
 DEFAULT = Usd.TimeCode.Default()
 Samples = list[tuple[float, Any]]
@@ -40,13 +39,13 @@ def time_samples(attribute: Any) -> Samples:
         raise FileError(
             f"{edits}, which rigtri cannot re-orient. Write whole arrays there, or flatten the stage."
         )
-    if from_clips(attribute, times):
+    if attribute.GetResolveInfo(times[0]).GetSource() == Usd.ResolveInfoSourceValueClips:
         return _of_clips(attribute, times)
     for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
         own = spec.layer.ListTimeSamplesForPath(spec.path)
         if own:
             found = [(offset * time, spec.layer.QueryTimeSample(spec.path, time)) for time in own]
-            found = [(time, None if _blocks(value) else value) for time, value in found]
+            found = [(time, None if isinstance(value, Sdf.ValueBlock) else value) for time, value in found]
             return sorted(found, key=lambda sample: sample[0])
     return [(time, attribute.Get(time)) for time in times]
 
@@ -68,16 +67,6 @@ def array_edits(attribute: Any) -> str:
         if own:
             break  # weaker opinions do not count
     return ""
-
-
-def from_clips(attribute: Any, times: Sequence[float]) -> bool:
-    """Whether the samples of an attribute come from value clips."""
-    source = attribute.GetResolveInfo(times[0]).GetSource() if times else None
-    return bool(source == Usd.ResolveInfoSourceValueClips)
-
-
-def _blocks(value: Any) -> bool:
-    return isinstance(value, Sdf.ValueBlock)
 
 
 def _of_clips(attribute: Any, times: Sequence[float]) -> Samples:
@@ -117,12 +106,8 @@ def _wrong(attribute: Any, found: Samples) -> list[tuple[tuple[float, Any], tupl
 def _same(one: Any, other: Any) -> bool:
     if one is None or other is None:
         return one is None and other is None
-    first, second = _array(one), _array(other)
+    first, second = (np.array(value, dtype=np.float64) for value in (one, other))
     if first.shape != second.shape:
         return False
     size = max(1.0, float(np.abs(first).max(initial=0.0)))
     return bool(np.abs(first - second).max(initial=0.0) <= _SAME * size)
-
-
-def _array(value: Any) -> Floats:
-    return np.array(value, dtype=np.float64)

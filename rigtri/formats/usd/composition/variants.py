@@ -173,13 +173,8 @@ class SkeletonVariants:
         return found
 
 
-def why_split(stage: Any, skeleton: str, animation: str) -> str:
-    """Which variant set decides what a skeleton's joints are or do; "" if none does."""
-    return split_by(SkeletonVariants(stage, skeleton, animation))
-
-
 def split_by(variants: SkeletonVariants) -> str:
-    """The same for a skeleton whose variants were tried."""
+    """Which variant set decides what a skeleton's joints are or do; "" if none does."""
     if not variants.depends:
         return ""
     path = min(variants.depends)

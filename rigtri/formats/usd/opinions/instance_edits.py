@@ -117,7 +117,8 @@ def _content(scratch: Any, root: Any) -> Content:
         spec, place = scratch.GetObjectAtPath(path), path.MakeRelativePath(root)
         if isinstance(spec, Sdf.AttributeSpec):
             times = scratch.ListTimeSamplesForPath(path)
-            samples = [(time, _bare(scratch.QueryTimeSample(path, time))) for time in times]
+            samples = [(time, scratch.QueryTimeSample(path, time)) for time in times]
+            samples = [(time, None if isinstance(v, Sdf.ValueBlock) else v) for time, v in samples]
             found.append((place, spec.typeName, spec.default, samples))
         elif isinstance(spec, Sdf.RelationshipSpec):
             targets = spec.targetPathList.explicitItems
@@ -130,16 +131,18 @@ def _content(scratch: Any, root: Any) -> Content:
     return sorted(found, key=lambda entry: str(entry[0]))
 
 
-def _bare(value: Any) -> Any:
-    return None if isinstance(value, Sdf.ValueBlock) else value
-
-
 def _write(group: _Group, stage: Any, layer: Any, scratch: Any, known: dict[Any, set[Any]]) -> None:
     """Write the class of a group, and let its instances inherit it."""
     first = group.prims[0]
     members = {prim.GetPath() for prim in group.prims}
     own = [path for path in _inherited(first) if known.get(path) == members]
-    group.path = own[0] if own else _free_name(stage, layer, first)
+    if own:
+        group.path = own[0]
+    else:
+        name, root = Tf.MakeValidIdentifier(f"{MARK}_{first.GetName()}"), Sdf.Path.absoluteRootPath
+        group.path = free_path(
+            root, name, lambda path: stage.GetPrimAtPath(path) or layer.GetPrimAtPath(path)
+        )
     _copy(scratch, first.GetPath(), layer, group.path)
     spec = layer.GetPrimAtPath(group.path)
     spec.specifier, spec.customData = Sdf.SpecifierClass, _CLASS
@@ -194,12 +197,6 @@ def _own_classes(stage: Any, layer: Any) -> dict[Any, set[Any]]:
                 if path in found:
                     found[path].add(prim.GetPath())
     return found
-
-
-def _free_name(stage: Any, layer: Any, prim: Any) -> Any:
-    name = Tf.MakeValidIdentifier(f"{MARK}_{prim.GetName()}")
-    root = Sdf.Path.absoluteRootPath
-    return free_path(root, name, lambda path: stage.GetPrimAtPath(path) or layer.GetPrimAtPath(path))
 
 
 def _notice_split_prototypes(stage: Any, groups: Sequence[_Group], warnings: list[Notice]) -> None:

@@ -23,8 +23,7 @@ from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
-from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.arrays import Booleans
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 
@@ -49,7 +48,13 @@ def _remove_rows(edit: UsdEdit) -> None:
         if kind(old.key) == "root" or keep.all():
             continue
         skeleton = source.skeletons[parts(old.key)[1]]
-        if not _unchanged(source.rig, rig, old.joints[keep], old.inverse_bind[keep], new.inverse_bind):
+        joints = old.joints[keep]
+        # A shorter skeleton would lose another pose.
+        pairs = (
+            (source.rig.local[joints], rig.local[joints]),
+            (old.inverse_bind[keep], new.inverse_bind),
+        )
+        if not all(np.array_equal(one, other, equal_nan=True) for one, other in pairs):
             raise UsageError(
                 f"strip has taken joints out of <{skeleton.path}>, and others of it were changed in the same "
                 "edit: write what strip has left, read that, and go on with it"
@@ -60,12 +65,6 @@ def _remove_rows(edit: UsdEdit) -> None:
     if edits:
         edit.rig = replace(rig, skins=tuple(skins))
         edit.removals += edits
-
-
-def _unchanged(before: Rig, after: Rig, joints: Integers, bind: Floats, now: Floats) -> bool:
-    """Whether joints stand and are bound as before; a shorter skeleton would lose another pose."""
-    pairs = ((before.local[joints], after.local[joints]), (bind, now))
-    return all(np.array_equal(one, other, equal_nan=True) for one, other in pairs)
 
 
 def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:

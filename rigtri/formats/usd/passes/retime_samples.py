@@ -213,19 +213,17 @@ class _Plan:
     def _array(self, name: str, times: Floats) -> Edit:
         """An array at new times, as it was; new columns have what their joints are at rest."""
         item = self.animation.properties.get(name)
+        rest = self._rest(name).astype(_ARRAYS[name][2] if item is None else _number(item))
+        rows = np.repeat(rest[np.newaxis], len(times), axis=0)
         if item is None:
-            type_name, kind_of, number = _ARRAYS[name]
-            rest = self._rest(name).astype(number)
-            rows = np.repeat(rest[np.newaxis], len(times), axis=0)
+            type_name, kind_of, _ = _ARRAYS[name]
             undefined = len(times) and any(p.default is None for p in self.animation.properties.values())
             new = Property(times, rows, (), None if undefined else rest, kind_of, type_name)
-            return set_array(self.animation.path, name, new, only=True)
-        rest = self._rest(name).astype(_number(item))
-        rows = np.repeat(rest[np.newaxis], len(times), axis=0)
-        width = len(self.animation.tokens)
-        rows[:, :width] = _resampled(item, times)
-        default = None if item.default is None else np.concatenate([item.default, rest[width:]])
-        new = replace(item, times=times, samples=rows, default=default)
+        else:
+            width = len(self.animation.tokens)
+            rows[:, :width] = _resampled(item, times)
+            default = None if item.default is None else np.concatenate([item.default, rest[width:]])
+            new = replace(item, times=times, samples=rows, default=default)
         return set_array(self.animation.path, name, new, only=True)
 
     def _rest(self, name: str) -> Floats:

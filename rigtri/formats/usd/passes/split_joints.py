@@ -14,13 +14,13 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
-from rigtri.formats.usd.composition.variants import why_split
+from rigtri.formats.usd.composition.variants import SkeletonVariants, split_by
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_array, set_joints
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, resting
 from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
-from rigtri.formats.usd.reading.joint_tokens import holder_token, split_token
+from rigtri.formats.usd.reading.joint_tokens import split_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.formats.usd.reading.source import Source
@@ -113,7 +113,7 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
         refuse(why_instanced(prim))
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
-        refuse(why_split(source.stage, path, skeleton.animation))
+        refuse(split_by(SkeletonVariants(source.stage, path, skeleton.animation)))
         refuse(why_bound_otherwise(source.stage, path))
     theirs = source.animations.get(skeleton.animation)
     for other in source.skeletons.values():
@@ -181,8 +181,8 @@ def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Ed
 def _with_holders(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list[str]:
     found = []
     for token in tokens:
-        found += [holder_token(token, holders)] if token in holders else []
-        found.append(split_token(token, holders))
+        after = split_token(token, holders)
+        found += [after.rpartition("/")[0], after] if token in holders else [after]
     return found
 
 

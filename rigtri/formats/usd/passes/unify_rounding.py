@@ -17,7 +17,7 @@ from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Path, Track
+from rigtri.model.animation import Path, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -36,6 +36,11 @@ def unify_rounding(edit: UsdEdit) -> None:
     for skin in rig.skins:
         first = rig.skins[number.get(leader[skin.joints].tobytes(), number[skin.joints.tobytes()])]
         skins.append(skin if first is skin else replace(skin, inverse_bind=first.inverse_bind))
+    clips = []
+    for clip in rig.clips:
+        known = {(track.node, track.path): track for track in clip.tracks}
+        tracks = tuple(_unified_track(track, known, leader) for track in clip.tracks)
+        clips.append(replace(clip, tracks=tracks))
     edit.rig = replace(
         rig,
         translation=rig.translation[leader],
@@ -44,7 +49,7 @@ def unify_rounding(edit: UsdEdit) -> None:
         matrix=rig.matrix[leader],
         has_matrix=rig.has_matrix[leader],
         skins=tuple(skins),
-        clips=tuple(_unified_clip(clip, leader) for clip in rig.clips),
+        clips=tuple(clips),
     )
 
 
@@ -57,7 +62,10 @@ def _leaders(before: Rig, rig: Rig, skeletons: Mapping[str, Skeleton]) -> Intege
         if skeleton is None:
             continue
         for known, first in firsts:
-            if _same_skeleton(known, skeleton) and _same_values(rig, first, new):
+            values = _close(first.inverse_bind, new.inverse_bind) and _close(
+                rig.local[first.joints], rig.local[new.joints]
+            )
+            if values and _same_skeleton(known, skeleton):
                 leader[new.joints] = first.joints
                 break
         else:
@@ -73,24 +81,13 @@ def _same_skeleton(one: Skeleton, other: Skeleton) -> bool:
     )
 
 
-def _same_values(rig: Rig, one: Skin, other: Skin) -> bool:
-    return _close(one.inverse_bind, other.inverse_bind) and _close(
-        rig.local[one.joints], rig.local[other.joints]
-    )
-
-
 def _close(one: Floats, other: Floats) -> bool:
     size = float(np.abs(one).max(initial=1.0))
     return one.shape == other.shape and bool(np.abs(one - other).max(initial=0.0) <= ROUNDING * size)
 
 
-def _unified_clip(clip: Clip, leader: Integers) -> Clip:
-    """The clip with tracks that drive the same column of one animation made equal."""
-    known = {(track.node, track.path): track for track in clip.tracks}
-    return replace(clip, tracks=tuple(_unified_track(track, known, leader) for track in clip.tracks))
-
-
 def _unified_track(track: Track, known: Mapping[tuple[int, Path], Track], leader: Integers) -> Track:
+    """A track, or the first that drives the same column of one animation."""
     first = known.get((int(leader[track.node]), track.path))
     if first is None or first is track or first.key != track.key or not _close(first.values, track.values):
         return track

@@ -30,11 +30,6 @@ def split_token(token: str, holders: Mapping[str, str]) -> str:
     return "/".join(steps)
 
 
-def holder_token(token: str, holders: Mapping[str, str]) -> str:
-    """The token of the joint that goes above a split one."""
-    return split_token(token, holders).rpartition("/")[0]
-
-
 def unsplit(tokens: Sequence[str], holders: Collection[str]) -> list[str]:
     """Tokens without the steps that ``holders`` (tokens) are in them; a holder keeps its own name.
 

@@ -109,9 +109,11 @@ class Nodes:
         counts = Counter(token for skeleton in skeletons for token in skeleton.tokens)
         for skeleton in skeletons:
             self._add_joints(skeleton, self.owner(skeleton.path), counts)
-            self._read_joint_metadata(
-                self.stage.GetPrimAtPath(skeleton.path), self.joint_nodes[skeleton.path]
-            )
+            nodes = self.joint_nodes[skeleton.path]
+            stored = metadata_attributes.read_joints(self.stage.GetPrimAtPath(skeleton.path))
+            for token, metadata in stored.items():
+                if token in nodes and not self._unread(token, metadata):
+                    self.metadata[nodes[token]] = metadata
 
     def owner(self, path: str) -> int:
         """The node of a prim, or of the nearest above it that has a place; −1 for none."""
@@ -145,11 +147,6 @@ class Nodes:
             for token, metadata in found.items()
             if metadata.get("type") == "frame" and "joint" in metadata
         }
-
-    def _read_joint_metadata(self, prim: Any, nodes: Mapping[str, int]) -> None:
-        for token, metadata in metadata_attributes.read_joints(prim).items():
-            if token in nodes and not self._unread(token, metadata):
-                self.metadata[nodes[token]] = metadata
 
     def _unread(self, title: str, metadata: Mapping[str, Any]) -> bool:
         """Whether another version has stored metadata, which are reported and left alone then."""

@@ -65,7 +65,8 @@ class _Reader:
         if not self.skeletons and self.options.root is None and not self.options.empty:
             raise FileError(f"{self.path}: there is no skeleton in it{self._excuse()}{self._remedy()}")
         rig = self.nodes.rig()
-        rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=tuple(self._skins())))
+        skins = tuple(self._skin(skeleton) for skeleton in self.skeletons.values())
+        rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=skins))
         if self.options.root is not None:
             rig = rooted(rig, self.stage, self.options.root, self.interpolation, self.warnings)
         rules = replace(
@@ -195,9 +196,6 @@ class _Reader:
             driven = [self.nodes.joint_nodes[user] for user in users]
             found += clips(animation, name, driven, weights, self.interpolation)
         return found
-
-    def _skins(self) -> list[Skin]:
-        return [self._skin(skeleton) for skeleton in self.skeletons.values()]
 
     def _skin(self, skeleton: Skeleton) -> Skin:
         def weigh() -> np.ndarray:

@@ -70,7 +70,12 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
             f"Skeleton <{path}> has no bindTransforms, so what its skin looks like is undefined. "
             "Export it again with a bind pose."
         )
-    _check_bind(path, tokens, bind)
+    wrong = singular(bind)
+    if wrong.any():
+        raise FileError(
+            f"<{path}>.bindTransforms: the matrix of joint '{tokens[int(wrong.argmax())]}' has no "
+            "inverse (an axis is zero or two coincide), so its skin is undefined."
+        )
     rest = _matrices(prim, "restTransforms", tokens)
     if rest is None and animation is not None and animation.IsActive():
         _check_covered(path, tokens, animation)
@@ -165,15 +170,6 @@ def singular(matrices: Floats) -> Booleans:
     """Which matrices have no inverse worth the name, (n, 4, 4) → (n,)."""
     size = length(matrices[:, :3, :3]).prod(axis=1)
     return np.asarray(~(np.abs(determinant(matrices)) > SINGULAR * size))
-
-
-def _check_bind(path: str, tokens: Sequence[str], bind: Floats) -> None:
-    wrong = singular(bind)
-    if wrong.any():
-        raise FileError(
-            f"<{path}>.bindTransforms: the matrix of joint '{tokens[int(wrong.argmax())]}' has no "
-            "inverse (an axis is zero or two coincide), so its skin is undefined."
-        )
 
 
 def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:

@@ -206,9 +206,12 @@ class _Splice:
         if own is None and owner.meta == span and not owner.key:
             indent = self.unit
         places: dict[int, list[bytes]] = {}
-        lasts = _Last(kept)
+        named = {item.name: item.end for item in kept if item.is_property}
+        last_property = max(named.values(), default=span[0])
+        last = kept[-1].end if kept else span[0]
         for item in added:
-            at = lasts.before(item, span[0])
+            # Behind the same property's other statement, the last property or the last of all.
+            at = named.get(item.name, last_property) if item.is_property else last
             gap = self.newline * (2 if not item.is_property and at > span[0] else 1)
             part = self._moved(self.edited, (item.start, item.end), item.start, indent)
             places.setdefault(at, []).append(gap + indent + part)
@@ -263,22 +266,6 @@ class _Splice:
     def _indent(self, at: int) -> bytes:
         line = _line(self.source.content, at)
         return line[: len(line) - len(line.lstrip(b" \t"))]
-
-
-class _Last:
-    """Behind which statement of a block a new one goes."""
-
-    def __init__(self, kept: list[Item]) -> None:
-        self.named = {item.name: item.end for item in kept if item.is_property}
-        self.property = max((item.end for item in kept if item.is_property), default=None)
-        self.any = kept[-1].end if kept else None
-
-    def before(self, item: Item, start: int) -> int:
-        """Behind the same property's other statement, the last property or the last of all."""
-        if item.is_property:
-            found = self.named.get(item.name, self.property)
-            return start if found is None else found
-        return start if self.any is None else self.any
 
 
 def _line(content: bytes, at: int) -> bytes:

@@ -79,7 +79,9 @@ def _check_notes(scene: Scene, prim: Any) -> None:
 
     def is_joint(name: str) -> bool:
         # Joints are stored by name or by path; by token behind the skeleton's path where that is no address.
-        if name in names or name.rpartition(":")[2] in known or _prim(scene, name):
+        if name in names or name.rpartition(":")[2] in known:
+            return True
+        if name.startswith("/") and ":" not in name and scene.stage.GetPrimAtPath(name):
             return True
         return any(prim.GetName() == name for prim in scene.stage.TraverseAll())
 
@@ -103,10 +105,6 @@ def _with_unsplit(scene: Scene, path: str) -> set[str]:
     stored = read_joints(scene.stage.GetPrimAtPath(path))
     holders = {token for token, note in stored.items() if note.get("type") == "frame"}
     return {*own, *unsplit(own, holders)}
-
-
-def _prim(scene: Scene, name: str) -> Any:
-    return scene.stage.GetPrimAtPath(name) if name.startswith("/") and ":" not in name else None
 
 
 def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:

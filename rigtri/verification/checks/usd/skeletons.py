@@ -52,9 +52,8 @@ def check(scene: Scene, prim: Any) -> None:
     bind = _matrices(scene, prim, "bindTransforms", tokens)
     rest = _matrices(scene, prim, "restTransforms", tokens)
     if bind is not None:
-        _note(
-            scene, prim, "usd.skel.bind-singular", "bindTransforms", tokens, singular(bind), "has no inverse"
-        )
+        wrong = singular(bind)
+        _note(scene, prim, "usd.skel.bind-singular", "bindTransforms", tokens, wrong, "has no inverse")
     if rest is not None:
         _check_rest(scene, prim, tokens, rest)
     _check_missing(scene, prim, tokens, animation)
@@ -100,16 +99,11 @@ def _matrices(scene: Scene, prim: Any, name: str, tokens: tuple[str, ...]) -> Fl
     lost = unbounded(matrices)
     column = np.where(lost[:, np.newaxis], (0.0, 0.0, 0.0, 1.0), matrices[:, :, 3])
     last = (np.abs(column - (0.0, 0.0, 0.0, 1.0)) > PERSPECTIVE).any(axis=1)
-    _note(scene, prim, "usd.skel.matrix-nan", name, tokens, lost, "is not finite, or too large for float32")
-    _note(
-        scene,
-        prim,
-        "usd.skel.matrix-last-column",
-        name,
-        tokens,
-        last,
-        "has a last column that is not 0, 0, 0, 1",
-    )
+    for rule, wrong, what in (
+        ("usd.skel.matrix-nan", lost, "is not finite, or too large for float32"),
+        ("usd.skel.matrix-last-column", last, "has a last column that is not 0, 0, 0, 1"),
+    ):
+        _note(scene, prim, rule, name, tokens, wrong, what)
     return np.where((lost | last)[:, np.newaxis, np.newaxis], identity(), matrices)
 
 
