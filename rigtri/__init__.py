@@ -51,81 +51,46 @@ _WHERE = {
     "RigtriError": "rigtri.errors",
 }
 
-__all__ = [
-    "ReadOptions",
-    "Report",
-    "Rig",
-    "RigtriError",
-    "add_controls",
-    "add_polevector",
-    "add_posereader",
-    "add_rivet",
-    "add_twist",
-    "as_described",
-    "auto",
-    "bake",
-    "build",
-    "check",
-    "constrain",
-    "describe",
-    "diff",
-    "draw",
-    "edit",
-    "explain",
-    "export_blender",
-    "from_pygltflib",
-    "make_limb",
-    "mirror",
-    "orient_joints",
-    "read",
-    "recognise",
-    "register_usd_schemas",
-    "snap",
-    "spec_init",
-    "strip",
-    "take_clips",
-    "take_pose",
-    "to_pygltflib",
-    "verify",
-    "view",
-    "write",
-]
+__all__ = list(_WHERE)
 
 if TYPE_CHECKING:
-    from rigtri.errors import RigtriError
-    from rigtri.export.blender.script import export_blender
-    from rigtri.export.drawing.picture import draw
-    from rigtri.export.explain.explain import explain
-    from rigtri.export.text_description import describe
-    from rigtri.export.viewer.view import view
-    from rigtri.formats import ReadOptions
-    from rigtri.formats.usd.codeless_schemas import register_usd_schemas
-    from rigtri.model.rig import Rig
-    from rigtri.operations.add_controls import add_controls
-    from rigtri.operations.add_polevector import add_polevector
-    from rigtri.operations.add_posereader.posereader import add_posereader
-    from rigtri.operations.add_rivet.rivet import add_rivet
-    from rigtri.operations.add_twist.twist import add_twist
-    from rigtri.operations.bake.bake import bake
-    from rigtri.operations.constrain.constrain import constrain
-    from rigtri.operations.make_limb import make_limb
-    from rigtri.operations.mirror.mirror import mirror
-    from rigtri.operations.orient_joints.orient import orient_joints
-    from rigtri.operations.pose import take_pose
-    from rigtri.operations.snap import snap
-    from rigtri.operations.strip import strip
-    from rigtri.operations.take_clips.restore_metadata import as_described
-    from rigtri.operations.take_clips.take_clips import take_clips
-    from rigtri.pipeline.edit import edit
-    from rigtri.pipeline.files import read, verify, write
-    from rigtri.pipeline.pygltflib import from_pygltflib, to_pygltflib
-    from rigtri.pipeline.rigspec.auto import auto
-    from rigtri.pipeline.rigspec.build import build
-    from rigtri.pipeline.rigspec.spec_init import spec_init
-    from rigtri.recognition.recognise import recognise
-    from rigtri.report import Report
-    from rigtri.verification.checks import check
-    from rigtri.verification.diff.diff import diff
+    from rigtri.errors import RigtriError as RigtriError
+    from rigtri.export.blender.script import export_blender as export_blender
+    from rigtri.export.drawing.picture import draw as draw
+    from rigtri.export.explain.explain import explain as explain
+    from rigtri.export.text_description import describe as describe
+    from rigtri.export.viewer.view import view as view
+    from rigtri.formats import ReadOptions as ReadOptions
+    from rigtri.formats.usd.codeless_schemas import register_usd_schemas as register_usd_schemas
+    from rigtri.model.rig import Rig as Rig
+    from rigtri.operations.add_controls import add_controls as add_controls
+    from rigtri.operations.add_polevector import add_polevector as add_polevector
+    from rigtri.operations.add_posereader.posereader import add_posereader as add_posereader
+    from rigtri.operations.add_rivet.rivet import add_rivet as add_rivet
+    from rigtri.operations.add_twist.twist import add_twist as add_twist
+    from rigtri.operations.bake.bake import bake as bake
+    from rigtri.operations.constrain.constrain import constrain as constrain
+    from rigtri.operations.make_limb import make_limb as make_limb
+    from rigtri.operations.mirror.mirror import mirror as mirror
+    from rigtri.operations.orient_joints.orient import orient_joints as orient_joints
+    from rigtri.operations.pose import take_pose as take_pose
+    from rigtri.operations.snap import snap as snap
+    from rigtri.operations.strip import strip as strip
+    from rigtri.operations.take_clips.restore_metadata import as_described as as_described
+    from rigtri.operations.take_clips.take_clips import take_clips as take_clips
+    from rigtri.pipeline.edit import edit as edit
+    from rigtri.pipeline.files import read as read
+    from rigtri.pipeline.files import verify as verify
+    from rigtri.pipeline.files import write as write
+    from rigtri.pipeline.pygltflib import from_pygltflib as from_pygltflib
+    from rigtri.pipeline.pygltflib import to_pygltflib as to_pygltflib
+    from rigtri.pipeline.rigspec.auto import auto as auto
+    from rigtri.pipeline.rigspec.build import build as build
+    from rigtri.pipeline.rigspec.spec_init import spec_init as spec_init
+    from rigtri.recognition.recognise import recognise as recognise
+    from rigtri.report import Report as Report
+    from rigtri.verification.checks import check as check
+    from rigtri.verification.diff.diff import diff as diff
 
 
 def __dir__() -> list[str]:

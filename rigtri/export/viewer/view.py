@@ -146,8 +146,8 @@ def _page(
     at; else it plays. UsageError where the files have more than ``limit`` megabytes.
     """
     _check_size(shown, limit)
-    carried = _Carried()
-    models = [carried.model(one) for one in shown]
+    elements = _Elements()
+    models = [elements.model(one) for one in shown]
     title = plain(" ← ".join(one.name for one in shown), one_line=True)
     content = {
         "title": title,
@@ -166,22 +166,22 @@ def _page(
         "title": html.escape(f"{title} – rigtri view"),
         "style": style,
         "licences": html.escape(_text("page.js.LICENSES.txt").strip(), quote=False),
-        "data": "\n".join([facts, *carried.elements]),
+        "data": "\n".join([facts, *elements.found]),
         "scripts": "\n".join(f"<script>{script}</script>" for script in scripts),
     }
     return re.sub(r"@([a-z]+)@", lambda found: words[found[1]], _text("page.html"))
 
 
-class _Carried:
+class _Elements:
     """Files as elements of the page, each under an id."""
 
     def __init__(self) -> None:
-        self.elements: list[str] = []
+        self.found: list[str] = []
 
     def add(self, content: bytes | Path) -> str:
-        name = f"file{len(self.elements)}"
+        name = f"file{len(self.found)}"
         text = base64.b64encode(_bytes(content)).decode("ascii")
-        self.elements.append(f'<script type="application/octet-stream" id="{name}">{text}</script>')
+        self.found.append(f'<script type="application/octet-stream" id="{name}">{text}</script>')
         return name
 
     def model(self, one: Shown) -> dict[str, Any]:
@@ -198,7 +198,7 @@ class _Carried:
 
 
 def _policy(scripts: Sequence[str], style: str, *, wasm: bool) -> str:
-    """What the page may do: run its own scripts, wear its own style, show what it carries."""
+    """What the page may do: run its own scripts, wear its own style, show what is in it."""
     run = [*map(_hash, scripts), *(["'wasm-unsafe-eval'"] if wasm else [])]
     return "; ".join(
         [

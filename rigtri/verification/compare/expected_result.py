@@ -1,8 +1,7 @@
 """The two questions about the result of an edit, asked before it takes its name.
 
 1. `compare_written`: is the written file the rig in memory? What an operation does not declare to change
-must look
-   as in the source; what it does declare is taken out of the comparison, or moved there, too.
+must look as in the source; what it does declare is taken out of the comparison, or moved there, too.
 2. `declared_differences`: how far does the result look otherwise than the source, in what is declared?
 """
 
@@ -197,8 +196,8 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
             rig = replace(rig, clips=(replace(played, tracks=()), *rig.clips))
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
     known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
-    notes = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
-    was = PosedView(source, replace(rig, keys=keys, metadata=notes), made, keys, range(len(rig)))
+    metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
+    was = PosedView(source, replace(rig, keys=keys, metadata=metadata), made, keys, range(len(rig)))
     found = motion_between(was, made)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
     if not others:

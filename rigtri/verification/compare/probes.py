@@ -39,7 +39,7 @@ class SampledPoses:
 
 
 class Probe(Protocol):
-    """Things whose distance in the two rigs is asked for; ``owners`` are the meshes they are of."""
+    """Things whose distance in the two rigs is measured; ``owners`` are the meshes they are of."""
 
     @property
     def titles(self) -> Sequence[str]: ...

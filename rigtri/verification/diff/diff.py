@@ -15,7 +15,7 @@ from rigtri.verification.compare.compare import verify as compare
 from rigtri.verification.diff.change import Change
 from rigtri.verification.diff.rig_diff import rig_changes
 
-# Lines of a group that are shown unless all are asked for.
+# Lines of a group that are shown unless ``every`` is.
 MOST = 8
 # Bytes compared at once.
 _BLOCK = 1 << 20
@@ -27,7 +27,7 @@ Terms = Literal["rig", "file"]
 class Difference:
     """All differences of two files; None where they were not compared in these terms.
 
-    looks: how far they look apart, None where nobody asked or nothing differs.
+    looks: how far they look apart, None where it was not measured.
     notices: what could not be compared, and why.
     """
 

@@ -51,7 +51,7 @@ def rig_changes(
         *_rest(before, after, m, tolerance),
         *_skins(before, after, m, tolerance),
         *mesh_changes(before, meshes, m, tolerance),
-        *_carried(before, after, m),
+        *_attachments(before, after, m),
         *clip_changes(before, after, m, tolerance),
         *_bound(before, after, m, tolerance),
         *_constraints(before, after, m, tolerance),
@@ -215,7 +215,7 @@ def _binds(before: Rig, m: Correspondence, skins: tuple[Skin, Skin], tolerance: 
         yield Change("bind pose", "changed", before.title(joint), text)
 
 
-def _carried(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
+def _attachments(before: Rig, after: Rig, m: Correspondence) -> Iterator[Change]:
     """What nodes show, where another node shows it now."""
     for k in np.flatnonzero(before.attachment >= 0).tolist():
         now, shown = int(m.node[k]), int(m.shown[k])
