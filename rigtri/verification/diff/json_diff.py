@@ -156,35 +156,16 @@ def _arrow(before: Any, after: Any) -> str:
 
 def spelled(value: Any) -> str:
     """A JSON value on one line, cut off where it is long."""
-    text = "".join(_spelled(value, [4 * SHOWN]))
+    text = _spelled(value)
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
 
 
-def _spelled(value: Any, left: list[int]) -> Iterator[str]:
-    """The text in pieces, no more of them than may be shown."""
-    if left[0] <= 0:
-        return
+def _spelled(value: Any) -> str:
     if isinstance(value, dict):
-        yield "{"
-        for number, (key, item) in enumerate(value.items()):
-            yield f"{', ' if number else ''}{json.dumps(key, ensure_ascii=False)}: "
-            left[0] -= len(key)
-            yield from _spelled(item, left)
-            if left[0] <= 0:
-                return
-        yield "}"
-    elif isinstance(value, list):
-        yield "["
-        for number, item in enumerate(value):
-            yield ", " if number else ""
-            yield from _spelled(item, left)
-            if left[0] <= 0:
-                return
-        yield "]"
-    else:
-        text = str(value) if isinstance(value, Token) else json.dumps(value, ensure_ascii=False)
-        left[0] -= len(text)
-        yield text[: 4 * SHOWN]
+        return f"{{{', '.join(f'{_spelled(key)}: {_spelled(item)}' for key, item in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_spelled, value))}]"
+    return str(value) if isinstance(value, Token) else json.dumps(value, ensure_ascii=False)
 
 
 def spelling_changes(before: str, after: str) -> Iterator[Change]:
