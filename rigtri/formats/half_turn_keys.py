@@ -7,18 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.maths.trigonometry import Floats
+from rigtri.maths.quaternions import dot
 
 # Quaternions whose dot product is nearer to 0 than this are half a turn apart up to rounding.
 HALF_TURN = 2.5e-7
 # No key is moved further than this to keep its way round.
 FAR = 1e-5
-
-
-def dots(a: Floats, b: Floats) -> Floats:
-    """Dot products of quaternions, (..., 4) → (...), in the same order of sums on every machine."""
-    product = a * b
-    return np.asarray(product[..., 0] + product[..., 1] + product[..., 2] + product[..., 3])
 
 
 def keep_way_round(rows: np.ndarray, k: int, *, negative: bool, limit: float = np.inf) -> None:
@@ -28,6 +22,6 @@ def keep_way_round(rows: np.ndarray, k: int, *, negative: bool, limit: float = n
     """
     sign, step = -1.0 if negative else 1.0, HALF_TURN
     first, then = rows[k].astype(np.float64), rows[k + 1].astype(np.float64)
-    while sign * float(dots(first, rows[k + 1].astype(np.float64))) < HALF_TURN and step < FAR:
+    while sign * float(dot(first, rows[k + 1].astype(np.float64))) < HALF_TURN and step < FAR:
         rows[k + 1] = np.clip(then + sign * step * first, -limit, limit)
         step += HALF_TURN

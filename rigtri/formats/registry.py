@@ -52,7 +52,7 @@ def references(path: Path) -> list[str]:
     if path.suffix.lower() not in GLTF_SUFFIXES:
         return []
     from rigtri.formats.gltf.container import open_container
-    from rigtri.formats.gltf.resources import names
+    from rigtri.formats.gltf.uris import names
 
     return names(open_container(path).gltf, path)
 

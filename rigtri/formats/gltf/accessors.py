@@ -76,7 +76,7 @@ class Accessors:
         self._file = gltf.where
         self._items = gltf.object().get("accessors", [])
         self._views = gltf.object().get("bufferViews", [])
-        self._plain_views: dict[int, tuple[int, int, int, int] | None] = {}
+        self._known_views: dict[int, tuple[int, int, int, int]] = {}
         self._layouts: dict[int, Layout] = {}
         self._floats: dict[int, Floats] = {}
         self._decoded: dict[int, memoryview] = {}
@@ -100,8 +100,8 @@ class Accessors:
         """Let go of where very many numbers lie: of 200,000 accessors that is as much as their JSON."""
         if len(self._layouts) > MOST_LAYOUTS:
             self._layouts.clear()
-        if len(self._plain_views) > MOST_LAYOUTS:
-            self._plain_views.clear()
+        if len(self._known_views) > MOST_LAYOUTS:
+            self._known_views.clear()
 
     def span(self, view: int) -> tuple[int, int, int]:
         """Buffer, start and end of a buffer view. FileError where it is not to be had."""
@@ -174,35 +174,17 @@ class Accessors:
         if not (type(component) is type(count) is type(view) is type(offset) is int and type(kind) is str):
             return None
         width, item = WIDTHS.get(kind), COMPONENTS.get(component)
-        seen = self._plain_view(view)
-        if width is None or item is None or seen is None or count < 1 or offset < 0:
+        if width is None or item is None or count < 1 or view < 0 or offset < 0:
             return None
-        buffer, start, length, stride = seen
+        buffer, start, length, stride = self._view(view)
+        if buffer < 0:
+            return None
         size = item.itemsize * width
         stride = stride or size
         if stride < size or offset + stride * (count - 1) + size > length:
             return None
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
         return Layout(component, width, count, normalized, sparse, view, buffer, start + offset, stride)
-
-    def _plain_view(self, index: int) -> tuple[int, int, int, int] | None:
-        """As `_view`, None for what is not plain, or is wrong; read once, as many accessors share it."""
-        if index not in self._plain_views:
-            self._plain_views[index] = self._read_plain_view(index)
-        return self._plain_views[index]
-
-    def _read_plain_view(self, index: int) -> tuple[int, int, int, int] | None:
-        if not 0 <= index < len(self._views):
-            return None
-        view = self._views[index]
-        buffer, start, length = view.get("buffer"), view.get("byteOffset", 0), view.get("byteLength")
-        stride = view.get("byteStride", 0)
-        if not type(buffer) is type(start) is type(length) is type(stride) is int or "extensions" in view:
-            return None
-        fits = 0 <= buffer < len(self.buffers) and min(start, length, stride) >= 0
-        if not fits or start + length > self.buffers.length(buffer):
-            return None
-        return buffer, start, length, stride
 
     def _lay(self, accessor: Value) -> Layout:
         raw = accessor.object()
@@ -234,7 +216,12 @@ class Accessors:
 
     def _view(self, index: int) -> tuple[int, int, int, int]:
         """Buffer, offset, length and stride (0: none) of a buffer view; buffer −1 for a compressed one."""
-        view = self._view_value(index)
+        # Many accessors share one.
+        if index not in self._known_views:
+            self._known_views[index] = self._read_view(self._view_value(index))
+        return self._known_views[index]
+
+    def _read_view(self, view: Value) -> tuple[int, int, int, int]:
         buffer = view.natural("buffer")
         if buffer >= len(self.buffers):
             view.fail(f"there is no buffer {buffer}, the file has {len(self.buffers)}")

@@ -139,9 +139,14 @@ class ClipReader:
             if target in seen:
                 refuse(f"{place}:", twice_violation(title(self._nodes, node), path, seen[target]))
             seen[target] = index
-            track = self._track(channel, samplers, target, (number, index), place)
-            if track is not None:
-                tracks.append(track)
+            try:
+                tracks.append(self._track(channel, samplers, target, (number, index), place))
+            except FileError as error:
+                if path != "weights":
+                    raise
+                # Morph weights are only looked at; nothing wrong with them may cost an edit of the rig.
+                text = f"{error} (morph weights are kept, but not checked)"
+                self._notices.append(Notice("weights-unread", text))
         return Clip(name, tuple(tracks), key=number)
 
     def _wonder(self, channel: dict[str, Any], place: str) -> None:
@@ -157,32 +162,12 @@ class ClipReader:
         self,
         channel: dict[str, Any],
         samplers: list[Any],
-        target: tuple[int, str],
-        key: tuple[int, int],
-        place: str,
-    ) -> Track | None:
-        node, path = target
-        if path != "weights":
-            return self._read_track(channel, samplers, node, path, WIDTH[path], key, place)
-        # Morph weights are only looked at; nothing wrong with them may cost an edit of the rig.
-        try:
-            targets = self._morph_targets(node, place)
-            return self._read_track(channel, samplers, node, path, targets, key, place)
-        except FileError as error:
-            text = f"{error} (morph weights are kept, but not checked)"
-            self._notices.append(Notice("weights-unread", text))
-            return None
-
-    def _read_track(
-        self,
-        channel: dict[str, Any],
-        samplers: list[Any],
-        node: int,
-        path: Any,
-        width: int,
+        target: tuple[int, Any],
         key: tuple[int, int],
         place: str,
     ) -> Track:
+        node, path = target
+        width = WIDTH.get(path) or self._morph_targets(node, place)
         number: Any = channel.get("sampler")
         if violation := sampler_violation(number, len(samplers)):
             refuse(f"{place}:", violation)
@@ -216,15 +201,12 @@ class ClipReader:
                 refuse(f"{place}:", violation)
             content, known = times.tobytes(), self._known.get(index)
             if content not in self._rising:
-                self._check_times(times[:, 0], place)
+                for violation in time_violations(times[:, 0], lenient=self._lenient):
+                    refuse(f"{place}:", violation)
                 self._rising.add(content)
             times = times[:, 0] if known is None or known.tobytes() != content else known
             self.times[index] = times
         return times
-
-    def _check_times(self, times: Floats, place: str) -> None:
-        for violation in time_violations(times, lenient=self._lenient):
-            refuse(f"{place}:", violation)
 
     def _output(self, index: Any, place: str) -> Floats:
         values = self._values.get(index) if type(index) is int else None

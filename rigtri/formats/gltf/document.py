@@ -32,7 +32,6 @@ from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
-from rigtri.formats.gltf.resources import accompany, files, missing, relink
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
 from rigtri.formats.gltf.skin_weight_writer import WeightWriter
@@ -43,7 +42,7 @@ from rigtri.formats.gltf.structure import (
     shows,
     unknown_extension,
 )
-from rigtri.formats.gltf.uris import decode_data, file_of, is_data
+from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
 from rigtri.formats.json_values import Value
 from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm1 import read_bindings

@@ -12,8 +12,7 @@ from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.formats.document import FOUR, Embedded
-from rigtri.formats.gltf.resources import uris
-from rigtri.formats.gltf.uris import file_of, is_data, is_there, why_absent
+from rigtri.formats.gltf.uris import file_of, is_data, is_there, uris, why_absent
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.json_values import Value
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.formats.half_turn_keys import HALF_TURN, dots, keep_way_round
-from rigtri.maths.quaternions import norm, normalise_for_storage
+from rigtri.formats.half_turn_keys import HALF_TURN, keep_way_round
+from rigtri.maths.quaternions import dot, norm, normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 
@@ -84,7 +84,7 @@ def _keep_ways_round(before: Sequence[Track], rows: Singles) -> None:
     rows: the rotations of all tracks, one after the other; changed in place.
     """
     exact = rows.astype(np.float64)
-    near = np.flatnonzero(np.abs(dots(exact[:-1], exact[1:])) < HALF_TURN)
+    near = np.flatnonzero(np.abs(dot(exact[:-1], exact[1:])) < HALF_TURN)
     if not len(near):
         return
     ends = np.cumsum([len(track.values) for track in before])
@@ -100,6 +100,6 @@ def _nudge(rows: Singles, before: Floats) -> None:
     # decides.
     size = norm(before)[:, np.newaxis]
     turns = before / np.where(size > 0, size, 1.0)
-    negative = dots(turns[:-1], turns[1:]) < 0
+    negative = dot(turns[:-1], turns[1:]) < 0
     for k, below in enumerate(negative.tolist()):
         keep_way_round(rows, k, negative=below, limit=1.0)

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.half_turn_keys import HALF_TURN, dots, keep_way_round
+from rigtri.formats.half_turn_keys import HALF_TURN, keep_way_round
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
@@ -18,7 +18,7 @@ from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.animation_reader import HELD, Animation
 from rigtri.formats.usd.reading.node_keys import parts
 from rigtri.formats.usd.reading.source import Source
-from rigtri.maths.quaternions import norm
+from rigtri.maths.quaternions import dot, norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.report import Notice
@@ -164,8 +164,8 @@ def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> N
 
     USD takes the shorter arc, which the sign of a dot product decides; rows change in place.
     """
-    near = np.abs(dots(rows[:-1].astype(np.float64), rows[1:].astype(np.float64))) < HALF_TURN
-    negative = dots(before[:-1], before[1:]) < 0
+    near = np.abs(dot(rows[:-1].astype(np.float64), rows[1:].astype(np.float64))) < HALF_TURN
+    negative = dot(before[:-1], before[1:]) < 0
     for k in np.flatnonzero(near & changed[1:]).tolist():
         keep_way_round(rows, k, negative=bool(negative[k]))
 

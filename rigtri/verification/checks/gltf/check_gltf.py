@@ -6,15 +6,14 @@ from pathlib import Path
 
 from rigtri.errors import FileError
 from rigtri.formats.gltf.container import Container, open_container
-from rigtri.formats.gltf.resources import absent
 from rigtri.formats.gltf.structure import unknown_required
+from rigtri.formats.gltf.uris import absent
 from rigtri.formats.json_values import short_repr
-from rigtri.verification.checks.cycle_check import check_cycles
+from rigtri.verification.checks.cycle_check import WAITING, check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
     animations,
     meshes,
-    metadata,
     nodes,
     references,
     skins,
@@ -22,6 +21,7 @@ from rigtri.verification.checks.gltf import (
     vrm,
 )
 from rigtri.verification.checks.gltf.tolerant_reader import View
+from rigtri.verification.checks.metadata_check import broken, unknown
 
 _NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
 
@@ -43,8 +43,8 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         references.check_types(view)
         vrm.check(view)
         spring_bones.check(view)
-        metadata.check(view)
-        if metadata.waiting(view):
+        _check_metadata(view)
+        if _waits(view):
             check_cycles(path, "gltf.note.circle", findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
@@ -96,3 +96,32 @@ def _texts(view: View, key: str) -> set[str]:
             place = f"{key}/{number}"
             view.file.add("gltf.json.value", f"/{place} should be a text, not {short_repr(item)}", place)
     return found
+
+
+def _check_metadata(view: View) -> None:
+    """The ``extras.rigtri`` of all nodes."""
+    known = {node["name"] for node in view.nodes if isinstance(node.get("name"), str)}
+    for index, node in enumerate(view.nodes):
+        extras = node.get("extras")
+        if isinstance(extras, dict) and "rigtri" in extras:
+            why = broken(extras["rigtri"], lambda name: name in known or _address(view, name))
+            newer = unknown(extras["rigtri"])
+            if why or newer:
+                rule = "gltf.note.broken" if why else "gltf.note.unknown"
+                view.add(rule, view.title(index), f"/nodes/{index}/extras/rigtri", why or newer)
+
+
+def _waits(view: View) -> bool:
+    """Whether some node follows or moves another one."""
+    stored = [extras.get("rigtri") for node in view.nodes if isinstance(extras := node.get("extras"), dict)]
+    return any(isinstance(note, dict) and note.get("type") in WAITING for note in stored)
+
+
+def _address(view: View, name: str) -> bool:
+    """Whether a path ends in a node's name, or NAME#INDEX is a node of that name."""
+    word, _, number = name.rpartition("#")
+    if not number.isdecimal():
+        last = name.rpartition("/")[2]
+        return name.startswith("/") and any(node.get("name") == last for node in view.nodes)
+    index = int(number)
+    return index < len(view.nodes) and (not word or view.nodes[index].get("name") == word)

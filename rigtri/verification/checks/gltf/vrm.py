@@ -1,6 +1,6 @@
 """VRM 0.x, VRM 1.0 and VRMA: humanoid bones, expressions, first person.
 
-Source: VRM 0.0 README; VRMC_vrm 1.0; VRMC_vrm_animation 1.0.
+Source: VRM 0.0 README, "Defined Bones"; VRMC_vrm 1.0; VRMC_vrm_animation 1.0.
 """
 
 from __future__ import annotations
@@ -11,13 +11,68 @@ import numpy as np
 
 from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
-from rigtri.verification.checks.gltf.humanoid_bones import ABOVE, ABOVE_0, REQUIRED, REQUIRED_0, needs_parent
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
 TURNED = 1e-4
 _PERSON = ("auto", "both", "thirdPersonOnly", "firstPersonOnly")
 _PERSON_0 = ("Auto", "Both", "ThirdPersonOnly", "FirstPersonOnly")
+
+
+# --- the bones of humanoids: which there are, which must be there, and which is above which
+
+_TRUNK = {
+    "hips": "",
+    "spine": "hips",
+    "chest": "spine",
+    "upperChest": "chest",
+    "neck": "upperChest",
+    "head": "neck",
+    "leftEye": "head",
+    "rightEye": "head",
+    "jaw": "head",
+}
+_LIMBS = {
+    "UpperLeg": "hips",
+    "LowerLeg": "UpperLeg",
+    "Foot": "LowerLeg",
+    "Toes": "Foot",
+    "Shoulder": "upperChest",
+    "UpperArm": "Shoulder",
+    "LowerArm": "UpperArm",
+    "Hand": "LowerArm",
+}
+_FINGERS = ("Index", "Middle", "Ring", "Little")
+_REQUIRED_LIMBS = ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm", "Hand")
+_REQUIRED = ("hips", "spine", "head")
+
+
+def _above(thumb: tuple[str, str, str]) -> dict[str, str]:
+    """Every bone with the bone above it. thumb: its segments from the hand on."""
+    found = dict(_TRUNK)
+    for side in ("left", "right"):
+        for bone, parent in _LIMBS.items():
+            found[side + bone] = parent if parent in _TRUNK else side + parent
+        chains = [
+            [f"{finger}{part}" for part in ("Proximal", "Intermediate", "Distal")] for finger in _FINGERS
+        ]
+        for chain in (*chains, [f"Thumb{part}" for part in thumb]):
+            for bone, parent in zip(chain, ["Hand", *chain], strict=False):
+                found[side + bone] = side + parent
+    return found
+
+
+ABOVE: Mapping[str, str] = _above(("Metacarpal", "Proximal", "Distal"))
+ABOVE_0: Mapping[str, str] = _above(("Proximal", "Intermediate", "Distal"))
+REQUIRED = (*_REQUIRED, *(side + bone for side in ("left", "right") for bone in _REQUIRED_LIMBS))
+REQUIRED_0 = (*REQUIRED, "chest", "neck")
+
+
+def _needs_parent(bone: str) -> bool:
+    """Whether a bone may only be there together with the one above it."""
+    return bone == "upperChest" or bone.endswith(("Intermediate", "Distal")) or (
+        "Thumb" in bone and bone.endswith("Proximal")
+    )  # fmt: skip
 
 
 def check(view: View) -> None:
@@ -40,7 +95,7 @@ def _check_1(view: View, vrm: Item) -> None:
     found = _human_bones(bones, "vrm.humanoid.bone-unknown")
     _check_humanoid(view, found, REQUIRED, ABOVE, bones.pointer)
     for bone, node in found.items():
-        if bone in ABOVE and ABOVE[bone] not in found and needs_parent(bone):
+        if bone in ABOVE and ABOVE[bone] not in found and _needs_parent(bone):
             text = f"is assigned to {view.title(node)}, but {ABOVE[bone]} is not assigned"
             view.add("vrm.humanoid.parent-missing", f"bone {bone}", f"{bones.pointer}/{bone}", text)
     _check_scales(view, found)
