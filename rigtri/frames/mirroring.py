@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -21,15 +21,15 @@ from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length
+from rigtri.maths.vectors import dot, length, triple
 from rigtri.model.joint_names import Side, side, twin
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
 Mirror = Literal["behavior", "orientation", "blender"]
-MIRRORS: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
+MIRRORS: tuple[Mirror, ...] = get_args(Mirror)
 Plane = Literal["yz", "xz", "xy"]
-PLANES: tuple[Plane, ...] = ("yz", "xz", "xy")
+PLANES: tuple[Plane, ...] = get_args(Plane)
 _BONE = {"left": "right", "right": "left"}
 # Shares of a character's size: what tools leave of symmetry, what an artist does, and what no one would
 # call standing on the plane.
@@ -193,8 +193,7 @@ def _tried(
     if at is None:
         at = _between(points, normal, origin, size) / unit
         at = _rounded(at, size / unit)
-    x, y, z = normal.tolist()
-    across = Across((x, y, z), origin + at * unit)
+    across = Across(triple(normal), origin + at * unit)
     return Parting(across, at, own, not requested and at != 0.0, _most(points, across, LOOSE * size))
 
 
@@ -204,8 +203,7 @@ def _between(points: tuple[Floats, Floats], normal: Floats, origin: float, size:
     if not len(here):
         return 0.0
     middle = float(np.median(dot(here + there, normal))) / 2.0 - origin
-    x, y, z = normal.tolist()
-    about = Across((x, y, z), origin + middle)
+    about = Across(triple(normal), origin + middle)
     # A guess that only some pairs bear out has to be far from the plane that everyone expects.
     tight, loose = (_most(points, about, share * size) for share in (TOLERANCE, LOOSE))
     least = TOLERANCE if tight else LOOSE if loose else AWAY

@@ -130,6 +130,12 @@ def unit_of(numbers: Sequence[float]) -> list[float] | None:
     return [x / size, y / size, z / size]
 
 
+def triple(v: Floats) -> tuple[float, float, float]:
+    """A vector, (3,), as three plain numbers."""
+    x, y, z = v.tolist()
+    return x, y, z
+
+
 def project(point: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
     """The point of the line through ``start`` and ``end`` nearest to ``point``, (..., 3).
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import sqrt
-from typing import Literal
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
 from rigtri.model.joint_names import twin
 from rigtri.model.rig import Rig
+from rigtri.operations.options.orient_joints import Branch, End
 from rigtri.recognition.limbs import Limb
 
 # A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
@@ -25,8 +25,6 @@ AVERAGE_OFF = 0.5
 # … or shorter than this share of the children's mean length.
 AVERAGE_SHORT = 0.3
 
-Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
-End = Literal["tip", "parent", "incoming", "keep", "world"]
 _EYES = ("leftEye", "rightEye")
 
 

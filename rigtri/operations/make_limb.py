@@ -16,7 +16,7 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.matrices import determinant
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project
+from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
 from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
@@ -66,7 +66,7 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     if options.pole:
         limb = Limb(joints[0], joints[shape.middle], joints[-1])
         # Where the points themselves show no side, their joints, rounded, must not show one either.
-        bends = {rig.address(limb.middle): _triple(shape.side)} if shape.source == "given" else {}
+        bends = {rig.address(limb.middle): triple(shape.side)} if shape.source == "given" else {}
         pole_options = replace(options.placement, limb=(limb,), chain=(), limbs=None, bend=bends)
         rig = add_polevector(rig, options=pole_options, report=report)
     return rig
@@ -336,8 +336,3 @@ def _record(rig: Rig, node: int, shape: _Shape, part: int, *, new: bool) -> dict
         "axes": [[float(x) for x in axis] for axis in normalise(world[:3, :3])],
         "moved": float(shape.moved[part]),
     }
-
-
-def _triple(direction: Floats) -> Point:
-    x, y, z = direction.tolist()
-    return x, y, z

@@ -96,10 +96,6 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     return _Rivet(rig, record.name, seat, ground.size, options_of(record), report, frozenset(clips)).built()
 
 
-def _listed(numbers: Sequence[float]) -> str:
-    return ",".join(f"{number:g}" for number in numbers)
-
-
 def _names(rig: Rig, options: AddRivetOptions, ground: _Ground) -> list[str]:
     if len(options.name) == options.count:
         return list(options.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.operations.declaration.option import Nodes, Number, OnConstraint, OnNonuniformScale, option
@@ -15,16 +15,7 @@ if TYPE_CHECKING:
 
 What = Literal["limbs", "joints", "controls", "polevectors", "twists", "constraints", "rivets", "posereaders"]
 # In the order in which they are mirrored: each may be about nodes of those before.
-WHAT: tuple[What, ...] = (
-    "limbs",
-    "joints",
-    "controls",
-    "polevectors",
-    "twists",
-    "constraints",
-    "rivets",
-    "posereaders",
-)
+WHAT: tuple[What, ...] = get_args(What)
 
 
 @dataclass(frozen=True)

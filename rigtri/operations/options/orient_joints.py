@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
@@ -30,10 +30,11 @@ from rigtri.operations.declaration.option import (
 )
 
 if TYPE_CHECKING:
-    from rigtri.operations.aim_targets import Branch
     from rigtri.operations.joint_selection import Selection
 
-BRANCHES = ("chain", "first", "average", "longest", "incoming", "keep")
+Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
+BRANCHES: tuple[Branch, ...] = get_args(Branch)
+End = Literal["tip", "parent", "incoming", "keep", "world"]
 # Options that say where axes go, which frames from elsewhere have said already.
 _GEOMETRY = ("preset", *AXES, "aim_at", "branch", "end", "per_joint_plane", "facing", "world")
 
@@ -111,9 +112,7 @@ class OrientJointsOptions:
         help="At several children: chain, first, average, longest, incoming, keep, or the NAME of "
         "a child. [chain]",
     )
-    end: Literal["tip", "parent", "incoming", "keep", "world"] = option(
-        "tip", help="What a joint without child aims at."
-    )
+    end: End = option("tip", help="What a joint without child aims at.")
     per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).")
     facing: Facing | None = option(None)
     pose: str | None = option(
@@ -188,8 +187,7 @@ class OrientJointsOptions:
     @property
     def branch_rule(self) -> Branch:
         """What a joint with several children aims at, where none of them is named."""
-        rules: list[Any] = [word for word in self.branch if word in BRANCHES]
-        return rules[-1] if rules else "chain"
+        return next((rule for rule in BRANCHES if rule in self.branch), "chain")
 
     @property
     def branch_to(self) -> tuple[str, ...]:

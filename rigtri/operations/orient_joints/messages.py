@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,27 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection
-from rigtri.operations.orient_joints.requested_frames import RequestedFrames
+from rigtri.operations.orient_joints.bend_planes import UpDirections
+from rigtri.operations.orient_joints.dead_band import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, first_uneven
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.report import Report
 from rigtri.text import and_more, listed
+
+
+@dataclass(frozen=True, eq=False)
+class RequestedFrames:
+    """joints: those that have a delta. delta: (n, 4), identity for joints that already have their axes.
+
+    straight: per joint of a limb or chain without a plane of its own, its name and the sine of its bend.
+    """
+
+    joints: list[int]
+    delta: Floats
+    band: DeadBand
+    ups: UpDirections
+    straight: dict[int, tuple[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

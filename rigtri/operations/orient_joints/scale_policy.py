@@ -31,7 +31,7 @@ from rigtri.maths.quaternions import (
 )
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
-from rigtri.maths.vectors import angle, cross, dot
+from rigtri.maths.vectors import angle, cross, dot, triple
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
@@ -218,9 +218,9 @@ class Uneven:
 
 def first_uneven(rig: Rig, node: int, scales: ScaleTable) -> Uneven:
     """Where the scale of a node that has one is first seen not to be uniform."""
-    found = [Uneven(_three(scales.rows[node]))]
+    found = [Uneven(triple(scales.rows[node]))]
     found += [
-        Uneven(_three(row), clip.name or f"#{k}", float(time))
+        Uneven(triple(row), clip.name or f"#{k}", float(time))
         for k, clip in enumerate(rig.clips)
         for track in clip.tracks
         if track.node == node and track.path == "scale"
@@ -231,8 +231,3 @@ def first_uneven(rig: Rig, node: int, scales: ScaleTable) -> Uneven:
     spread = np.ptp(rows * scales.sign[node], axis=1) / np.where(largest == 0, 1.0, largest)
     over = spread > scales.same[node]
     return found[int(np.argmax(over if over.any() else spread))]
-
-
-def _three(row: Floats) -> tuple[float, float, float]:
-    x, y, z = row.tolist()
-    return x, y, z
