@@ -1,22 +1,47 @@
-"""The `operation` decorator: calls with an options object or with keywords, and the report."""
+"""The `operation` decorator: calls with an options object or with keywords, and the report.
+
+Values of keywords are plain ones or those of the fields: a direction may be an axis, a list of names one
+name, and what has fields a mapping.
+"""
 
 from __future__ import annotations
 
+import collections.abc
 import functools
 import inspect
-from collections.abc import Callable
-from dataclasses import MISSING, replace
-from typing import Any, Protocol, TypeVar
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import MISSING, fields, is_dataclass, replace
+from difflib import get_close_matches
+from numbers import Integral
+from typing import Annotated, Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
 from rigtri.errors import UsageError
+from rigtri.limits import LARGEST, fits
+from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.keywords import defaults, from_keywords
-from rigtri.operations.declaration.option import check, described, options_of
+from rigtri.operations.declaration.option import (
+    Vector,
+    check,
+    default_of,
+    described,
+    direction,
+    hints_of,
+    options_of,
+)
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
+T = TypeVar("T")
+_WORDS: dict[Any, tuple[type, str]] = {
+    bool: (bool, "True or False"),
+    str: (str, "a text"),
+    int: (Integral, "a whole number"),
+}
 
 
 class Operation(Protocol[O_contra]):
@@ -103,3 +128,91 @@ def _signature(function: Callable[..., Rig], kind: type | None) -> inspect.Signa
         for word, default in defaults(kind).items()
     ]
     return own.replace(parameters=[*first, *both, *words])
+
+
+def defaults(kind: type) -> dict[str, Any]:
+    """The keywords of ``kind`` with their defaults; dataclasses.MISSING where there is none."""
+    return {field.name: default_of(field) for field in fields(kind)}
+
+
+def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
+    """The options of the operation ``name`` from keywords.
+
+    Raises TypeError for a keyword that does not exist or is missing, UsageError for a value of another type.
+    """
+    known, hints = defaults(kind), hints_of(kind)
+    for keyword in keywords:
+        if keyword not in known:
+            close = get_close_matches(keyword, known, n=1)
+            hint = f"; did you mean '{close[0]}'?" if close else ""
+            raise TypeError(f"{name}() has no option '{keyword}'{hint}")
+    for keyword, default in known.items():
+        if default is MISSING and keyword not in keywords:
+            raise TypeError(f"{name}() needs {keyword}")
+    return kind(**{word: _fitted(hints[word], value, word) for word, value in keywords.items()})
+
+
+def _fitted(hint: Any, value: Any, word: str) -> Any:
+    """A value as its field has it; UsageError, in the user's words, where it cannot be that."""
+    outer, inner = typing.get_origin(hint), typing.get_args(hint)
+    if outer is Annotated:
+        return _fitted(inner[0], value, word)
+    if outer in (types.UnionType, typing.Union):
+        return _one_of(inner, value, word)
+    if outer is tuple:
+        return _row(hint, inner, value, word)
+    if is_dataclass(hint) and isinstance(value, Mapping):
+        return from_keywords(typing.cast(type, hint), value, word)
+    if outer is collections.abc.Mapping and isinstance(value, Mapping):
+        return {name: _fitted(inner[1], each, f"{word}[{name!r}]") for name, each in value.items()}
+    fitting, words = _plain(hint, value)
+    if not fitting:
+        raise UsageError(f"{word}={value!r}: give {words}")
+    return value
+
+
+def _plain(hint: Any, value: Any) -> tuple[bool, str]:
+    """Whether a value has a type, and what that is in words."""
+    outer, inner = typing.get_origin(hint), typing.get_args(hint)
+    if outer is Literal:
+        return value in inner, f"one of {', '.join(map(repr, inner))}"
+    if outer is collections.abc.Mapping:
+        return False, "a mapping from names, e.g. {'name': value}"
+    if is_dataclass(hint):
+        kind = typing.cast(type, hint)
+        return isinstance(value, kind), f"a mapping with {', '.join(defaults(kind))}"
+    if hint is float:
+        return not isinstance(value, bool) and fits(value), f"a finite number, at most {LARGEST:g}"
+    kind, words = _WORDS.get(hint, (object, ""))
+    return isinstance(value, kind) and (hint is bool or not isinstance(value, bool)), words
+
+
+def _one_of(inner: tuple[Any, ...], value: Any, word: str) -> Any:
+    """The value as the first of several types that it has; as the last where it has none."""
+    if value is None and type(None) in inner:
+        return None
+    *first, last = (hint for hint in inner if hint is not type(None))
+    for hint in first:
+        with suppress(UsageError):
+            return _fitted(hint, value, word)
+    if Limb in first and (isinstance(value, str) or not isinstance(value, Sequence) or len(value) != 3):
+        raise UsageError(f"{word}={value!r}: give three joints: root, middle, end")
+    return _fitted(last, value, word)
+
+
+def _row(hint: Any, inner: tuple[Any, ...], value: Any, word: str) -> tuple[Any, ...]:
+    """Several values: any number of a kind, or one of each."""
+    if isinstance(value, str):
+        if hint == Vector:
+            try:
+                return direction(value)
+            except ValueError as error:
+                raise UsageError(f"{word}: {error}") from None
+        value = (value,)
+    if not isinstance(value, Iterable) or isinstance(value, Mapping):
+        raise UsageError(f"{word}={value!r}: give a list")
+    values = tuple(value)
+    kinds = inner[:1] * len(values) if inner[-1] is Ellipsis else inner
+    if len(kinds) != len(values):
+        raise UsageError(f"{word}={value!r}: give {len(kinds)} values")
+    return tuple(_fitted(kind, each, word) for kind, each in zip(kinds, values, strict=True))

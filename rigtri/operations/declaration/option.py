@@ -1,7 +1,7 @@
 """Options of an operation: the fields of a frozen dataclass, each with its kind, help and default.
 
 Commands (`cli/operation_options.py`), rig specs (`rigtri.pipeline.rigspec.models.steps`) and the keywords
-of the library (`rigtri.operations.declaration.keywords`) are derived from them. The field's name is the
+of the library (`rigtri.operations.operation`) are derived from them. The field's name is the
 option's everywhere: ``max_influences`` is ``--max-influences`` and the key ``max-influences``, ``from_`` is
 ``--from``.
 """

@@ -22,7 +22,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import STEADFAST
-from rigtri.operations.orient_joints.dead_band import UNCHANGED, DeadBand
+from rigtri.operations.orient_joints.joint_frames import UNCHANGED, DeadBand
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
 from rigtri.text import and_more

@@ -18,7 +18,7 @@ from rigtri.maths.vectors import angle, length
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
-from rigtri.operations.orient_joints.dead_band import DeadBand
+from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, first_uneven
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text

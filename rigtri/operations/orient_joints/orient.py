@@ -26,14 +26,13 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints import messages
 from rigtri.operations.orient_joints.bend_planes import UpDirections, bend_planes
 from rigtri.operations.orient_joints.constraint_policy import apply_constraint_policy
-from rigtri.operations.orient_joints.dead_band import dead_band, like_dead_band
 from rigtri.operations.orient_joints.frame_sources import (
     like_deltas,
     mirrored_deltas,
     stored_deltas,
     stored_splits,
 )
-from rigtri.operations.orient_joints.joint_frames import joint_frames
+from rigtri.operations.orient_joints.joint_frames import dead_band, joint_frames, like_dead_band
 from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
 from rigtri.operations.orient_joints.targets import Targets, find_targets
