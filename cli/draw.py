@@ -126,7 +126,7 @@ def command(source: str, output: str, **values: Any) -> None:
 
 def _draw_options(values: dict[str, Any]) -> DrawOptions:
     from rigtri.export.drawing.picture import DrawOptions
-    from rigtri.operations.joint_selection import Selection
+    from rigtri.operations.declaration import Selection
 
     selection = Selection(**{name: values[name] for name in ("joints", "chains", "below", "skin", "exclude")})
     kept = {name: values[name] for name in ("at", "names", "arrows", "mesh", "size")}

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from rigtri.operations.declaration.option import made
+from rigtri.operations.declaration import made
 from rigtri.report import Report
 
 from .editing import copy_ahead, run_edit

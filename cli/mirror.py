@@ -20,7 +20,7 @@ from typing import Any
 import click
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import made
+from rigtri.operations.declaration import made
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.report import Report
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import click
 
-from rigtri.operations.declaration.option import Kind, Option, options_of
+from rigtri.operations.declaration import Kind, Option, options_of
 
 from .values import Number, Parsed, Tolerance
 

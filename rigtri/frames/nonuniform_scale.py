@@ -159,8 +159,8 @@ def _signs(rig: Rig) -> Floats:
     if not rig.has_matrix.any():
         return sign
     mirrored = np.where(determinant(rig.matrix) < 0, -1.0, 1.0)[:, np.newaxis]
-    unsaid = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
-    return np.where(unsaid, mirrored, sign)
+    unknown = rig.has_matrix[:, np.newaxis] & (sign.prod(axis=1, keepdims=True) != mirrored)
+    return np.where(unknown, mirrored, sign)
 
 
 def _scale_rows(track: Track) -> Floats:

@@ -59,15 +59,15 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
     ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
     others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
-    unsaid = []
+    undecided = []
     for limb in limbs:
         found = _bend(rig, limb, ref, options, others, bends.get(limb))
         if found is None:
-            unsaid.append(limb)
+            undecided.append(limb)
             continue
         rig = _place(rig, limb, ref, found, options, report)
-    if unsaid:
-        raise GeometryError(_straight_message(rig, unsaid, ref))
+    if undecided:
+        raise GeometryError(_straight_message(rig, undecided, ref))
     return rig
 
 

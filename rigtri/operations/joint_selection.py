@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import chain_child
+from rigtri.operations.declaration import Selection
 from rigtri.recognition.limbs import along
 
 _EYES = ("leftEye", "rightEye")
@@ -21,25 +21,6 @@ LONE = "lone end joint beside siblings"
 STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
 
 
-@dataclass(frozen=True)
-class Selection:
-    """Joints as the user names them; empty means all that turn unnamed.
-
-    joints: names or globs. chains: (start, end) pairs. below: joints with all
-    under them. skin: only joints of this skin. exclude: names or globs.
-    """
-
-    joints: tuple[str, ...] = ()
-    chains: tuple[tuple[str, str], ...] = ()
-    below: tuple[str, ...] = ()
-    skin: str | None = None
-    exclude: tuple[str, ...] = ()
-
-    @property
-    def named(self) -> bool:
-        return bool(self.joints or self.chains or self.below)
-
-
 def select(
     tree: Skeleton, ref: ReferencePose, selection: Selection, *, all_named: bool = False
 ) -> tuple[list[int], dict[int, str]]:
@@ -50,7 +31,7 @@ def select(
     """
     rig = tree.rig
     _check_named(rig, selection)
-    stays = _Stays(tree, ref)
+    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)
@@ -65,8 +46,8 @@ def select(
             kept[joint] = "not in the skin"
         elif joint in rig.rules.fixed:
             kept[joint] = rig.rules.fixed[joint]
-        elif not selection.named and not all_named and (reason := stays.why(joint)):
-            kept[joint] = reason
+        elif joint in stays:
+            kept[joint] = stays[joint]
         else:
             turning.append(joint)
     return turning, kept
@@ -115,32 +96,22 @@ def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
     raise NameNotFoundError("skin", name, [skin.name for skin in rig.skins])
 
 
-class _Stays:
+def _unnamed_stay(tree: Skeleton, ref: ReferencePose) -> dict[int, str]:
     """Why joints that nobody named keep their axes."""
-
-    def __init__(self, tree: Skeleton, ref: ReferencePose) -> None:
-        self._tree, self._ref = tree, ref
-        self._eyes = {tree.rig.humanoid[eye] for eye in _EYES if eye in tree.rig.humanoid}
-        self._driven = {c.node for c in tree.rig.node_constraints if c.kind == "roll"}
-        self._carrying: dict[int, int] = {}
-
-    def why(self, joint: int) -> str:
-        """The reason, or "" where the joint turns."""
-        tree, above = self._tree, self._tree.above[joint]
+    eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
+    driven = {c.node for c in tree.rig.node_constraints if c.kind == "roll"}
+    carrying = {joint: sum(bool(tree.carries[k]) for k in below) for joint, below in tree.below.items()}
+    found = {}
+    for joint in tree.joints:
+        above = tree.above[joint]
         if above < 0:
-            return ROOT
-        if not tree.carries[joint]:
-            return WEIGHTLESS
-        if joint in self._eyes:
-            return EYE
-        if joint in self._driven:
-            return "a roll constraint drives it"
-        if not tree.below[joint] and self._siblings(above) and chain_child(tree, self._ref, above) != joint:
-            return LONE
-        return ""
-
-    def _siblings(self, above: int) -> bool:
-        """Whether a joint that carries something, below ``above``, has others beside it that do."""
-        if above not in self._carrying:
-            self._carrying[above] = sum(bool(self._tree.carries[k]) for k in self._tree.below[above])
-        return self._carrying[above] > 1
+            found[joint] = ROOT
+        elif not tree.carries[joint]:
+            found[joint] = WEIGHTLESS
+        elif joint in eyes:
+            found[joint] = EYE
+        elif joint in driven:
+            found[joint] = "a roll constraint drives it"
+        elif not tree.below[joint] and carrying[above] > 1 and chain_child(tree, ref, above) != joint:
+            found[joint] = LONE
+    return found

@@ -21,7 +21,7 @@ from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.declaration.option import vector
+from rigtri.operations.declaration import vector
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.orient_joints.up_direction import crossing
@@ -83,7 +83,7 @@ class _Shape:
 
     points, axes: (n, 3) and (n, 3, 3), rows, in the world. moved: (n,), how far --planar moved each.
     middle: the joint at which the limb bends. hinge, side: unit vectors, (3,): a positive turn about
-    the one bends it, towards the other. told: ``pose``, by the points, or ``given``.
+    the one bends it, towards the other. source: ``pose``, by the points, or ``given``.
     """
 
     points: Floats

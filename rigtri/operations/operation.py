@@ -24,7 +24,7 @@ from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Vector,
     check,
     default_of,
@@ -62,7 +62,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
 
     kind: of its options; None for a function that has none.
 
-    What it tells is also kept with a rig that was read by itself, for when that is written.
+    What it reports is also kept with a rig that was read by itself, for when that is written.
     """
 
     def decorated(function: Callable[..., Rig]) -> Operation[O_contra]:

@@ -1,4 +1,4 @@
-"""All operations: their names, their functions, and what they can be asked for."""
+"""All operations: their names, their functions, and their options."""
 
 from __future__ import annotations
 

@@ -164,7 +164,7 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
     every = list(rig.names)
     for node, name in names.items():
         above = int(rig.parents[node])
-        if rig.type_of(above) == "offset" and _goes_along(rig, node, above):
+        if rig.type_of(above) == "offset" and rig.names[above].startswith(f"{rig.names[node]}_offset"):
             offsets[above] = f"{name}_offset"
         every[node] = name
     rig = replace(rig, names=tuple(every))
@@ -191,10 +191,6 @@ def _may_change(rig: Rig, node: int, name: str, report: Report) -> bool:
         why = "joints keep their names" if mine else "that name was not given by rigtri"
         report.warn("name-kept", f"'{rig.title(node)}' is not renamed to '{name}': {why}")
     return mine and not rig.is_joint[node]
-
-
-def _goes_along(rig: Rig, node: int, offset: int) -> bool:
-    return rig.names[offset].startswith(f"{rig.names[node]}_offset")
 
 
 def _addressed(before: Rig, rig: Rig, nodes: list[int]) -> Rig:

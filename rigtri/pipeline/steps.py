@@ -12,7 +12,7 @@ from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain, json_of
 from rigtri.formats import Document, ReadOptions, read
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.option import Option, options_of
+from rigtri.operations.declaration import Option, options_of
 from rigtri.operations.registry import operation
 from rigtri.report import Report
 

@@ -25,7 +25,7 @@ ALIKE = 0.15
 # Short bones may differ by this part of the whole branch.
 SLACK = 0.02
 # Pairs shorter than this part of the longest have no say in where the plane is.
-_HEARD = 0.35
+_VOTING = 0.35
 # Of more branches at one node the longest are compared; of more joints the mirror image of so many is.
 _MOST, _MANY = 16, 160
 
@@ -103,7 +103,7 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     whole, up = tree.span, Vector(*tree.rig.rules.up)
     # Fingers are alike, too: they have no say beside arms.
     votes = [
-        (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _HEARD * pairs[0].reach
+        (*between(tree, pair), pair.reach) for pair in pairs[:24] if pair.reach > _VOTING * pairs[0].reach
     ]
     most = fsum(reach for _, _, reach in votes)
     places = tree.places[sorted(tree.nodes, key=lambda k: -(tree.bone[k] + tree.reach[k]))[:_MANY]]

@@ -25,8 +25,9 @@ from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
+from rigtri.operations.declaration import EndKind
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
-from rigtri.operations.skin_joints import Kind, add_joint, move_joint, new_skin
+from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -194,7 +195,7 @@ def test_a_skin_without_matrices_goes_on_without(tmp_path: Path) -> None:
     assert "accessors" not in written
 
 
-def whole(rig: Rig, report: Report, ends: Kind | None = "joint") -> Rig:
+def whole(rig: Rig, report: Report, ends: EndKind | None = "joint") -> Rig:
     return add_controls(rig, options=AddControlsOptions(whole_character=True, as_=ends), report=report)
 
 

@@ -16,7 +16,7 @@ from rigs import chain
 from rigtri.cli.edit_command import command_of
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.option import Direction, Kind, Limbs, Node, made, option, refuse
+from rigtri.operations.declaration import Direction, Kind, Limbs, Node, made, option, refuse
 from rigtri.operations.operation import operation
 from rigtri.pipeline.rigspec.models import steps
 from rigtri.report import Report

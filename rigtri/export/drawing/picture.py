@@ -17,7 +17,7 @@ from rigtri.export.drawing.svg import arrow, heading, number, panel, sheet
 from rigtri.export.drawing.view import NAMED, View, Window, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.joint_selection import Selection
+from rigtri.operations.declaration import Selection
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
 

@@ -25,7 +25,8 @@ from rigtri.maths.vectors import length, normalise, project
 from rigtri.model.joint_names import without_prefix
 from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.joint_selection import Selection, chosen
+from rigtri.operations.declaration import Selection
+from rigtri.operations.joint_selection import chosen
 from rigtri.recognition.limbs import recognise
 
 _DEGREES = 180.0 / np.pi

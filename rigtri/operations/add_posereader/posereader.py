@@ -29,7 +29,7 @@ from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
 from rigtri.operations.add_posereader.targets import ReaderFrame, morph_drives, named_goals
 from rigtri.operations.add_rivet.rebind import rebind_rivets
-from rigtri.operations.declaration.option import check
+from rigtri.operations.declaration import check
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions

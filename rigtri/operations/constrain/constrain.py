@@ -41,7 +41,7 @@ _DEGREE = np.pi / 180.0
 Vector = tuple[float, float, float]
 
 # The code of the warning about a constraint that VRM cannot hold.
-UNTOLD = "constraint-not-vrm"
+NOT_VRM = "constraint-not-vrm"
 
 
 @operation(ConstrainOptions)
@@ -230,7 +230,7 @@ def _stored(rig: Rig, rule: Constraint, place: int | None, vrm: bool, report: Re
         record = replace(record, vrm=kind)
         if kind is None:
             report.warn(
-                UNTOLD,
+                NOT_VRM,
                 f"'{rig.title(rule.child)}': VRMC_node_constraint cannot hold this {rule.kind} constraint "
                 f"({why}); it is stored in extras alone",
             )

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -23,10 +22,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Constraint
-from rigtri.model.metadata import ConstraintRecord
+from rigtri.model.metadata import ConstraintRecord, NodeConstraintKind
 from rigtri.model.rig import Rig
 
-Said = Literal["rotation", "roll", "aim"]
 # Radians: what float32 leaves of axes that are one, or of an aim that is met at rest.
 _SAME = 1e-5
 _LOCAL = "--space local compares those too"
@@ -36,7 +34,7 @@ _EVEN = 1e-5
 
 def export_node_constraint(
     rig: Rig, rule: Constraint, known: Sequence[NodeConstraint]
-) -> tuple[Rig, str, Said | None]:
+) -> tuple[Rig, str, NodeConstraintKind | None]:
     """The rig with the rule as a node constraint too, "" and its kind; or the rig, why not, and None.
 
     known: constraints of the file; an equal one is used as it is.
@@ -70,7 +68,7 @@ def remove_node_constraint(rig: Rig, node: int) -> Rig:
     return replace(rig, node_constraints=kept)
 
 
-def _kind(rule: Constraint) -> Said | None:
+def _kind(rule: Constraint) -> NodeConstraintKind | None:
     if rule.kind == "aim":
         return "aim"
     if rule.kind != "orient":

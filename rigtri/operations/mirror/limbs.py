@@ -15,7 +15,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.joint_names import twin
 from rigtri.model.metadata import LimbRecord, Triple
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration.option import vector
+from rigtri.operations.declaration import vector
 from rigtri.operations.mirror.counterparts import (
     SUFFIX,
     NotMirroredError,

@@ -18,8 +18,9 @@ from rigtri.frames.mirroring import MIRRORS, parting, side_of, twin_of, warn_pla
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.model.rig import Rig
-from rigtri.operations.constrain.constrain import UNTOLD
-from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, Selection, chosen, select
+from rigtri.operations.constrain.constrain import NOT_VRM
+from rigtri.operations.declaration import Selection
+from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, chosen, select
 from rigtri.operations.mirror.constraints import mirror_constraints
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
 from rigtri.operations.mirror.counterparts import side
@@ -52,7 +53,7 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     options = replace(options, across=parted.across)
     before, known = rig, len(report.warnings)
     rig = _mirrored(rig, options, report)
-    if any(notice.code == UNTOLD for notice in report.warnings[known:]):
+    if any(notice.code == NOT_VRM for notice in report.warnings[known:]):
         _warn_modes(before, options, report)
     return rig
 
@@ -71,7 +72,7 @@ def _warn_modes(rig: Rig, options: MirrorOptions, report: Report) -> None:
         built_report = Report()
         if mode != options.mode:
             _mirrored(rig, replace(options, mode=mode), built_report)
-            if all(notice.code != UNTOLD for notice in built_report.warnings):
+            if all(notice.code != NOT_VRM for notice in built_report.warnings):
                 found.append(f"--mode {mode}")
     if found:
         text = f"{' or '.join(found)} keeps the VRM node constraints that --mode {options.mode} loses"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.control_shapes import KINDS
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Above,
     Auto,
     Bends,
@@ -19,15 +19,13 @@ from rigtri.operations.declaration.option import (
     Kind,
     Limbs,
     Nodes,
+    Selection,
     SoftIk,
     Vector,
     check_tokens,
     option,
     vector,
 )
-
-if TYPE_CHECKING:
-    from rigtri.operations.joint_selection import Selection
 
 TOKENS = ("joint", "side", "kind")
 NAME = "{joint}_{kind}"
@@ -115,8 +113,6 @@ class AddControlsOptions:
     @cached_property
     def selection(self) -> Selection:
         """The joints that get FK controls."""
-        from rigtri.operations.joint_selection import Selection
-
         return Selection(self.joints, self.chain, self.below, self.skin, self.exclude)
 
     def check(self, given: Collection[str]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Above,
     Auto,
     Bends,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Above,
     Direction,
     Kind,

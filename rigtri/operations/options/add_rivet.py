@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import Above, Integers, Name, Names, Points, Tolerance, option
+from rigtri.operations.declaration import Above, Integers, Name, Names, Points, Tolerance, option
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import Auto, Direction, Kind, Limbs, Nodes, check_tokens, option
+from rigtri.operations.declaration import Auto, Direction, Kind, Limbs, Nodes, check_tokens, option
 
 MOST = 64
 NAME = "{joint}_twist_{number}"

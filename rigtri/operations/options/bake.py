@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Above,
     ClipNames,
     Names,

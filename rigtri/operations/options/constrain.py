@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
 from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Direction,
     Kind,
     LimbNames,

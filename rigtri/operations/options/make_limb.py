@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Axis,
     EndKind,
     Kind,

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import Nodes, Number, OnConstraint, OnNonuniformScale, option
-
-if TYPE_CHECKING:
-    from rigtri.operations.joint_selection import Selection
+from rigtri.operations.declaration import Nodes, Number, OnConstraint, OnNonuniformScale, Selection, option
 
 What = Literal["limbs", "joints", "controls", "polevectors", "twists", "constraints", "rivets", "posereaders"]
 # In the order in which they are mirrored: each may be about nodes of those before.
@@ -59,6 +56,4 @@ class MirrorOptions:
     @cached_property
     def selection(self) -> Selection:
         """The joints, of either side, whose axes take part."""
-        from rigtri.operations.joint_selection import Selection
-
         return Selection(joints=self.joints, below=self.below, exclude=self.exclude)

@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
-from rigtri.operations.declaration.option import (
+from rigtri.operations.declaration import (
     Above,
     Axis,
     Facing,
@@ -23,14 +23,12 @@ from rigtri.operations.declaration.option import (
     OnConstraint,
     OnNonuniformScale,
     RigFile,
+    Selection,
     Vector,
     option,
     refuse,
     three,
 )
-
-if TYPE_CHECKING:
-    from rigtri.operations.joint_selection import Selection
 
 Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
@@ -180,8 +178,6 @@ class OrientJointsOptions:
     @cached_property
     def selection(self) -> Selection:
         """The joints that are named, besides those of chains."""
-        from rigtri.operations.joint_selection import Selection
-
         return Selection(joints=self.joints, below=self.below, skin=self.skin, exclude=self.exclude)
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration.option import Kind, Names, option
+from rigtri.operations.declaration import Kind, Names, option
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.
 Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END")]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rigtri.operations.declaration.option import option
+from rigtri.operations.declaration import option
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rigtri.operations.declaration.option import ClipNames, EditedFile, Names, Tolerance, option
+from rigtri.operations.declaration import ClipNames, EditedFile, Names, Tolerance, option
 
 
 @dataclass(frozen=True)

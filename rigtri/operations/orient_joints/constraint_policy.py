@@ -111,11 +111,10 @@ def apply_constraint_policy(
     result = Constrained(delta.copy(), dict(targets.skipped), {})
     own = {rig.frame_of.get(joint, joint) for joint in joints}
     joint_of = {rig.frame_of.get(joint, joint): joint for joint in tree.joints}
-    held = {node: _held(targets, joint) for node, joint in joint_of.items()} | dict(rig.rules.fixed)
+    skipped = {node: targets.skipped.get(joint, "") for node, joint in joint_of.items()}
+    held = {node: why for node, why in skipped.items() if why in STEADFAST} | dict(rig.rules.fixed)
     # What leads and has no delta of its own does not get one for the sake of what follows it.
-    kept = {
-        node: targets.skipped.get(joint, "unchanged") for node, joint in joint_of.items() if node not in own
-    }
+    kept = {node: why or "unchanged" for node, why in skipped.items() if node not in own}
     for bond in bonds(rig, ties):
         if own.isdisjoint(bond.nodes):
             continue
@@ -157,11 +156,6 @@ def _names_of_constraints(rig: Rig, bond: Bond) -> str:
         for c in bond.constraints
     ]
     return "; ".join(names[:3]) + (" …" if len(names) > 3 else "")
-
-
-def _held(targets: Targets, joint: int) -> str:
-    reason = targets.skipped.get(joint, "")
-    return reason if reason in STEADFAST else ""
 
 
 def _common(

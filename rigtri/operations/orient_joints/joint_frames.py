@@ -57,7 +57,7 @@ class DeadBand:
 
     def widen_for_roll(self, joints: Sequence[int], targets: Targets, ups: UpDirections) -> None:
         """Take in how uncertain the up directions of ``joints`` leave their rolls."""
-        # A direction near the bone tells the roll badly: its noise grows with 1/sine.
+        # A direction near the bone gives a poor roll: its noise grows with 1/sine.
         sine = np.maximum(length(cross(normalise(ups.vector[joints]), targets.bone[joints])), DEGENERATE_SINE)
         roll = self.rounding[joints] / sine - self.rounding[joints]
         plane = UNCHANGED_PLANE + np.array([self._plane_noise(joint, targets) for joint in joints])
@@ -65,7 +65,7 @@ class DeadBand:
         self.roll[joints] = np.where(ups.step[joints] >= 2, roll + of_plane, roll)
 
     def _plane_noise(self, joint: int, targets: Targets) -> float:
-        """The position noise of the plane of a joint: the shortest bone beside it tells it worst."""
+        """The position noise of the plane of a joint: the shortest bone beside it counts."""
         aims, above = targets.aims, targets.tree.above[joint]
         around = {joint, above, targets.tree.above.get(above, -1), aims[joint].node}
         known = [k for k in around if k is not None and k in aims and aims[k].length > 0]

@@ -16,7 +16,7 @@ from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.model.rig import Rig
-from rigtri.operations.joint_selection import Selection
+from rigtri.operations.declaration import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, first_uneven

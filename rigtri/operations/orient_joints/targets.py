@@ -16,7 +16,8 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.joint_selection import Selection, select
+from rigtri.operations.declaration import Selection
+from rigtri.operations.joint_selection import select
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 

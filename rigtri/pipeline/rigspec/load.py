@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
-from rigtri.operations.declaration.option import options_of
+from rigtri.operations.declaration import options_of
 from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from rigtri.operations.declaration.option import made
+from rigtri.operations.declaration import made
 from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.models.values import Flag
 

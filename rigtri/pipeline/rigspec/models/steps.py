@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
-from rigtri.operations.declaration.option import Kind, Option, options_of
+from rigtri.operations.declaration import Kind, Option, options_of
 from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.registry import OPERATIONS, options_class
 from rigtri.pipeline.rigspec.models import values

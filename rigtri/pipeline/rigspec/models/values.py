@@ -20,7 +20,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
-from rigtri.operations.declaration.option import direction
+from rigtri.operations.declaration import direction
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
 UNKNOWN = "unknown_node"

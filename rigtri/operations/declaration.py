@@ -271,6 +271,25 @@ def refuse(given: Collection[str], names: Collection[str], why: str) -> None:
             raise UsageError(f"--{key_of(name)} {why}")
 
 
+@dataclass(frozen=True)
+class Selection:
+    """Joints as the user names them; empty means all that turn unnamed.
+
+    joints: names or globs. chains: (start, end) pairs. below: joints with all
+    under them. skin: only joints of this skin. exclude: names or globs.
+    """
+
+    joints: tuple[str, ...] = ()
+    chains: tuple[tuple[str, str], ...] = ()
+    below: tuple[str, ...] = ()
+    skin: str | None = None
+    exclude: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> bool:
+        return bool(self.joints or self.chains or self.below)
+
+
 def direction(text: str) -> Vector:
     """A direction from words: an axis as ``-z``, or x,y,z. ValueError for anything else."""
     letter = text[-1:].lower()

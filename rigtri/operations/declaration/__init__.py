@@ -1,1 +1,0 @@
-"""One declaration of each option, of which the command line, specs and the library's keywords are made."""
