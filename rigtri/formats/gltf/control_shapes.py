@@ -73,7 +73,7 @@ def write_shapes(draft: CopyOnWrite, storage: Storage, rig: Rig, index: list[int
         primitive = _primitive(draft, storage, shape)
         mesh = holder.get("mesh")
         if isinstance(mesh, int):
-            if _users(draft.gltf, mesh) > 1:
+            if sum(node.get("mesh") == mesh for node in draft.gltf["nodes"]) > 1:
                 raise FileError(
                     f"the mesh of '{rig.title(node)}' is drawn elsewhere too; give it one of its own"
                 )
@@ -105,7 +105,3 @@ def _material(draft: CopyOnWrite, color: tuple[float, float, float]) -> int:
             return number
     materials.append({"name": name, "pbrMetallicRoughness": look})
     return len(materials) - 1
-
-
-def _users(gltf: dict[str, Any], mesh: int) -> int:
-    return sum(node.get("mesh") == mesh for node in gltf["nodes"])

@@ -15,7 +15,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.structure import SHOWN_EXTENSIONS
-from rigtri.formats.vrm.node_constraints import CONSTRAINT, stored, stored_axis
+from rigtri.formats.vrm.bindings import CONSTRAINT, stored, stored_axis
 from rigtri.formats.vrm.vrm0 import stored_vector
 from rigtri.formats.vrm.vrm1 import mesh_references
 from rigtri.maths.arrays import Integers
@@ -26,7 +26,8 @@ from rigtri.model.bindings import NodeConstraint
 from rigtri.model.metadata import illegible
 from rigtri.model.rig import Rig
 
-PARTS = ("translation", "rotation", "scale")
+_DEFAULTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
+PARTS = tuple(_DEFAULTS)
 
 
 class NodeWriter:
@@ -99,12 +100,13 @@ class NodeWriter:
             if has[node] and not (had[was] and rig.matrix[node].tolist() == source.matrix[was].tolist()):
                 self._write_matrix(node, rig.matrix[node])
         for node, weights in rig.pending.morph_weights.items():
-            self._node(node)["weights"] = _numbers(weights)
+            self._node(node)["weights"] = weights.tolist()
         for node in self._new:
             self._write_new(node)
 
     def _write_part(self, node: int, key: str, value: Floats) -> None:
-        self._set_part(node, key, _numbers(normalise_for_storage(value) if key == "rotation" else value))
+        numbers = normalise_for_storage(value) if key == "rotation" else value
+        self._set_part(node, key, numbers.tolist())
 
     def _set_part(self, node: int, key: str, numbers: list[float]) -> None:
         holder = self._node(node)
@@ -115,18 +117,21 @@ class NodeWriter:
         holder = self._node(node)
         for key in PARTS:
             holder.pop(key, None)
-        holder["matrix"] = _numbers(matrix.reshape(16))
+        holder["matrix"] = matrix.reshape(16).tolist()
 
     def _write_new(self, node: int) -> None:
         """The rest pose of a new node, without what is the default."""
         rig = self._rig
         if rig.has_matrix[node]:
             self._write_matrix(node, rig.matrix[node])
-            return
-        defaults = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0])
-        for key, values, default in zip(PARTS, _parts(rig), defaults, strict=True):
-            if (values[node] != default).any():
-                self._write_part(node, key, values[node])
+        else:
+            self._write_parts(node, *(values[node] for values in _parts(rig)))
+
+    def _write_parts(self, node: int, *parts: Floats) -> None:
+        """Translation, rotation and scale, without what is the default."""
+        for (key, default), value in zip(_DEFAULTS.items(), parts, strict=True):
+            if (value != default).any():
+                self._write_part(node, key, value)
 
     def _write_tree(self) -> None:
         """Lists of children and scenes: what stays keeps its order, what comes goes to the end."""
@@ -181,11 +186,8 @@ class NodeWriter:
             holder.pop(key, None)
         if skew(local) > SKEW:
             self._write_matrix(node, local)
-            return
-        defaults = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0])
-        for key, value, default in zip(PARTS, decompose(local), defaults, strict=True):
-            if (value != default).any():
-                self._write_part(node, key, value)
+        else:
+            self._write_parts(node, *decompose(local))
 
     def _leave(self, path: tuple[str | int, ...], index: int) -> None:
         owned = self._draft.edit(*path)
@@ -327,7 +329,3 @@ class NodeWriter:
 
 def _parts(rig: Rig) -> tuple[Floats, Floats, Floats]:
     return rig.translation, rig.rotation, rig.scale
-
-
-def _numbers(values: Floats) -> list[float]:
-    return [float(value) for value in values]

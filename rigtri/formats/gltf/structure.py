@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rigtri.formats.json_values import Value
-from rigtri.formats.vrm.node_constraints import CONSTRAINT
+from rigtri.formats.vrm.bindings import CONSTRAINT
 from rigtri.report import Notice
 
 LISTS = (

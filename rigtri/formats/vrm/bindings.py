@@ -1,4 +1,7 @@
-"""What an extension binds to the axes of nodes, in the file's own node numbers."""
+"""What an extension binds to the axes of nodes, in the file's own node numbers, and node constraints.
+
+Source: VRMC_node_constraint 1.0.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,25 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from rigtri.formats.json_values import Value
 from rigtri.report import Notice
 
 Pointer = tuple[str | int, ...]
 Kind = Literal["rotation", "roll", "aim", "tail"]
+CONSTRAINT = "VRMC_node_constraint"
+_AIM_AXES = {
+    f"{word}{letter}": tuple(sign if k == axis else 0.0 for k in range(3))
+    for axis, letter in enumerate("XYZ")
+    for word, sign in (("Positive", 1.0), ("Negative", -1.0))
+}
+_ROLL_AXES = {letter: _AIM_AXES[f"Positive{letter}"] for letter in "XYZ"}
+# Kind of constraint → the property of its axis, and its values.
+_KINDS: tuple[Kind, ...] = ("roll", "aim", "rotation")
+_AXES: dict[str, tuple[str, dict[str, tuple[float, ...]]]] = {
+    "roll": ("rollAxis", _ROLL_AXES),
+    "aim": ("aimAxis", _AIM_AXES),
+    "rotation": ("", {}),
+}
 
 
 @dataclass(frozen=True)
@@ -55,3 +73,65 @@ def line(node: int, above: Sequence[int]) -> Iterator[int]:
     while node >= 0:
         yield node
         node = above[node]
+
+
+# --- VRMC_node_constraint: what drives a node, and about which of its axes
+
+
+def read_constraint(extension: Value, node: int, above: Sequence[int], found: Bindings) -> None:
+    """The constraints of a node; it should have one, and viewers take the first they know."""
+    constraint = extension.need("constraint")
+    for kind in _KINDS:
+        item = constraint.get(kind)
+        if item is None:
+            continue
+        source, (key, words) = item.need("source").index(len(above), "node"), _AXES[kind]
+        axis: tuple[float, ...] = (0.0, 0.0, 0.0)
+        if key:
+            # Where it is not written viewers take the first.
+            word = item.object().get(key, next(iter(words)))
+            if not isinstance(word, str) or word not in words:
+                item.need(key).fail(f"one of {', '.join(words)} should stand here, not {word!r}")
+            axis = words[word]
+        pointer: Pointer = ("nodes", node, "extensions", CONSTRAINT, "constraint", kind)
+        found.constraints.append(Follows(kind, node, source, axis, pointer))
+
+
+def notice_circles(above: Sequence[int], found: Bindings) -> None:
+    """Say which constraints wait for each other, or for such: viewers refuse or ignore them."""
+    if all(c.kind == "tail" for c in found.constraints):
+        return
+    # A node stands where it stands once its parent does and what drives it.
+    edges = [(parent, node) for node, parent in enumerate(above) if parent >= 0]
+    edges += [(c.source, c.node) for c in found.constraints if c.kind != "tail"]
+    waits, frees = [0] * len(above), [list[int]() for _ in above]
+    for first, then in edges:
+        waits[then] += 1
+        frees[first].append(then)
+    free = [node for node, count in enumerate(waits) if not count]
+    while free:
+        for node in frees[free.pop()]:
+            waits[node] -= 1
+            if not waits[node]:
+                free.append(node)
+    circle = sorted({c.node for c in found.constraints if waits[c.node]})
+    if circle:
+        names = ", ".join(f"#{node}" for node in circle[:6])
+        text = f"The constraints of nodes {names} wait for each other, so viewers do not evaluate them"
+        found.notices.append(Notice("constraint-circle", text))
+
+
+def stored_axis(kind: str, axis: Sequence[float]) -> tuple[str, str]:
+    """The property of a constraint's axis and the word for it; of a roll axis the sign does not matter."""
+    key, words = _AXES[kind]
+    numbers = tuple(abs(x) if kind == "roll" else x for x in axis)
+    return key, next(word for word, known in words.items() if known == numbers)
+
+
+def stored(kind: str, source: int, axis: Sequence[float]) -> dict[str, object]:
+    """The extension of a node that follows ``source``, a file index, in full."""
+    data: dict[str, object] = {"source": source, "weight": 1.0}
+    if _AXES[kind][1]:
+        key, word = stored_axis(kind, axis)
+        data = {key: word, **data}
+    return {"specVersion": "1.0", "constraint": {kind: data}}

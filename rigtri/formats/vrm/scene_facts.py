@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from rigtri.formats.vrm.bindings import Pointer
-from rigtri.formats.vrm.node_constraints import CONSTRAINT
+from rigtri.formats.vrm.bindings import CONSTRAINT, Pointer
 from rigtri.model.scene_facts import Reference
 
 BLOCKS = ("VRM", "VRMC_vrm", "VRMC_springBone", "VRMC_vrm_animation")

@@ -15,8 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rigtri.formats.json_values import Value
-from rigtri.formats.vrm.bindings import Bindings, Pointer
-from rigtri.formats.vrm.node_constraints import CONSTRAINT, notice_circles, read_constraint
+from rigtri.formats.vrm.bindings import CONSTRAINT, Bindings, Pointer, notice_circles, read_constraint
 from rigtri.formats.vrm.vrm0 import demand, read_vrm_0
 from rigtri.report import Notice
 

@@ -94,9 +94,7 @@ def decode_attributes(stream: memoryview, count: int, stride: int) -> Bytes:
     """
     version = stream[0] - 0xA0 if len(stream) else -1
     if version not in (0, 1):
-        raise ValueError(
-            f"the compressed data begin with {bytes(stream[:1]).hex() or 'nothing'}, not a0 or a1"
-        )
+        raise ValueError(f"the compressed data begin with {_first(stream)}, not a0 or a1")
     shape = _Shape.of(version, count, stride)
     if len(stream) < shape.least:
         raise ValueError(f"{len(stream)} bytes cannot hold {count} compressed elements of {stride} bytes")

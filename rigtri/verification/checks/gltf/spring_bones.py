@@ -8,7 +8,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from rigtri.formats.json_values import short_repr
-from rigtri.formats.vrm.node_constraints import CONSTRAINT
+from rigtri.formats.vrm.bindings import CONSTRAINT
 from rigtri.formats.vrm.vrm1 import EXTENDED
 from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View, titled
