@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -44,18 +45,9 @@ def read_options(values: dict[str, Any]) -> ReadOptions:
 
     if values.get("override") and values.get("override_stage"):
         raise UsageError("give --override or --override-stage, not both")
-    override = "layer" if values.get("override") else ""
-    return ReadOptions(
-        lenient=values.get("lenient", False),
-        allow_external_paths=values.get("allow_external_paths", False),
-        root=values.get("root"),
-        relink=values.get("resources") == "relink",
-        override="stage" if values.get("override_stage") else override,
-        unknown_node_ext=values.get("unknown_node_ext", "freeze"),
-        bake_xform=values.get("bake_xform", False),
-        allow_rename=values.get("allow_rename", False),
-        empty=values.get("empty", False),
-    )
+    override = "stage" if values.get("override_stage") else "layer" if values.get("override") else ""
+    named = {field.name: values[field.name] for field in fields(ReadOptions) if field.name in values}
+    return ReadOptions(**named | {"relink": values.get("resources") == "relink", "override": override})
 
 
 def destination(values: dict[str, Any]) -> str:

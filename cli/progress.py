@@ -1,11 +1,10 @@
-"""How far a long command is: a bar where rich is there, else one line; nothing where nobody looks."""
+"""How far a long command is: one line on a terminal, nothing where nobody looks."""
 
 from __future__ import annotations
 
 import sys
 import time
-from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 from .text import counted
 
@@ -23,23 +22,12 @@ class Progress:
         self._total, self._done, self._failed = total, 0, 0
         self._began = self._shown = time.monotonic()
         self._shows = not quiet and total > 0 and sys.stderr is not None and sys.stderr.isatty()
-        self._bar: Any = None
-        self._task: Any = None
 
     def __enter__(self) -> Self:
-        if self._shows:
-            self._bar, self._task = _bar(self._total)
-            if self._bar is not None:
-                self._bar.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar is not None:
-            self._show()
-            self._bar.stop()
-        elif self._shows:
+    def __exit__(self, *_: object) -> None:
+        if self._shows:
             self._show()
             sys.stderr.write("\n")
 
@@ -52,48 +40,18 @@ class Progress:
 
     def clear(self) -> None:
         """Make room for a line of text."""
-        if self._shows and self._bar is None:
+        if self._shows:
             sys.stderr.write("\r\x1b[K")
-
-    def line(self) -> str:
-        """All of it in one line."""
-        rate = self._rate()
-        left = (self._total - self._done) / rate if rate > 0 else 0.0
-        words = [f"{self._done}/{self._total} files", f"{rate:.1f}/s", f"{_clock(left)} left"]
-        return ", ".join([*words, counted(self._failed, "error")] if self._failed else words)
-
-    def _rate(self) -> float:
-        seconds = time.monotonic() - self._began
-        return self._done / seconds if seconds > 0 else 0.0
 
     def _show(self) -> None:
         self._shown = time.monotonic()
-        if self._bar is not None:
-            fields = {"errors": counted(self._failed, "error"), "rate": f"{self._rate():.1f}/s"}
-            self._bar.update(self._task, completed=self._done, **fields)
-        else:
-            sys.stderr.write(f"\r\x1b[K{self.line()}")
-            sys.stderr.flush()
-
-
-def _bar(total: int) -> tuple[Any, Any]:
-    """rich's bar and its task; None twice where there is no rich."""
-    try:
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-        from rich.progress import Progress as Bar
-    except ImportError:
-        return None, None
-    bar = Bar(
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("files {task.fields[rate]}"),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[errors]}"),
-        console=Console(stderr=True),
-        transient=True,
-    )
-    return bar, bar.add_task("", total=total, errors="", rate="")
+        seconds = self._shown - self._began
+        rate = self._done / seconds if seconds > 0 else 0.0
+        left = (self._total - self._done) / rate if rate > 0 else 0.0
+        words = [f"{self._done}/{self._total} files", f"{rate:.1f}/s", f"{_clock(left)} left"]
+        words += [counted(self._failed, "error")] if self._failed else []
+        sys.stderr.write(f"\r\x1b[K{', '.join(words)}")
+        sys.stderr.flush()
 
 
 def _clock(seconds: float) -> str:

@@ -390,7 +390,6 @@ OTHERS = [
     "pydantic",
     "pydantic_core",
     "ruamel",
-    "rich",
     "jsonschema",
     "distributed",
 ]

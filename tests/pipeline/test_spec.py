@@ -27,8 +27,8 @@ from rigtri.pipeline.edit import edit
 from rigtri.pipeline.rigspec.build import build
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import load
-from rigtri.pipeline.rigspec.models.base import StepModel
 from rigtri.pipeline.rigspec.models.spec import STEP_MODELS
+from rigtri.pipeline.rigspec.models.steps import StepModel
 from rigtri.pipeline.rigspec.models.values import UNKNOWN
 from rigtri.pipeline.rigspec.spec_init import starter
 from rigtri.pipeline.steps import applied
@@ -51,7 +51,7 @@ LEAST: dict[str, dict[str, Any]] = {
 # the command line alone: what is printed, and what is written beside OUT.
 SHARED = [
     "source",
-    "target",
+    "output",
     "root",
     "lenient",
     "allow_external_paths",
@@ -125,7 +125,7 @@ def test_a_step_has_the_defaults_of_its_command(name: str) -> None:
     least = LEAST.get(name, {})
     context = command_of(name).make_context(name, ["in.glb", "-o", "out.glb", *words(least)])
     model = MODELS[name].model_validate({"do": name, **least})
-    ours = model.values()
+    ours = {name: getattr(model, name) for name in type(model).model_fields}
     for parameter in own(name):
         if parameter.name not in (*STYLES, "limb") or name == "make-limb":
             assert ours[str(parameter.name)] == context.params[str(parameter.name)], parameter.name

@@ -12,8 +12,8 @@ from typing import Any
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import text_of
 from rigtri.pipeline.batch import urls
-from rigtri.pipeline.rigspec import json_positions
 from rigtri.pipeline.rigspec.errors import SpecError
+from rigtri.pipeline.rigspec.parse import json_values
 
 _KEYS = {"input", "output", "variables"}
 Variables = tuple[tuple[str, str], ...]
@@ -92,7 +92,7 @@ def _values(line: str) -> Any:
         return json.loads(line, object_pairs_hook=_once, parse_constant=_no_number)
     except ValueError:
         try:
-            return json_positions.read("", line)[0]
+            return json_values("", line)[0]
         except SpecError as error:  # which has the column, and plain words
             fault = error.found[0]
             raise ValueError(f"{fault.text} (column {fault.place.column})") from None

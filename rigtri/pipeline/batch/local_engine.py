@@ -6,7 +6,7 @@ import os
 import queue
 import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol, Self
@@ -17,7 +17,7 @@ from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import references
 from rigtri.pipeline.batch.remote_files import RemoteAssignment, is_elsewhere
-from rigtri.pipeline.batch.work import Assignment, Record, work
+from rigtri.pipeline.batch.work import Assignment, OnReady, Record, work
 
 # What work and most tasks need, so that a new process has it.
 _PRELOADED = (
@@ -28,8 +28,6 @@ _PRELOADED = (
 )
 # Waiting for an answer in steps lets signals be on_ready everywhere.
 _STEP = 0.2
-
-OnReady = Callable[[Assignment, Record], None]
 
 
 class Engine(Protocol):

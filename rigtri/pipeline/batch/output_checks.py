@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -27,17 +27,21 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     """
     away = [entry for entry in entries if is_elsewhere(entry)]
     if layers or relink:
-        _refuse(_names(away), "what is elsewhere cannot be referred to from there; copy", UsageError)
-    _refuse(_loose_layers(away), "of USD only .usdz is fetched, which holds all it needs", UsageError)
+        sources = [e.source for e in away]
+        _refuse(sources, "what is elsewhere cannot be referred to from there; copy", UsageError)
+    loose = [e.source for e in away if e.source.lower().endswith((".usd", ".usda", ".usdc"))]
+    _refuse(loose, "of USD only .usdz is fetched, which holds all it needs", UsageError)
     _refuse([e.target for e in away if urls.is_web(e.target)], "nothing can be written there", UsageError)
-    _refuse(_names_of_memory(away), "what is written there is gone when the batch ends", UsageError)
-    known = " ".join(GLTF_SUFFIXES + USD_SUFFIXES)
+    memory = [e.target for e in away if e.target.lower().startswith("memory:")]
+    _refuse(memory, "what is written there is gone when the batch ends", UsageError)
     named = [e for e in entries if not (e.found or urls.is_url(e.source))]
     lost = [at_line(e.line, e.source) for e in named if not os.path.lexists(e.source)]
     _refuse(lost, "there is no such file to read", FileError)
-    strange = ((e.line, no_file(e.source)) for e in named)
-    _refuse([at_line(line, why) for line, why in strange if why], "only plain files can be read", FileError)
-    _refuse(_strange(entries), f"no rig file, as its name does not end with one of {known}", UsageError)
+    faults = ((e.line, no_file(e.source)) for e in named)
+    _refuse([at_line(line, why) for line, why in faults if why], "only plain files can be read", FileError)
+    known = GLTF_SUFFIXES + USD_SUFFIXES
+    strange = [at_line(e.line, e.source) for e in entries if not e.source.lower().endswith(known)]
+    _refuse(strange, f"no rig file, as its name does not end with one of {' '.join(known)}", UsageError)
     _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
     _refuse(_clashes(entries), "more than one input for one output", UsageError)
     if beside:
@@ -68,24 +72,6 @@ def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequ
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:
     if names:
         raise kind(f"{why}: {and_more(names, MOST)}")
-
-
-def _strange(entries: Sequence[Entry]) -> list[str]:
-    known = GLTF_SUFFIXES + USD_SUFFIXES
-    return [at_line(e.line, e.source) for e in entries if not e.source.lower().endswith(known)]
-
-
-def _names(entries: Sequence[Entry]) -> list[str]:
-    return [entry.source for entry in entries]
-
-
-def _names_of_memory(entries: Sequence[Entry]) -> list[str]:
-    return [entry.target for entry in entries if entry.target.lower().startswith("memory:")]
-
-
-def _loose_layers(entries: Sequence[Entry]) -> list[str]:
-    loose = tuple(suffix for suffix in USD_SUFFIXES if suffix != ".usdz")
-    return [entry.source for entry in entries if entry.source.lower().endswith(loose)]
 
 
 def _other_suffixes(entries: Sequence[Entry], layers: bool) -> list[str]:
@@ -151,11 +137,17 @@ def _standing(target: str) -> str:
 
 
 def _shut(entries: Sequence[Entry]) -> list[str]:
-    """Folders, there or above those to be made, that nothing can be written into."""
-    entries = [entry for entry in entries if not urls.is_url(entry.target)]
-    folders = {os.path.dirname(os.path.abspath(entry.target)) for entry in entries}
-    standing = {_standing(os.path.join(folder, "x")) for folder in folders}
-    return sorted({*_not_open(standing), *_files_for_folders(entries)})
+    """Folders, there or above new ones, that nothing can be written into; and outputs that are folders."""
+    targets = [entry.target for entry in entries if not urls.is_url(entry.target)]
+    found = {target for target in targets if os.path.isdir(target)}
+    folders = {os.path.dirname(os.path.abspath(target)) for target in targets}
+    for folder in {_standing(os.path.join(folder, "x")) for folder in folders}:
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            found.add(folder)
+    return sorted(found)
 
 
 def _try_stores(entries: Sequence[Entry]) -> None:
@@ -166,17 +158,3 @@ def _try_stores(entries: Sequence[Entry]) -> None:
             stores.setdefault(urls.host(entry.target), []).append(entry.target)
     for targets in stores.values():
         urls.try_writing(urls.common_folder(targets))
-
-
-def _not_open(folders: set[str]) -> Iterator[str]:
-    for folder in folders:
-        try:
-            with tempfile.TemporaryFile(dir=folder):
-                pass
-        except OSError:
-            yield folder
-
-
-def _files_for_folders(entries: Sequence[Entry]) -> Iterator[str]:
-    """Outputs whose name a folder has."""
-    yield from (entry.target for entry in entries if os.path.isdir(entry.target))

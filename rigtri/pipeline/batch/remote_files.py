@@ -13,9 +13,7 @@ from rigtri.files.worker_process import CrashError
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.hashes import Hashes
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.work import Assignment, Record
-
-OnReady = Callable[[Assignment, Record], None]
+from rigtri.pipeline.batch.work import Assignment, OnReady, Record
 
 
 def is_elsewhere(entry: Entry) -> bool:

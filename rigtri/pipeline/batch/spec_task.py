@@ -38,46 +38,40 @@ class SpecTask:
     def _packed(self) -> bytes:
         return pickle.dumps((self.spec, self.verify))
 
-    def key(self) -> str:
-        """As `rigtri.pipeline.batch.work.Task.key`."""
-        return f"{self.spec.canonical()}\nverify {self.verify}"
-
     @property
     def layers(self) -> bool:
-        """As `rigtri.pipeline.batch.work.Task.layers`."""
+        """Whether outputs are layers over their inputs."""
         return bool(self.spec.model.override)
 
     @property
     def beside(self) -> str:
-        """As `rigtri.pipeline.batch.work.Task.beside`."""
+        """The suffix of a file that goes with each output, "" for none."""
         return SUFFIX if self.spec.model.sidecar else ""
 
     @property
     def relink(self) -> bool:
-        """As `rigtri.pipeline.batch.work.Task.relink`."""
+        """Whether outputs refer to the files of their inputs where these are."""
         return self.spec.reading.relink
-
-    def files(self) -> Sequence[Path]:
-        """As `Task.files`: what steps read; the spec itself is in the key."""
-        own = set(self.spec.sources)
-        named = [file for file in self.spec.files() if file not in own]
-        behind = [below for file in named for below in _behind(file, self.spec.reading)]
-        return tuple(dict.fromkeys([*named, *behind]))
 
     @property
     def sources(self) -> Sequence[Path]:
-        """As `rigtri.pipeline.batch.work.Task.sources`."""
+        """The files that describe what is done."""
         return self.spec.sources
 
-    @property
-    def paths(self) -> frozenset[str]:
-        """As `rigtri.pipeline.batch.work.Task.paths`."""
-        return self.spec.paths
+    def key(self) -> str:
+        """All that decides what becomes of a file, but for the contents of `files`, as text."""
+        return f"{self.spec.canonical()}\nverify {self.verify}"
+
+    def files(self) -> Sequence[Path]:
+        """The files that are read besides the source and the spec, which is in the key."""
+        named = [file for file in self.spec.files() if file not in self.spec.sources]
+        behind = [below for file in named for below in _behind(file, self.spec.reading)]
+        return tuple(dict.fromkeys([*named, *behind]))
 
     def run(
         self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
     ) -> Outcome:
-        """As `rigtri.pipeline.batch.work.Task.run`."""
+        """As `rigtri.pipeline.edit.edit`, whose RigtriErrors it raises."""
         side = target.with_suffix(SUFFIX) if self.spec.model.sidecar else None
         if side is not None and side.exists() and not overwrite:
             raise UsageError(f"{side} exists; it is replaced only with --overwrite")

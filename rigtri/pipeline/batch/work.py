@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import FileError, RigtriError, error_kind
 from rigtri.files.staged_output import StagedOutput
@@ -23,6 +23,9 @@ from rigtri.pipeline.batch.hashes import Hashes, newer, no_file, seen_from
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.edit import Outcome
 from rigtri.report import Report
+
+if TYPE_CHECKING:
+    from rigtri.pipeline.batch.spec_task import SpecTask
 
 STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
@@ -36,47 +39,12 @@ _MEANT = re.compile(r"Did you mean [^?]*\?")
 Ready = Callable[[Outcome, StagedOutput], None]
 
 
-class Task(Protocol):
-    """What is done to a file. It travels to other processes by pickle."""
-
-    @property
-    def layers(self) -> bool:
-        """Whether outputs are layers over their inputs."""
-
-    @property
-    def beside(self) -> str:
-        """The suffix of a file that goes with each output, "" for none."""
-
-    @property
-    def relink(self) -> bool:
-        """Whether outputs refer to the files of their inputs where these are."""
-
-    def key(self) -> str:
-        """All that decides what becomes of a file, but for the contents of `files`, as text."""
-
-    def files(self) -> Sequence[Path]:
-        """The files that are read besides the source."""
-
-    @property
-    def sources(self) -> Sequence[Path]:
-        """The files that describe what is done."""
-
-    @property
-    def paths(self) -> frozenset[str]:
-        """The variables given to it that paths begin with."""
-
-    def run(
-        self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
-    ) -> Outcome:
-        """As `rigtri.pipeline.edit.edit`, whose RigtriErrors it raises."""
-
-
 @dataclass(frozen=True)
 class Assignment:
-    """One entry with what to do to it, as an engine takes it."""
+    """One entry with what to do to it, as an engine takes it. It travels to other processes by pickle."""
 
     entry: Entry
-    task: Task
+    task: SpecTask
     overwrite: bool = False
 
 
@@ -120,6 +88,10 @@ class Record:
             "run": run,
             "shard": shard,
         }
+
+
+# Gets what a file is about to become.
+OnReady = Callable[[Assignment, Record], None]
 
 
 def reason(record: Record, entry: Entry) -> str | None:

@@ -14,16 +14,36 @@ from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
 from rigtri.operations.declaration import options_of
 from rigtri.operations.registry import options_class
-from rigtri.pipeline.rigspec.errors import Fault, SpecError
+from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed
-from rigtri.pipeline.rigspec.planned_step import PlannedStep as PlannedStep
-from rigtri.pipeline.rigspec.positions import Keys, Tree
+from rigtri.pipeline.rigspec.positions import Keys, Label, Tree
 from rigtri.pipeline.rigspec.validation import sound, step_models, where_of, wrong
 from rigtri.pipeline.steps import applied
 
 if TYPE_CHECKING:
-    from rigtri.pipeline.rigspec.models.base import StepModel
     from rigtri.pipeline.rigspec.models.spec import SpecModel
+    from rigtri.pipeline.rigspec.models.steps import StepModel
+
+
+@dataclass(frozen=True)
+class PlannedStep:
+    """One step: its operation, that one's options, and its position in the spec.
+
+    index: among all, from 0. given: the options that the spec gives, as it gives them.
+    """
+
+    index: int
+    label: Label
+    do: str
+    options: Any
+    optional: bool
+    place: Place
+    given: dict[str, Any]
+
+    @property
+    def number(self) -> int:
+        """Its number in the file, from 1; steps of the same braces have the same."""
+        return self.label.number
 
 
 @dataclass(frozen=True)

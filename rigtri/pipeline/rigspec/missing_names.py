@@ -18,7 +18,7 @@ from rigtri.pipeline.steps import applied
 from rigtri.report import Report
 
 if TYPE_CHECKING:
-    from rigtri.pipeline.rigspec.planned_step import PlannedStep
+    from rigtri.pipeline.rigspec.load import PlannedStep
 
 
 def missing(tree: Tree, number: int, rig: Rig) -> Iterator[Fault]:

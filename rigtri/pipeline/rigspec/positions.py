@@ -16,6 +16,7 @@ MOST_VALUES = 100_000
 MOST_DEEP = 64
 # Digits of a number; what has more is a mistake, and some numbers have more than Python reads.
 MOST_DIGITS = 40
+TOO_MUCH = "more values, or deeper, than a spec can have"
 
 
 @dataclass
@@ -109,5 +110,5 @@ class Spots:
         self._left -= 1
         place = self.place(place) if isinstance(place, int) else place
         if self._left < 0 or depth > MOST_DEEP:
-            raise SpecError([Fault(place, "", "more values, or deeper, than a spec can have")])
+            raise SpecError([Fault(place, "", TOO_MUCH)])
         return Spot(place)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
     from pydantic_core import ErrorDetails
 
-    from rigtri.pipeline.rigspec.models.base import StepModel
     from rigtri.pipeline.rigspec.models.spec import SpecModel
+    from rigtri.pipeline.rigspec.models.steps import StepModel
 
 
 # What pydantic calls values, and what they are called in a spec, by the type of its error.

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigtri.formats import ReadOptions
 from rigtri.operations.registry import OPERATIONS
-from rigtri.pipeline.rigspec.models.base import StepModel
-from rigtri.pipeline.rigspec.models.steps import step_model
+from rigtri.pipeline.rigspec.models.steps import StepModel, step_model
 from rigtri.pipeline.rigspec.models.values import File, Flag, OneOrMany, Scalar, Tolerance, VariableName
 
 STEP_MODELS: dict[str, type[StepModel]] = {name: step_model(name) for name in OPERATIONS}
@@ -67,17 +67,9 @@ class SpecModel(BaseModel):
 
     def reading(self) -> ReadOptions:
         """How files are read and written."""
-        return ReadOptions(
-            lenient=self.lenient,
-            allow_external_paths=self.allow_external_paths,
-            root=self.root,
-            relink=self.resources == "relink",
-            override=self.override,
-            unknown_node_ext=self.unknown_node_ext,
-            bake_xform=self.bake_xform,
-            allow_rename=self.allow_rename,
-            empty=any(step.do == "make-limb" for step in self.steps),
-        )
+        named = {one.name: getattr(self, one.name) for one in fields(ReadOptions) if hasattr(self, one.name)}
+        empty = any(step.do == "make-limb" for step in self.steps)
+        return ReadOptions(**named | {"relink": self.resources == "relink", "empty": empty})
 
     def shared(self) -> dict[str, Any]:
         """Values of parameters that the whole file has, as steps ask for them."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
+    BaseModel,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -18,11 +19,10 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
-from rigtri.operations.declaration import Kind, Option, options_of
+from rigtri.operations.declaration import Kind, Option, made, options_of
 from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.registry import OPERATIONS, options_class
 from rigtri.pipeline.rigspec.models import values
-from rigtri.pipeline.rigspec.models.base import StepModel
 
 # What values are in a spec, by the kind that an option declares.
 _KINDS: dict[str, Any] = {
@@ -51,6 +51,27 @@ _KINDS: dict[str, Any] = {
     "joined": values.Joined,
     "joint orient": values.JointOrient,
 }
+
+
+class StepModel(BaseModel):
+    """The options of one operation; fields have the names that the operation declares."""
+
+    model_config = ConfigDict(extra="forbid", strict=False, populate_by_name=False)
+
+    optional: values.Flag = Field(
+        False,
+        description="Leave the step out, with a warning, where a file has not the joints that it names.",
+    )
+
+    do: str
+
+    def options(self, shared: dict[str, Any]) -> Any:
+        """The options of the operation, checked; UsageError where they contradict each other.
+
+        shared: values that the whole spec has.
+        """
+        own = {name: getattr(self, name) for name in type(self).model_fields}
+        return made(options_class(self.do), shared | own, self.model_fields_set)
 
 
 @cache
