@@ -12,7 +12,7 @@ from rigtri.report import Report
 
 from . import output_file
 from .build import step_lines, steps_of
-from .editing import run, side_files
+from .editing import edit_request, run
 from .options import (
     dry_run_option,
     output_options,
@@ -27,7 +27,7 @@ from .options import (
     tolerance_option,
     verify_option,
 )
-from .parameters import destination, given_options, read_options
+from .parameters import given_options
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
@@ -107,22 +107,17 @@ class _Job:
         self.built: Built
 
     def done(self, report: Report) -> Outcome:
-        from rigtri.pipeline.rigspec.auto import auto
+        from rigtri.pipeline.rigspec.auto import auto_file
         from rigtri.recognition.naming_schemes import own_schemes
 
         values = self.values
-        words = ("spec_out", "verify", "tolerance", "strict", "dry_run")
         try:
-            self.built = auto(
-                values["source"],
-                destination(values),
-                **{word: values[word] for word in words},
+            self.built = auto_file(
+                edit_request(values),
+                report,
                 preset=values["preset"] or "",
                 own=own_schemes(values["own"]),
-                options=read_options(values),
-                overwrite=values["overwrite"] or values["output"] is None,
-                side_files=side_files(values),
-                report=report,
+                spec_out=values["spec_out"],
                 seen=self._seen,
             )
         except GeometryError:

@@ -10,7 +10,7 @@ import click
 from rigtri.errors import UsageError
 from rigtri.report import Report
 
-from .editing import run, side_files
+from .editing import edit_request, run
 from .options import (
     dry_run_option,
     optional_target_option,
@@ -20,7 +20,6 @@ from .options import (
     strict_option,
     verify_option,
 )
-from .parameters import destination
 from .printing import print_json
 from .text import plain
 from .values import Tolerance
@@ -95,33 +94,20 @@ def assigned(texts: tuple[str, ...]) -> dict[str, str]:
 
 
 def _run(values: dict[str, Any], spec: Spec) -> None:
-    from rigtri.pipeline.rigspec.build import build
+    from rigtri.pipeline.rigspec.build import build_file
 
     made: list[Built] = []
 
     def done(report: Report) -> Outcome:
-        built = build(
-            values["source"],
-            destination(values),
-            spec,
-            overwrite=values["overwrite"] or values["output"] is None,
-            verify=values["verify"],
-            dry_run=values["dry_run"],
-            side_files=side_files(values),
-            report=report,
-        )
-        made.append(built)
-        return built.outcome
+        made.append(build_file(edit_request(values), spec, report))
+        return made[0].outcome
 
     options = {"spec": values["spec"], "variables": assigned(values["variables"])}
-    run(
-        "build",
-        values,
-        done,
-        options,
-        lambda _: step_lines(made[0]),
-        more=lambda: {"steps": steps_of(made[0])},
-    )
+
+    def steps() -> dict[str, Any]:
+        return {"steps": steps_of(made[0])}
+
+    run("build", values, done, options, lambda _: step_lines(made[0]), more=steps)
 
 
 def steps_of(built: Built, *, places: bool = True) -> list[dict[str, Any]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,7 +20,7 @@ from .text import plain
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rigtri.pipeline.edit import Outcome
+    from rigtri.pipeline.edit import EditRequest, Outcome
 
 
 _GLTF_ONLY = ("resources", "lenient", "unknown_node_ext", "vrm_constraints")
@@ -39,28 +40,11 @@ def run_edit(
     besides: writes what the command writes more. All files are there before anything is printed: where
     that fails, only the words are lost.
     """
-
-    from rigtri.pipeline.edit import edit
+    from rigtri.pipeline.edit import edit_file
 
     _check_format(values)
-
-    def done(report: Report) -> Outcome:
-        return edit(
-            values["source"],
-            destination(values),
-            step,
-            options=read_options(values),
-            report=report,
-            overwrite=values["overwrite"] or values["output"] is None,
-            verify=values["verify"],
-            tolerance=values["tolerance"],
-            dry_run=values["dry_run"],
-            strict=values["strict"],
-            side_files=side_files(values),
-            ahead=click.get_current_context().obj,
-        )
-
-    return run(name, values, done, options, summary, besides)
+    request = replace(edit_request(values), ahead=click.get_current_context().obj)
+    return run(name, values, lambda report: edit_file(request, step, report), options, summary, besides)
 
 
 def run(
@@ -73,8 +57,6 @@ def run(
     more: Callable[[], dict[str, Any]] = dict,
 ) -> Outcome:
     """Do what writes a file, and tell and report it as every command does; more: for the report."""
-    from rigtri.pipeline.edit import report_json
-
     output, quiet = values["output"], values["quiet"]
     if values["as_json"] and destination(values) == "-" and not values["dry_run"]:
         raise UsageError("--json and -o - both use standard output; use --report FILE.json")
@@ -88,16 +70,7 @@ def run(
         if not quiet:
             print_warnings(report.warnings, values["verbose"])
         raise
-    document = report_json(
-        name,
-        str(values["source"]),
-        output,
-        options,
-        outcome,
-        tolerance=values["tolerance"],
-        dry_run=values["dry_run"],
-    )
-    document |= more()
+    document = _report_json(name, values, options, outcome) | more()
     _write_beside(values, document)
     besides(report)
     if values["as_json"]:
@@ -109,6 +82,34 @@ def run(
         click.echo(plain(summary(report)), err=True)
         print_verification(outcome, values)
     return outcome
+
+
+def _report_json(
+    command: str, values: dict[str, Any], options: dict[str, Any], outcome: Outcome
+) -> dict[str, Any]:
+    """The document that ``--report`` and ``--json`` give; schemas/report.schema.json describes it."""
+    from rigtri._version import __version__
+
+    verification, report = None, outcome.report
+    if outcome.verification is not None:
+        measured = {"tolerance": values["tolerance"], "unread": outcome.unread}
+        verification = outcome.verification.as_json() | measured
+    return {
+        "rigtri": __version__,
+        "command": command,
+        "source": str(values["source"]),
+        "target": values["output"],
+        "written": outcome.written,
+        "dry_run": values["dry_run"],
+        "options": options,
+        "joints": report.joints,
+        "limbs": report.limbs,
+        "added": report.added,
+        "removed": report.removed,
+        "warnings": [asdict(notice) for notice in report.warnings],
+        "verification": verification,
+        "seconds": {name: round(value, 4) for name, value in outcome.seconds.items()},
+    }
 
 
 def _check_format(values: dict[str, Any]) -> None:
@@ -135,9 +136,19 @@ def copy_ahead(ctx: click.Context, values: dict[str, Any]) -> None:
         ctx.obj = ctx.with_resource(copy_in_background(source, target, overwrite=values["overwrite"]))
 
 
-def side_files(values: dict[str, Any]) -> tuple[Path, ...]:
-    """The files that a command is to write beside OUT."""
-    return tuple(_side_files(values).values())
+def edit_request(values: dict[str, Any]) -> EditRequest:
+    """What a command is to do to a file."""
+    from rigtri.pipeline.edit import EditRequest
+
+    same = {name: values[name] for name in ("verify", "tolerance", "dry_run", "strict")}
+    return EditRequest(
+        values["source"],
+        destination(values),
+        read_options(values),
+        overwrite=values["overwrite"] or values["output"] is None,
+        side_files=tuple(_side_files(values).values()),
+        **same,
+    )
 
 
 def _side_files(values: dict[str, Any]) -> dict[str, Path]:

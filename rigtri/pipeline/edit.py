@@ -54,78 +54,99 @@ class Outcome:
         return [notice.text for notice in self.report.warnings if notice.code == "mesh-unread"]
 
 
+@dataclass(frozen=True)
+class EditRequest:
+    """What is to be done to one file, and how.
+
+    target: ``-`` is standard output. tolerance: the largest vertex movement, as a share of the bounding-box
+    diagonal. strict: any warning is an error. side_files: what the caller will write besides. document: the
+    source, where it was read already, with the same ``options``. ahead: copies that the caller has begun
+    (`files.background_copy`). ready: is called when the output has passed and is about to take its name, by
+    runs of many files at once: these may share copies, which then stay where the edit fails.
+    """
+
+    source: Path | str
+    target: Path | str
+    options: ReadOptions = field(default_factory=ReadOptions)
+    overwrite: bool = False
+    verify: bool = True
+    tolerance: float = TOLERANCE
+    dry_run: bool = False
+    strict: bool = False
+    side_files: Sequence[Path] = ()
+    document: Document | None = None
+    ahead: BackgroundCopies | None = None
+    ready: Callable[[Outcome, StagedOutput], None] | None = None
+
+    @property
+    def to_stdout(self) -> bool:
+        return str(self.target) == "-"
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether the output becomes a file."""
+        return not (self.to_stdout or self.dry_run)
+
+
 def edit(
-    source: Path | str,
-    target: Path | str,
-    step: Step,
-    *,
-    document: Document | None = None,
-    options: ReadOptions | None = None,
-    report: Report | None = None,
-    overwrite: bool = False,
-    verify: bool = True,
-    tolerance: float = TOLERANCE,
-    dry_run: bool = False,
-    strict: bool = False,
-    side_files: Sequence[Path] = (),
-    ahead: BackgroundCopies | None = None,
-    ready: Callable[[Outcome, StagedOutput], None] | None = None,
+    source: Path | str, target: Path | str, step: Step, *, report: Report | None = None, **request: Any
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
-    ``-`` is standard input or output. The file about to be delivered is re-opened and
-    compared with the source first: over ``tolerance`` (a share of the bounding-box
-    diagonal) DeviationError is raised and nothing is written. ``document``: the source, where it was
-    read already, with the same ``options``. ``strict`` makes
-    any warning a GeometryError. ``side_files`` are what the caller will write besides, ``ahead``
-    the copies that it has begun (`files.background_copy`). ``ready`` is called when the output has passed
-    and is about to take its name, by runs of many files at once: these may share copies, which then stay
-    where the edit fails.
+    ``-`` is standard input or output. request: further fields of `EditRequest`, such as ``overwrite``. Raises
+    as `edit_file`.
+    """
+    return edit_file(EditRequest(source, target, **request), step, Report() if report is None else report)
+
+
+def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
+    """Apply ``step`` to the rig of a file; the output appears complete or not at all.
+
+    The file about to be delivered is re-opened and compared with the source first: over the tolerance
+    DeviationError is raised and nothing is written, and with ``strict`` GeometryError for a warning.
     Raises FileError for anything that cannot be read or written, UsageError for an existing
     target without ``overwrite``, and for a target or side file that the source refers to.
     """
-    report = report if report is not None else Report()
     clock = _Clock()
-    with opened(source) as path:
-        to_stdout = str(target) == "-"
-        options = options or ReadOptions()
-        spooled = options.from_stream or str(source) == "-"
-        options = replace(options, from_stream=spooled, to_stream=to_stdout)
-        final = _final(path, target, overwrite, options)
-        if not to_stdout:
-            _check_suffix(path, final, options)
-        document = document or read(path, options)
+    with opened(request.source) as path:
+        spooled = request.options.from_stream or str(request.source) == "-"
+        options = replace(request.options, from_stream=spooled, to_stream=request.to_stdout)
+        final = _checked_target(path, request)
+        document = request.document or read(path, options)
         needed = _needed(document, path, final, options)
-        files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
-        for place in (*side_files, *(() if to_stdout else (final,))):
+        for place in (*request.side_files, *(() if request.to_stdout else (final,))):
             check_not_an_input(place, needed)
-        _take_warnings(document, report, strict)
+        _take_warnings(document, report, request.strict)
         clock.lap("read")
         rig = step(document.rig, report)
         _check_numbers(document.rig, rig)
         _check_order(rig)
-        _take_warnings(document, report, strict)
+        _take_warnings(document, report, request.strict)
         clock.lap("edit")
-        with _folder(final, to_stdout or dry_run) as folder:
-            place = folder / final.name
-            written = StagedOutput(place, overwrite, needed, ahead, shared=ready is not None)
+        with _folder(final, request) as folder:
+            shared = request.ready is not None
+            written = StagedOutput(
+                folder / final.name, request.overwrite, needed, request.ahead, shared=shared
+            )
             try:
-                keep = not (to_stdout or dry_run)
-                result = _deliver(document, path, rig, written, verify, tolerance, clock, report, keep)
-                _take_warnings(document, report, strict)  # meshes are read, and misread, while measuring
-                if to_stdout and not dry_run:
-                    _to_stdout(written)
-                elif not dry_run:
-                    if ready is not None:
-                        changed = rig is not document.rig
-                        ready(Outcome(report, result, True, changed, clock.laps, rig, files), written)
+                result = _deliver(document, path, rig, written, request, report, clock)
+                # Meshes are read, and misread, while measuring.
+                _take_warnings(document, report, request.strict)
+                files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
+                changed = rig is not document.rig
+                outcome = Outcome(report, result, not request.dry_run, changed, clock.laps, rig, files)
+                if request.is_kept:
+                    if request.ready is not None:
+                        request.ready(outcome, written)
                     written.finish()
                     report.extend(_left_behind(document, path, final, needed))
+                elif request.to_stdout and not request.dry_run:
+                    _to_stdout(written)
             except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
             clock.lap("write")
-            return Outcome(report, result, not dry_run, rig is not document.rig, clock.laps, rig, files)
+            return outcome
 
 
 def check_target(source: Path | str, target: Path | str, *, overwrite: bool, options: ReadOptions) -> None:
@@ -135,9 +156,23 @@ def check_target(source: Path | str, target: Path | str, *, overwrite: bool, opt
     without ``overwrite``, or is of another format.
     """
     with opened(source) as path:
-        final = _final(path, target, overwrite, options)
-        if str(target) != "-":
-            _check_suffix(path, final, options)
+        _checked_target(path, EditRequest(source, target, options, overwrite))
+
+
+def _checked_target(path: Path, request: EditRequest) -> Path:
+    """Where the output goes; of a stream its name."""
+    options = request.options
+    if request.to_stdout:
+        # An override is a layer, also where it is of a package.
+        layer = bool(options.override) and path.suffix.lower() == ".usdz"
+        return Path(path.stem + ".usda" if layer else path.name)
+    with as_file_error(Path(request.target)):
+        final = _allowed(destination(Path(request.target)), path, request.overwrite)
+    fits = output_suffixes(path, options)  # writers know it more closely, when the file has been read
+    if fits and final.suffix.lower() not in fits:
+        what = "an override is a layer" if options.override else "the output has the format of the input"
+        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
+    return final
 
 
 def _check_numbers(before: Rig, after: Rig) -> None:
@@ -179,23 +214,23 @@ def _deliver(
     path: Path,
     rig: Rig,
     written: StagedOutput,
-    verify: bool,
-    tolerance: float,
-    clock: _Clock,
+    request: EditRequest,
     report: Report,
-    keep: bool,
+    clock: _Clock,
 ) -> Comparison | None:
-    """Write the part, re-open it, compare it with the source. keep: it is to last."""
+    """Write the part, re-open it, compare it with the source."""
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
     with called(names), as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
             written.add(companion)
-        if keep and verify:
+        if request.is_kept and request.verify:
             written.fsync_in_background()
     clock.lap("write")
-    if not verify:
+    if not request.verify:
         return None
-    result = _compared(document, path, rig, written, names, tolerance, report)
+    tolerance = request.tolerance
+    with called(names):
+        result = _compared(document, path, rig, written.part, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
         report.extend(document.warnings)  # which meshes could only be bounded
@@ -207,22 +242,15 @@ def _deliver(
 
 
 def _compared(
-    document: Document,
-    path: Path,
-    rig: Rig,
-    written: StagedOutput,
-    names: dict[str, str],
-    tolerance: float,
-    report: Report,
+    document: Document, path: Path, rig: Rig, part: Path, tolerance: float, report: Report
 ) -> Comparison:
     """Compare the part with what was expected of the edit."""
-    small = written.part.stat().st_size < _LARGE
-    if small and rig is document.rig and filecmp.cmp(path, written.part, shallow=False):
+    small = part.stat().st_size < _LARGE
+    if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return self_check(document, document)
     reposed = report.reposed and rig is not document.rig
     expected = ExpectedResult(document, rig, report.morph_changes, reposed)
-    with called(names):
-        return check_result(expected, document.reopen(written.part), tolerance)
+    return check_result(expected, document.reopen(part), tolerance)
 
 
 def _to_stdout(written: StagedOutput) -> None:
@@ -242,15 +270,6 @@ def _take_warnings(document: Document, report: Report, strict: bool) -> None:
     report.extend(document.warnings)
     if strict:
         report.refuse_warnings()
-
-
-def _final(path: Path, target: Path | str, overwrite: bool, options: ReadOptions) -> Path:
-    if str(target) == "-":
-        # An override is a layer, also where it is of a package.
-        layer = bool(options.override) and path.suffix.lower() == ".usdz"
-        return Path(path.stem + ".usda" if layer else path.name)
-    with as_file_error(Path(target)):
-        return _allowed(destination(Path(target)), path, overwrite)
 
 
 def _needed(document: Document, path: Path, final: Path, options: ReadOptions) -> list[tuple[Path, str]]:
@@ -280,14 +299,6 @@ def _left_behind(
     ]
 
 
-def _check_suffix(path: Path, final: Path, options: ReadOptions) -> None:
-    """UsageError for an output of another format, before anything is read; writers know it more closely."""
-    fits = output_suffixes(path, options)
-    if fits and final.suffix.lower() not in fits:
-        what = "an override is a layer" if options.override else "the output has the format of the input"
-        raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
-
-
 def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
     """``final``, if a result of ``path`` may be written there."""
     if final.is_dir():
@@ -302,9 +313,9 @@ def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
 
 
 @contextmanager
-def _folder(final: Path, elsewhere: bool) -> Iterator[Path]:
+def _folder(final: Path, request: EditRequest) -> Iterator[Path]:
     """Where the part is written: beside the target, or in a folder that is thrown away."""
-    if not elsewhere:
+    if request.is_kept:
         yield final.parent
         return
     with temp_dirs.folder() as folder:
@@ -322,43 +333,3 @@ class _Clock:
         now = time.perf_counter()
         self.laps[name] = self.laps.get(name, 0.0) + now - self._last
         self._last = now
-
-
-def report_json(
-    command: str,
-    source: str,
-    target: str | None,
-    options: dict[str, Any],
-    outcome: Outcome,
-    *,
-    tolerance: float,
-    dry_run: bool,
-) -> dict[str, Any]:
-    """The document that ``--report`` and ``--json`` give; schemas/report.schema.json describes it.
-
-    target: None for a run that names no output.
-    """
-    from rigtri._version import __version__
-
-    verification = None
-    if outcome.verification is not None:
-        verification = outcome.verification.as_json() | {"tolerance": tolerance, "unread": outcome.unread}
-    return {
-        "rigtri": __version__,
-        "command": command,
-        "source": source,
-        "target": target,
-        "written": outcome.written,
-        "dry_run": dry_run,
-        "options": options,
-        "joints": outcome.report.joints,
-        "limbs": outcome.report.limbs,
-        "added": outcome.report.added,
-        "removed": outcome.report.removed,
-        "warnings": [
-            {"code": n.code, "text": n.text, "joint": n.joint, "geometry": n.geometry}
-            for n in outcome.report.warnings
-        ],
-        "verification": verification,
-        "seconds": {name: round(value, 4) for name, value in outcome.seconds.items()},
-    }

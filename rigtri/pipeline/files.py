@@ -1,4 +1,4 @@
-"""Files by hand: read a rig, change it by operations, write it; `edit.edit` in three parts."""
+"""Files by hand: read a rig, change it by operations, write it; `edit.edit` in parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import Outcome, edit
+from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
 from rigtri.pipeline.origin import Origin
 from rigtri.report import Report
 from rigtri.verification.compare import compare
@@ -83,18 +83,8 @@ def write(
         return first if same else replace(rig, source=None)
 
     with _file(origin) as path:
-        return edit(
-            path,
-            target,
-            step,
-            document=origin.document,
-            options=origin.reading,
-            overwrite=overwrite,
-            verify=verify,
-            tolerance=tolerance,
-            strict=strict,
-            dry_run=dry_run,
-        )
+        request = EditRequest(path, target, origin.reading, overwrite, verify, tolerance, dry_run, strict)
+        return edit_file(replace(request, document=origin.document), step, Report())
 
 
 @contextmanager

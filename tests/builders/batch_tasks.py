@@ -7,15 +7,16 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rigtri import edit, orient_joints
+from rigtri import orient_joints
 from rigtri.errors import DeviationError, GeometryError
+from rigtri.files.staged_output import StagedOutput
 from rigtri.formats import ReadOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import Outcome
+from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
 from rigtri.report import Report
 
 
@@ -41,42 +42,27 @@ class Turn:
     def files(self) -> Sequence[Path]:
         return self.reads
 
-    def run(
-        self,
-        source: Path,
-        target: Path,
-        *,
-        overwrite: bool,
-        dry_run: bool,
-        report: Report,
-        ready: Callable[..., None],
-    ) -> Outcome:
+    def run(self, request: EditRequest, report: Report) -> Outcome:
+        source = Path(request.source)
+
         def step(rig: Rig, report: Report) -> Rig:
             go_wrong(source, report)
             if self.joint is not None:
                 rig.find(self.joint)
             return orient_joints(rig, report=report)
 
-        def at_last(*what: object) -> None:
-            ready(*what)
+        def at_last(outcome: Outcome, written: StagedOutput) -> None:
+            if request.ready is not None:
+                request.ready(outcome, written)
             if source.stem.startswith("spoil"):
                 raise DeviationError("too late")
             if source.stem.startswith("late"):
                 # As if it was killed between the rename and the answer.
-                os.replace(what[1].part, target)  # type: ignore[attr-defined]
+                os.replace(written.part, request.target)
                 os.kill(os.getpid(), signal.SIGKILL)
 
-        return edit(
-            source,
-            target,
-            step,
-            options=ReadOptions(relink=self.relink),
-            report=report,
-            overwrite=overwrite,
-            verify=self.verify,
-            dry_run=dry_run,
-            ready=at_last,
-        )
+        options = ReadOptions(relink=self.relink)
+        return edit_file(replace(request, options=options, verify=self.verify, ready=at_last), step, report)
 
 
 def run_program(words: list[str]) -> None:

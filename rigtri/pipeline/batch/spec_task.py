@@ -13,9 +13,8 @@ from rigtri.errors import UsageError
 from rigtri.export.rig_json import SUFFIX, description
 from rigtri.files.staged_output import StagedOutput, write_text
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, read
-from rigtri.pipeline.batch.work import Ready
-from rigtri.pipeline.edit import Outcome
-from rigtri.pipeline.rigspec.build import build
+from rigtri.pipeline.edit import EditRequest, Outcome
+from rigtri.pipeline.rigspec.build import build_file
 from rigtri.pipeline.rigspec.load import Spec
 from rigtri.report import Report
 
@@ -68,30 +67,21 @@ class SpecTask:
         behind = [below for file in named for below in _behind(file, self.spec.reading)]
         return tuple(dict.fromkeys([*named, *behind]))
 
-    def run(
-        self, source: Path, target: Path, *, overwrite: bool, dry_run: bool, report: Report, ready: Ready
-    ) -> Outcome:
-        """As `rigtri.pipeline.edit.edit`, whose RigtriErrors it raises."""
-        side = target.with_suffix(SUFFIX) if self.spec.model.sidecar else None
-        if side is not None and side.exists() and not overwrite:
+    def run(self, request: EditRequest, report: Report) -> Outcome:
+        """As `rigtri.pipeline.edit.edit_file`, whose RigtriErrors it raises."""
+        side = Path(request.target).with_suffix(SUFFIX) if self.spec.model.sidecar else None
+        if side is not None and side.exists() and not request.overwrite:
             raise UsageError(f"{side} exists; it is replaced only with --overwrite")
 
         def with_sidecar(outcome: Outcome, written: StagedOutput) -> None:
             if side is not None:
                 _write_sidecar(side, written, self.spec.reading)
-            ready(outcome, written)
+            if request.ready is not None:
+                request.ready(outcome, written)
 
-        return build(
-            source,
-            target,
-            self.spec,
-            overwrite=overwrite,
-            verify=self.verify,
-            dry_run=dry_run,
-            side_files=() if side is None else (side,),
-            report=report,
-            ready=with_sidecar,
-        ).outcome
+        side_files = () if side is None else (side,)
+        own = replace(request, verify=self.verify, side_files=side_files, ready=with_sidecar)
+        return build_file(own, self.spec, report).outcome
 
 
 @lru_cache(maxsize=8)

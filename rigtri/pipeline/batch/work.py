@@ -21,7 +21,7 @@ from rigtri.files.worker_process import of_memory, send_event
 from rigtri.pipeline.batch.axis_summary import Axes, axes_of
 from rigtri.pipeline.batch.hashes import Hashes, newer, no_file, seen_from
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.edit import Outcome
+from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.report import Report
 
 if TYPE_CHECKING:
@@ -36,7 +36,6 @@ _NOT_THERE = re.compile(r"No \w+ (?:is named|matches) '.*'|\d+ \w+s are named '.
 _COUNT = re.compile(r"(?<= )\d+(?=[ ,.;]|$)")
 _HINT = re.compile(r"(?<=')\. .*")
 _MEANT = re.compile(r"Did you mean [^?]*\?")
-Ready = Callable[[Outcome, StagedOutput], None]
 
 
 @dataclass(frozen=True)
@@ -147,14 +146,10 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
         if why := no_file(entry.source):
             raise FileError(why)
         with _place(entry, dry_run) as target:
-            outcome = assignment.task.run(
-                Path(entry.source),
-                target,
-                overwrite=assignment.overwrite,
-                dry_run=dry_run,
-                report=report,
-                ready=ready,
+            request = EditRequest(
+                Path(entry.source), target, overwrite=assignment.overwrite, dry_run=dry_run, ready=ready
             )
+            outcome = assignment.task.run(request, report)
             record = sent[0] if sent else _record(outcome, folder, moment, None)
             record = replace(record, seconds=dict(outcome.seconds))
     except (RigtriError, OSError) as error:

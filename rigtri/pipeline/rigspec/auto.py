@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from rigtri.errors import GeometryError
 from rigtri.files import temp_dirs
@@ -12,7 +13,8 @@ from rigtri.files.input_stream import called, opened, title
 from rigtri.files.staged_output import write_text
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
-from rigtri.pipeline.rigspec.build import Built, build
+from rigtri.pipeline.edit import EditRequest
+from rigtri.pipeline.rigspec.build import Built, build_file
 from rigtri.pipeline.rigspec.errors import SpecError
 from rigtri.pipeline.rigspec.load import load, need_extra
 from rigtri.pipeline.rigspec.spec_init import starter, unsure
@@ -21,7 +23,6 @@ from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import a
-from rigtri.verification.compare.compare import TOLERANCE
 
 SUFFIX = ".rig.yaml"
 
@@ -82,47 +83,51 @@ def auto(
     preset: str = "",
     own: Sequence[Scheme] = (),
     spec_out: Path | str | None = None,
-    options: ReadOptions | None = None,
-    overwrite: bool = False,
-    verify: bool = True,
-    tolerance: float = TOLERANCE,
-    strict: bool = False,
-    dry_run: bool = False,
-    side_files: Sequence[Path] = (),
     report: Report | None = None,
-    seen: Callable[[Proposal], None] = lambda proposal: None,
+    **request: Any,
 ) -> Built:
     """Give a character the rig that was recognised to belong to it; ``target`` appears whole or not at all.
 
-    own: as `propose` takes it. spec_out: where the spec goes by which it was built, None for nowhere. seen:
-    is called with what is proposed, before anything is built.
-    Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
-    places in the spec then; else as `rigtri.build`. Where a step fails the spec is written all the same.
+    request: further fields of `EditRequest`, such as ``overwrite``. All else as `auto_file`.
     """
-    place = None if spec_out is None or dry_run else Path(spec_out)
-    with opened(source) as at, temp_dirs.folder() as folder:
-        found = _proposal(at, Path(source), preset, own, options or ReadOptions())
+    whole = EditRequest(source, target, **request)
+    report = Report() if report is None else report
+    return auto_file(whole, report, preset=preset, own=own, spec_out=spec_out)
+
+
+def auto_file(
+    request: EditRequest,
+    report: Report,
+    *,
+    preset: str = "",
+    own: Sequence[Scheme] = (),
+    spec_out: Path | str | None = None,
+    seen: Callable[[Proposal], None] = lambda proposal: None,
+) -> Built:
+    """Give a character the rig that was recognised to belong to it; the output appears whole or not at all.
+
+    own: naming schemes that are tried first. spec_out: where the spec goes by which it was built, None for
+    nowhere. seen: is called with what is proposed, before anything is built.
+    Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
+    places in the spec then; else as `build_file`. Where a step fails the spec is written all the same.
+    """
+    place = None if spec_out is None or request.dry_run else Path(spec_out)
+    with opened(request.source) as at, temp_dirs.folder() as folder:
+        found = _proposal(at, Path(request.source), preset, own, request.options)
         seen(found)
         if not found.is_character:
             raise GeometryError(found.missing())
         if found.questions:
             _write(place, found.text)
-            raise GeometryError(_unsure_message(found, place, target))
+            raise GeometryError(_unsure_message(found, place, request.target))
         spec = Path(folder, "rig.yaml")
         write_text(spec, found.text)
+        from_stream = str(request.source) == "-"
+        inner = replace(request, source=at, options=replace(request.options, from_stream=from_stream))
         try:
             with called({str(spec): str(spec_out or "the spec")}):
-                built = build(
-                    at,
-                    target,
-                    load(spec).limited(strict=strict, tolerance=tolerance),
-                    overwrite=overwrite,
-                    verify=verify,
-                    dry_run=dry_run,
-                    side_files=side_files,
-                    report=report,
-                    from_stream=str(source) == "-",
-                )
+                limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
+                built = build_file(inner, limited, report)
         except SpecError:
             _write(place, found.text)
             raise

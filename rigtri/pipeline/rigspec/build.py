@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,9 +11,9 @@ from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLi
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
-from rigtri.files.staged_output import StagedOutput, check_not_an_input
+from rigtri.files.staged_output import check_not_an_input
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import Outcome, Step, check_target, edit
+from rigtri.pipeline.edit import EditRequest, Outcome, Step, check_target, edit_file
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import PlannedStep, Spec, load
 from rigtri.pipeline.rigspec.missing_names import fault_of, named
@@ -45,49 +44,43 @@ def build(
     target: Path | str,
     spec: Spec | Path | str,
     *,
-    overwrite: bool = False,
-    verify: bool = True,
-    dry_run: bool = False,
-    side_files: Sequence[Path] = (),
     report: Report | None = None,
-    ready: Callable[[Outcome, StagedOutput], None] | None = None,
-    from_stream: bool = False,
+    **request: Any,
 ) -> Built:
     """Give the character in ``source`` the rig that a spec describes; ``target`` appears whole or not at all.
 
-    Raises SpecError for a spec that is wrong or that names joints the character does not have, all of
-    them at once; else as `rigtri.pipeline.edit.edit`, with the step that it happened in. ``ready`` is called
-    as there, with what is to be said of the whole. from_stream: the source is a stream that was put on the
-    disk, so that files which it names are not looked for beside it.
+    request: further fields of `EditRequest`, such as ``overwrite``. Raises as `build_file`.
     """
     spec = spec if isinstance(spec, Spec) else load(spec, source=source)
-    spared = tuple(Path(place) for place in (target, *side_files) if str(place) != "-")
+    return build_file(EditRequest(source, target, **request), spec, Report() if report is None else report)
+
+
+def build_file(request: EditRequest, spec: Spec, report: Report) -> Built:
+    """Give a character the rig that a spec describes; the output appears whole or not at all.
+
+    The spec says how files are read, and the tolerance. Raises SpecError for a spec that names joints the
+    character does not have, all of them at once; else as `rigtri.pipeline.edit.edit_file`, with the step that
+    it happened in. ``ready`` of the request is called as there, with what is to be said of the whole.
+    """
+    spared = tuple(Path(place) for place in (request.target, *request.side_files) if str(place) != "-")
     for place in spared:
-        if not (dry_run and same_file(place, Path(source))):
+        if not (request.dry_run and same_file(place, Path(request.source))):
             check_not_an_input(place, spec.needed())
-    last: dict[str, Any] = {
-        "overwrite": overwrite,
-        "dry_run": dry_run,
-        "side_files": tuple(side_files),
-    }
-    work = _Work(spec, verify, report if report is not None else Report(), spared)
-    if ready is not None:
-        last["ready"] = lambda outcome, written: ready(work.whole(outcome), written)
+    work = _Work(spec, request, report, spared)
     with (
-        opened(source) as work.at,  # a stream, which can be read only once, lies on the disk for all steps
+        opened(request.source) as work.at,  # a stream, which is read only once, is on disk for all steps
         temp_dirs.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
     ):
         work.source = work.at
-        work.spooled = from_stream or str(source) == "-"
         if folder:  # else the only step asks it, before anything is read
-            check_target(work.at, target, overwrite=overwrite, options=spec.reading)
+            check_target(work.at, request.target, overwrite=request.overwrite, options=spec.reading)
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
             if work.do(one, place):
                 work.at = place
-        if not work.do(spec.steps[-1], target, **last) and not work.lost:
-            work.edit(lambda rig, _: rig, target, **last)
+        if not work.do(spec.steps[-1], None) and not work.lost:
+            work.edit(lambda rig, _: rig, None)
         work.raise_lost()
     return Built(tuple(work.done), work.whole())
 
@@ -100,25 +93,23 @@ def _of_root(tree: Tree, error: RigtriError) -> Fault:
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
     build will write, which must be no file that the source refers to. source: the file as it came.
-    spooled: it was a stream.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
     """
 
     spec: Spec
-    verify: bool
+    request: EditRequest
     report: Report
     spared: tuple[Path, ...]
     source: Path = Path()
     at: Path = Path()
-    spooled: bool = False
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
     lost: list[tuple[list[Fault], RigtriError]] = field(default_factory=list)
 
-    def do(self, one: PlannedStep, target: Path | str, **last: Any) -> bool:
-        """Do a step; whether there is anything of it at ``target``."""
+    def do(self, one: PlannedStep, place: Path | None) -> bool:
+        """Do a step; whether there is anything of it at ``place``, or of the last one at the target."""
         made, seen = applied(one.do, one.options, self.spec.reading), list[Rig]()
 
         def looking_on(rig: Rig, report: Report) -> Rig:
@@ -127,9 +118,7 @@ class _Work:
             return seen[-1]
 
         try:
-            if self.lost and last:
-                last["dry_run"] = True
-            report = self.edit(looking_on, target, **last)
+            report = self.edit(looking_on, place)
         except NameNotFoundError as error:
             if not one.optional:
                 tree = self.spec.tree
@@ -169,34 +158,39 @@ class _Work:
         self.lost.append(([fault_of(self.spec.tree, one.index, str(error))], error))
         self.raise_lost()
 
-    def edit(self, step: Step, target: Path | str, **last: Any) -> Report:
-        """Apply a step to the character as it is, and note what came of it."""
-        reading, model, report = self.spec.reading, self.spec.model, Report(records=self.report.records)
-        if self.outcomes:  # what a step has written may refer to files of the source
-            reading = replace(reading, allow_external_paths=True)
-        elif self.spooled:
-            reading = replace(reading, from_stream=True)
-        if not last:
-            reading = replace(reading, override="", relink=False)
-            last = {"side_files": () if self.outcomes else self.spared}
+    def edit(self, step: Step, place: Path | None) -> Report:
+        """Apply a step to the character as it is, and note what came of it. place: None for the last step."""
+        report = Report(records=self.report.records)
         try:
             with called({str(self.at): str(self.source)}):
-                outcome = edit(
-                    self.at,
-                    target,
-                    step,
-                    options=reading,
-                    report=report,
-                    verify=self.verify,
-                    tolerance=model.tolerance,
-                    strict=model.strict,
-                    **last,
-                )
+                outcome = edit_file(self._request(place), step, report)
         finally:
             self._call(report)
             self.report.merge(report)
         self.outcomes.append(outcome)
         return report
+
+    def _request(self, place: Path | None) -> EditRequest:
+        whole, model, options = self.request, self.spec.model, self.spec.reading
+        if self.outcomes:  # what a step has written may refer to files of the source
+            options = replace(options, allow_external_paths=True)
+        elif whole.options.from_stream or str(whole.source) == "-":
+            options = replace(options, from_stream=True)
+        if place is not None:
+            options = replace(options, override="", relink=False)
+            side_files = () if self.outcomes else self.spared
+            whole = EditRequest(self.at, place, verify=whole.verify, side_files=side_files)
+        elif whole.ready is not None:
+            ready = whole.ready
+            whole = replace(whole, ready=lambda outcome, written: ready(self.whole(outcome), written))
+        return replace(
+            whole,
+            source=self.at,
+            options=options,
+            tolerance=model.tolerance,
+            strict=model.strict,
+            dry_run=whole.dry_run or (place is None and bool(self.lost)),
+        )
 
     def _call(self, report: Report) -> None:
         """Let warnings speak of the user's file, not of the one that a step before has written."""
