@@ -24,6 +24,7 @@ from rigtri.model.animation import Clip
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.recognition.limbs import facing
 from rigtri.text import columns, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
@@ -76,7 +77,7 @@ def as_json(rig: Rig) -> dict[str, Any]:
     seen = _Seen(rig)
     return {
         "up": _numbers(np.array(rig.rules.up)),
-        "facing": None if rig.rules.facing is None else _numbers(np.array(rig.rules.facing)),
+        "facing": None if (ahead := facing(rig)) is None else _numbers(ahead),
         "nodes": [_node_json(seen, node) for node in range(len(rig))],
         "skins": [_skin_json(rig, skin) for skin in rig.skins],
         "clips": [_clip_json(rig, clip) for clip in rig.shown_clips],
@@ -154,9 +155,10 @@ def _heading(rig: Rig) -> str:
         _count(len(rig.skins), "skin"),
         _count(len(rig.shown_clips), "clip"),
     ]
-    facing = f", facing {_direction(np.array(rig.rules.facing))}" if rig.rules.facing is not None else ""
+    ahead = facing(rig)
+    looks = "" if ahead is None else f", facing {_direction(ahead)}"
     frozen = f"; {rig.rules.orient_locked}" if rig.rules.orient_locked else ""
-    return f"{', '.join(counts)}; up {_direction(np.array(rig.rules.up))}{facing}{frozen}"
+    return f"{', '.join(counts)}; up {_direction(np.array(rig.rules.up))}{looks}{frozen}"
 
 
 def _tree(seen: _Seen, deepest: int) -> Iterator[list[str]]:

@@ -18,7 +18,7 @@ class FormatRules:
     facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
     raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
     group_parent: the parent of a group that rigtri adds, −1 where the group is a root.
-    per_second: units of clips' time in a second.
+    per_second: units of clips' time in a second. dotted_names: nodes may have dots in their names.
     """
 
     fixed: Mapping[int, str] = field(default_factory=dict)
@@ -31,6 +31,7 @@ class FormatRules:
     raw_quaternions: bool = False
     group_parent: int = -1
     per_second: float = 1.0
+    dotted_names: bool = False
 
     def reordered(self, new: Sequence[int]) -> FormatRules:
         """The rules with node k called ``new[k]``."""

@@ -127,7 +127,7 @@ class _Builder:
         place = place + up * (low - float(dot(place, up)))
         about = {"joint": self.rig.address(top)}
         control = self._find("root", about)
-        front = forward(self.rig, self.limbs or recognise(self.rig), self.ref.world)
+        front = forward(self.rig)
         drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
         if control is None:
             self.rig, parent = group(self.rig)

@@ -8,6 +8,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -33,8 +34,11 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.bend_direction import SOURCE_TEXT, Bend, bend, crossings
-from rigtri.recognition.limbs import Limb, along, named_limbs, recognise
+from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, believable, bend, crossings
+from rigtri.recognition.body_hinges import Body, bodies, body_of
+from rigtri.recognition.limbs import Limb, along, named_limbs
+from rigtri.recognition.limbs import recognise as recognised
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
 # Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
@@ -58,10 +62,12 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
         refuse_taken(rig, options.name, find(rig, PoleVectorRecord, chain=chain))
     ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
-    others = (*limbs, *(k for k in recognise(rig) if k not in limbs))
+    others = (*limbs, *(k for k in recognised(rig) if k not in limbs))
+    facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
+    known = bodies(rig, recognise(rig).characters, ref.world, facing)
     undecided = []
     for limb in limbs:
-        found = _bend(rig, limb, ref, options, others, bends.get(limb))
+        found = _bend(rig, limb, ref, options, others, bends.get(limb), known, report)
         if found is None:
             undecided.append(limb)
             continue
@@ -76,7 +82,7 @@ def _limbs(rig: Rig, options: AddPolevectorOptions, report: Report) -> list[Limb
     for start, end in options.chain:
         limbs.append(_of_chain(rig, start, end, options.bend_joint, options.pose))
     if options.limbs:
-        found = [limb for limb in recognise(rig) if limb.triple not in {k.triple for k in limbs}]
+        found = [limb for limb in recognised(rig) if limb.triple not in {k.triple for k in limbs}]
         if not found and not limbs:
             raise NoLimbError
         limbs.extend(found)
@@ -144,15 +150,20 @@ def _bend(
     options: AddPolevectorOptions,
     others: tuple[Limb, ...],
     given: Floats | None,
+    known: Sequence[Body],
+    report: Report,
 ) -> Bend | None:
-    facing = options.facing if options.facing is not None else rig.rules.facing
+    facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
+    body = body_of(known, limb.start)
+    facing = facing if body is None else body.facing
+    format_says = None if rig.rules.facing is None else np.array(rig.rules.facing)
     found = bend(
         rig,
         limb,
         ref.world,
         least_sine=NO_PLANE,
         others=others,
-        facing=None if facing is None else np.asarray(facing, dtype=np.float64),
+        facing=format_says if facing is None else facing,
         given=given,
         other_pose=ref.other,
     )
@@ -160,7 +171,25 @@ def _bend(
         raise GeometryError(
             f"--bend {rig.title(limb.middle)}: the direction runs along the limb; give one across it"
         )
-    return found
+    if found is None:
+        return None
+    if options.facing is not None:
+        _warn_unheard(rig, limb, found, report)
+    return believable(rig, limb, ref.world, found, facing, report)
+
+
+def _warn_unheard(rig: Rig, limb: Limb, found: Bend, report: Report) -> None:
+    """Warn where ``--facing`` has no say in how a limb bends."""
+    title = _title(rig, limb)
+    if not limb.kind:
+        why = "nothing says whether it is an arm or a leg; say --bend"
+    elif found.source == "given":
+        why = "--bend goes before it"
+    elif found.source == "pose" and found.sine >= CLEAR:
+        why = "it is clearly bent, and bends where it does"
+    else:
+        return
+    report.warn("facing-unused", f"--facing does not change the pole vector of {title}: {why}.", joint=title)
 
 
 def _place(
@@ -220,14 +249,14 @@ def _pole_record(
 
 def _warn_bend(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
     title = _title(rig, limb)
-    if found.source != "pose":
+    if found.source != "pose" and degrees < float(np.degrees(NO_PLANE)):
         report.warn(
             "straight",
             f"{title} is nearly straight ({degrees:.4f}°); bend direction: from {SOURCE_TEXT[found.source]}.",
             joint=title,
             geometry=found.source in ("other side", "facing"),
         )
-    elif found.sine < SHAKY:
+    elif found.source == "pose" and found.sine < SHAKY:
         report.warn(
             "nearly-straight",
             f"{title} is nearly straight ({degrees:.4f}°): the bend direction is not reliable.",
@@ -250,7 +279,7 @@ def _placed(
 ) -> tuple[Rig, int]:
     """The limb's pole vector at its place, found again by its chain or made new."""
     node = find(rig, PoleVectorRecord, chain=record.chain)
-    name = options.name or f"{rig.names[limb.middle] or 'limb'}_pole"
+    name = options.name or f"{_called(rig, limb)}_pole"
     if node is not None:
         joint = is_joint_kind(rig, node, options.as_)
         if joint and options.name is not None and rig.names[node] != plain_name(options.name):
@@ -264,8 +293,13 @@ def _placed(
         parent, like = beside(rig, limb.start)
         return add_joint(rig, name, parent, record, position, axes, like=like)
     rig, parent = home(rig)
-    rig, node = add(rig, name, parent, record)
+    rig, node = add(rig, name, parent, record, dots=rig.rules.dotted_names and options.name is None)
     return stand(rig, node, position, axes), node
+
+
+def _called(rig: Rig, limb: Limb) -> str:
+    """What a limb's pole vector is named after: its middle joint, or what it was recognised as."""
+    return rig.names[limb.middle] or "_".join(filter(None, (limb.side, limb.kind))) or "limb"
 
 
 def _axes(points: Floats, found: Bend, options: AddPolevectorOptions) -> Floats:

@@ -16,6 +16,7 @@ from rigtri.maths.vectors import dot, length, normalise, unit_of
 from rigtri.model.joint_names import twin
 from rigtri.model.rig import Rig
 from rigtri.operations.options.orient_joints import Branch, End
+from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb
 
 # A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
@@ -92,6 +93,8 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     if rules.aim_at and joint in rules.aim_at:
         return _at(ref, joint, rules.aim_at[joint], "named") or Aim("keep")
     limb_node = rules.limb_child.get(joint)
+    while limb_node is not None and not _distance(ref, joint, limb_node) > ZERO_LENGTH * ref.extent:
+        limb_node = rules.limb_child.get(limb_node)
     if limb_node is not None:
         aim = _at(ref, joint, limb_node, "child" if limb_node in tree.below[joint] else "limb")
         if aim is not None:
@@ -109,9 +112,10 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
 
 
 def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
-    """Joints below that may continue a chain: no eyes, no twist joints, only weighted ones if some are."""
+    """Joints below that may continue a chain: no eyes, sockets, twist joints; only weighted if some are."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
-    below = [k for k in tree.below[joint] if k not in eyes and tree.rig.type_of(k) != "twist"]
+    left_out = tree.sockets.union(eyes)
+    below = [k for k in tree.below[joint] if k not in left_out and tree.rig.type_of(k) != "twist"]
     weighted = [k for k in below if tree.carries[k]]
     some = weighted or below
     if not some:
@@ -147,6 +151,19 @@ def limb_children(tree: Skeleton, limbs: Sequence[Limb]) -> dict[int, int]:
         path = limb_path(tree, limb)
         for joint, child in pairwise(path):
             after.setdefault(joint, child)
+    return after
+
+
+def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int, int]:
+    """For each joint of a trunk, hips to head, the next one of it."""
+    after: dict[int, int] = {}
+    for character in characters:
+        trunk = [character.hips]
+        for kind in ("spine", "neck", "head"):
+            trunk += [
+                k for chain in character.chains if chain.kind == kind and chain.is_sure for k in chain.joints
+            ]
+        after |= {joint: child for joint, child in pairwise(trunk) if tree.above.get(child) == joint}
     return after
 
 

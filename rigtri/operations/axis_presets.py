@@ -19,17 +19,22 @@ AXES = ("aim", "up", "up_from")
 
 @dataclass(frozen=True)
 class AxisStyle:
-    """Which axis aims, which goes up, and where up comes from."""
+    """Which axis aims, which goes up, and where up comes from.
+
+    held: a direction of the world is taken where a chain begins and held along it, and joints whose hinge is
+    known have that, with its sign reversed, instead.
+    """
 
     aim: str = "x"
     up: str = "y"
     up_from: str = "plane"
     world: bool = False
+    held: bool = False
 
     def with_axes(self, options: Any) -> AxisStyle:
         """This style, with what options name of `AXES`."""
         given = {name: getattr(options, name) for name in AXES if getattr(options, name) is not None}
-        return replace(self, **given)
+        return replace(self, **given, held=self.held and "up_from" not in given)
 
     def checked(self) -> AxisStyle:
         """This style, or UsageError for letters that make no frame."""
@@ -46,7 +51,7 @@ class AxisStyle:
 
 
 PRESETS: dict[str, AxisStyle] = {
-    "maya": AxisStyle("x", "y", "world:+y"),
+    "maya": AxisStyle("x", "y", "world:+y", held=True),
     "unreal-editor": AxisStyle("x", "-y", "plane"),
     "mgear": AxisStyle("x", "-z", "plane"),
     "cmt": AxisStyle("x", "y", "pole"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton
@@ -16,22 +16,29 @@ EXCLUDED = "excluded"
 ROOT = "root joint: its motion is root motion"
 EYE = "VRM eye"
 WEIGHTLESS = "no weight on or below it"
+SOCKET = "attachment: what hangs there keeps its place"
 LONE = "lone end joint beside siblings"
 # Joints that are kept for these reasons do not turn for the sake of another joint either.
 STEADFAST = frozenset({EXCLUDED, ROOT, EYE})
 
 
 def select(
-    tree: Skeleton, ref: ReferencePose, selection: Selection, *, all_named: bool = False
+    tree: Skeleton,
+    ref: ReferencePose,
+    selection: Selection,
+    *,
+    all_named: bool = False,
+    hips: Container[int] = (),
 ) -> tuple[list[int], dict[int, str]]:
     """The joints to turn, parents first, and for every other joint the reason it is kept.
 
-    all_named: the user named the top node of a plain hierarchy, so all of it is meant.
+    all_named: the user named the top node of a plain hierarchy, so all of it is meant. hips: top joints that
+    are part of a body.
     Raises NameNotFoundError for names that the rig does not have.
     """
     rig = tree.rig
     _check_named(rig, selection)
-    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref)
+    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)
@@ -96,7 +103,7 @@ def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
     raise NameNotFoundError("skin", name, [skin.name for skin in rig.skins])
 
 
-def _unnamed_stay(tree: Skeleton, ref: ReferencePose) -> dict[int, str]:
+def _unnamed_stay(tree: Skeleton, ref: ReferencePose, hips: Container[int]) -> dict[int, str]:
     """Why joints that nobody named keep their axes."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
     driven = {c.node for c in tree.rig.node_constraints if c.kind == "roll"}
@@ -104,8 +111,10 @@ def _unnamed_stay(tree: Skeleton, ref: ReferencePose) -> dict[int, str]:
     found = {}
     for joint in tree.joints:
         above = tree.above[joint]
-        if above < 0:
+        if above < 0 and joint not in hips:
             found[joint] = ROOT
+        elif joint in tree.sockets:
+            found[joint] = SOCKET
         elif not tree.carries[joint]:
             found[joint] = WEIGHTLESS
         elif joint in eyes:

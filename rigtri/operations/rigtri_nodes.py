@@ -48,10 +48,14 @@ def home(rig: Rig) -> tuple[Rig, int]:
     return (rig, root) if root is not None else group(rig)
 
 
-def add(rig: Rig, name: str, parent: int, record: Record) -> tuple[Rig, int]:
-    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a record; and its index."""
+def add(rig: Rig, name: str, parent: int, record: Record, *, dots: bool = False) -> tuple[Rig, int]:
+    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a record; and its index.
+
+    dots: the name may hold dots, as those of the file that it is made of do.
+    """
     node = len(rig)
-    rig = rig.with_nodes([free_name(rig, name, None)], [parent], np.zeros((1, 3)), IDENTITY[np.newaxis])
+    free = free_name(rig, name, None, dots=dots)
+    rig = rig.with_nodes([free], [parent], np.zeros((1, 3)), IDENTITY[np.newaxis])
     return with_record(rig, node, record), node
 
 
@@ -80,12 +84,12 @@ def renamed(rig: Rig, node: int, name: str) -> Rig:
     return replace(rig, names=tuple(names))
 
 
-def free_name(rig: Rig, base: str, own: int | None) -> str:
+def free_name(rig: Rig, base: str, own: int | None, *, dots: bool = False) -> str:
     """A name of letters, digits and underscores that no other node has.
 
     USD prims allow nothing else, and three.js alters other names.
     """
-    name = plain_name(base)
+    name = plain_name(base, dots=dots)
     taken = {known for node, known in enumerate(rig.names) if node != own}
     free, count = name, 2
     while free in taken:
@@ -93,9 +97,9 @@ def free_name(rig: Rig, base: str, own: int | None) -> str:
     return free
 
 
-def plain_name(text: str) -> str:
+def plain_name(text: str, *, dots: bool = False) -> str:
     """A name with every run of other signs than letters, digits and underscores made one underscore."""
-    name = re.sub(r"[^A-Za-z0-9_]+", "_", text).strip("_") or "locator"
+    name = re.sub(r"[^A-Za-z0-9_.]+" if dots else r"[^A-Za-z0-9_]+", "_", text).strip("_") or "locator"
     return f"_{name}" if name[0].isdigit() else name
 
 

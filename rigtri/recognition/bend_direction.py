@@ -18,15 +18,20 @@ from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.maths.matrices import inverse, transform_directions
 from rigtri.maths.triangle import bend_angle, bend_direction, bend_sine, hinge
 from rigtri.maths.trigonometry import Floats, sin_cos
-from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import Limb
+from rigtri.report import Report
 
 # A key counts as evidence of the hinge from this bend on (radians): 5 degrees.
 BENT = 0.08726646259971647
 # The mean of the unit normals of all bent keys must be at least this long to be one hinge.
 AGREEMENT = 0.9
+# From this bend on (the sine of 10°) a pose is the truth about the side …
+CLEAR = 0.17364817766693033
+# … and below it within this of the natural side (the cosine of 60°).
+NATURAL = 0.5
 # Keys looked at per clip; more are thinned out evenly.
 MOST_KEYS = 2000
 # A direction nearer to the chord than this sine says nothing about the side.
@@ -98,6 +103,33 @@ def bend(
         forward = facing if limb.kind == "leg" else -facing
         return _towards(limb, world, forward, "facing", 1.0)
     return None
+
+
+def believable(
+    rig: Rig, limb: Limb, world: Floats, found: Bend, facing: Floats | None, report: Report
+) -> Bend:
+    """The bend of a limb, or what limbs of its kind do where it contradicts that and is small.
+
+    From 10° on a bend is the truth; below, it is taken within 60° of what knees and elbows do where the
+    body faces ``facing``, (3,). None: nobody knows.
+    """
+    if facing is None or not limb.kind or found.source not in ("pose", "other side") or found.sine >= CLEAR:
+        return found
+    natural = _towards(limb, world, facing if limb.kind == "leg" else -facing, "facing", 1.0)
+    if natural is None or dot(found.direction, natural.direction) >= NATURAL:
+        return found
+    off = float(np.degrees(angle(found.direction, natural.direction)))
+    bent = float(np.degrees(bend_angle(*world[list(limb.triple), 3, :3])))
+    title = " - ".join(rig.title(node) for node in limb.triple)
+    does = "knees bend forward" if limb.kind == "leg" else "elbows bend back"
+    report.warn(
+        "bends-otherwise",
+        f"{title} is bent {bent:.2g}° to a side {off:.0f}° off the one that is natural ({does}); "
+        "the facing direction is taken. Say another with --facing, or bend the limb by more than 10°.",
+        joint=title,
+        geometry=True,
+    )
+    return natural
 
 
 def in_pose(limbs: Sequence[Limb], world: Floats) -> list[Bend]:

@@ -20,6 +20,7 @@ from rigtri.model.limb import LimbKind
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import MAP, NAMES, Chain
 from rigtri.recognition.naming_schemes import limb_kind_in_name
+from rigtri.recognition.recognise import recognise as layout_of
 from rigtri.recognition.recognise import sure_limbs
 
 
@@ -107,19 +108,24 @@ def girths(rig: Rig, limbs: Sequence[Limb], world: Floats) -> dict[int, float]:
     return found
 
 
-def forward(rig: Rig, limbs: Sequence[Limb], world: Floats) -> Floats:
-    """The axis of the world, (3,), that a character looks along: its left limbs are on its left.
+def facing(rig: Rig) -> Floats | None:
+    """Where a character looks, unit, (3,): as the surest of a rig was recognised, else as its format says."""
+    known = [character for character in layout_of(rig).characters if any(character.facing)]
+    if known:
+        return np.array(max(known, key=lambda character: character.confidence).facing)
+    return None if rig.rules.facing is None else np.asarray(rig.rules.facing, dtype=np.float64)
 
-    Without limbs, as its format says; else the left is at +x, as in glTF and USD.
+
+def forward(rig: Rig) -> Floats:
+    """The axis of the world, (3,), nearest to where a character looks; else the left is at +x.
+
+    Source: glTF 2.0 and UsdSkel, where a character of which nobody knows more has its left at +x.
     """
     up = np.asarray(rig.rules.up, dtype=np.float64)
     usual = cross([1.0, 0.0, 0.0], up)
-    facing = usual if rig.rules.facing is None else np.asarray(rig.rules.facing, dtype=np.float64)
-    for left, right in _pairs(limbs):
-        facing = cross(world[left.start, 3, :3] - world[right.start, 3, :3], up)
-        break
-    level = facing - up * float(dot(facing, up))
-    if not np.abs(level).max() > 0:  # limbs one above the other
+    ahead = facing(rig)
+    level = usual if ahead is None else ahead - up * float(dot(ahead, up))
+    if not np.abs(level).max() > 0:  # it looks up or down
         level = usual
     axis = int(np.argmax(np.abs(level)))
     return np.where(np.arange(3) == axis, np.sign(level[axis]), 0.0)

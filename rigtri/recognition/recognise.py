@@ -31,8 +31,9 @@ from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_analysis import shape_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
-# The sure limbs of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
+# What is known of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
 _limbs: WeakKeyDictionary[Rig, tuple[Chain, ...]] = WeakKeyDictionary()
+_layouts: WeakKeyDictionary[Rig, Layout] = WeakKeyDictionary()
 _NAMED_ROLES: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
 # A joint beside a bone by less than this part of it stands along it.
 _ALONG = 0.05
@@ -44,6 +45,15 @@ def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
     own: naming schemes to be asked before rigtri's own. Evidence in order of trust: a VRM humanoid map;
     names; shape: hierarchy, symmetry, lengths, places; weights; motion. Never raises for a strange rig.
     """
+    if own or rig not in _layouts:
+        layout = _recognised(rig, own)
+        if own:
+            return layout
+        _layouts[rig] = layout
+    return _layouts[rig]
+
+
+def _recognised(rig: Rig, own: Sequence[Scheme]) -> Layout:
     drafts = _drafts(rig, own)
     characters = tuple(_character(draft) for draft in drafts if draft.chains)
     return Layout(characters, tuple(_remarks(rig, drafts)))
@@ -52,7 +62,12 @@ def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
 def sure_limbs(rig: Rig) -> tuple[Chain, ...]:
     """The sure arms and legs of all characters, as `recognise` has them, without a look at the rest."""
     if rig not in _limbs:
-        chains = (chain for draft in _drafts(rig, limbs_alone=True) for chain in draft.chains)
+        known = _layouts.get(rig)
+        chains = (
+            known.chains
+            if known is not None
+            else (chain for draft in _drafts(rig, limbs_alone=True) for chain in draft.chains)
+        )
         _limbs[rig] = tuple(chain for chain in chains if chain.kind in BENDS and chain.is_sure)
     return _limbs[rig]
 
@@ -249,6 +264,8 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
     over = next((k for k in reversed(tree.way(-1, node)) if k in taken), -1)
     if over >= 0 and draft.chains:
         holder = next(chain.name for chain in draft.chains if over in chain.joints)
+        if taken.intersection(tree.branch(node)):
+            yield "deform", 0.75, [f"between the {holder} and what belongs to the body"]
         if len(tree.branch(node)) > 1:
             yield "attachment", 0.6, [f"hangs at the {holder}, and is no part of it"]
         yield "helper", 0.5, [f"one joint beside the {holder}"]

@@ -193,7 +193,7 @@ def test_real_characters_get_controls_for_all_four_limbs(assets: Path, tmp_path:
 
 def test_a_step_that_fails_is_reported_with_its_place_in_the_spec_that_is_left(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    result = run("auto", SAMPLES / "biped.glb", "-o", out, "--strict", code=5)
+    result = run("auto", SAMPLES / "tpose.glb", "-o", out, "--strict", code=5)
     spec = out.with_suffix(".rig.yaml")
     assert re.search(rf"{re.escape(str(spec))}:\d+:\d+ step 1 \(orient-joints\): --strict", result.stderr)
     assert [path.name for path in tmp_path.iterdir()] == [spec.name]

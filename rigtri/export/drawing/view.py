@@ -17,7 +17,7 @@ from rigtri.errors import UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
-from rigtri.recognition.limbs import forward, recognise
+from rigtri.recognition.limbs import forward
 
 Named = Literal["front", "back", "side", "top", "three-quarter"]
 NAMED: tuple[Named, ...] = get_args(Named)
@@ -122,7 +122,7 @@ def view_of(rig: Rig, name: str = "front") -> View:
     prescribes; the side is its left one. UsageError for anything else.
     """
     up = np.asarray(rig.rules.up, dtype=np.float64)
-    ahead = forward(rig, recognise(rig), rig.world)
+    ahead = forward(rig)
     left = cross(up, ahead)
     eyes = {
         "front": ahead,

@@ -19,7 +19,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.recognition.limbs import forward, recognise
+from rigtri.recognition.limbs import forward
 from rigtri.text import display_name, plain
 
 
@@ -50,7 +50,7 @@ def facts(rig: Rig) -> dict[str, Any]:
         "shapes": list(_shapes(rig, place)),
         "tracks": [_track(rig, track, place) for track in _prim_tracks(rig)],
         "follows": [[place[source], place[node]] for source, node in _followed(rig)],
-        "facing": forward(rig, recognise(rig), rig.world).tolist(),
+        "facing": forward(rig).tolist(),
     }
 
 

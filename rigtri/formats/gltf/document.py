@@ -274,6 +274,7 @@ class GltfDocument:
                 data_nodes=frozenset(tree.place[node] for node in bindings.data_nodes),
                 split_locked=bindings.split_locked,
                 facing=bindings.facing,
+                dotted_names=True,
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(

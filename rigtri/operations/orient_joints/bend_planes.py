@@ -15,12 +15,19 @@ from rigtri.frames.skeleton import ZERO_LENGTH
 from rigtri.maths.arrays import Integers
 from rigtri.maths.triangle import STRAIGHT_SINE
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length, normalise
+from rigtri.maths.vectors import dot, length, normalise, perpendicular
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import chain_child, limb_path
 from rigtri.operations.orient_joints.targets import Targets
-from rigtri.recognition.bend_direction import Bend, areas_and_sines, bend, in_pose
+from rigtri.recognition.bend_direction import Bend, areas_and_sines, believable, bend, in_pose
+from rigtri.recognition.body_hinges import Body, body_of
 from rigtri.recognition.limbs import Limb
+from rigtri.report import Report
+
+# The sine of the bend (10°) from which on a chain shows its own plane.
+BENT_SINE = 0.17364817766693033
+# Directions of a body come from many joints: their noise is that of a bend of about 15°.
+BODY_SINE = 0.25
 
 _STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
 _SOURCE = {"pose": "plane of the limb", "facing": "side, name and facing"}
@@ -71,10 +78,13 @@ class BendPlanes:
     straight: dict[int, tuple[str, float]] = field(default_factory=dict)
 
 
-def bend_planes(targets: Targets, facing: Floats | None, *, per_joint: bool) -> BendPlanes:
-    """The planes of limbs, then of chains without a limb, then those of the other side.
+def bend_planes(
+    targets: Targets, bodies: Sequence[Body], facing: Floats | None, *, per_joint: bool, report: Report
+) -> BendPlanes:
+    """The planes of limbs, then of chains without a limb, then those of the other side, then of the body.
 
-    facing: where the character looks, (3,). per_joint: each inner joint of a chain its own plane.
+    bodies: of the characters whose facing direction is known. facing: the user's word, (3,). per_joint: each
+    inner joint of a chain its own plane; a body speaks of its limbs alone.
     """
     count = len(targets.tree.rig)
     planes = BendPlanes(UpDirections.none(count), UpDirections.none(count))
@@ -83,7 +93,7 @@ def bend_planes(targets: Targets, facing: Floats | None, *, per_joint: bool) -> 
     for limb, posed in zip(targets.limbs, in_pose(targets.limbs, targets.ref.world), strict=True):
         members = _members(targets, limb)
         taken.update(members)
-        _set_limb(planes, targets, limb, members, posed, facing)
+        _set_limb(planes, targets, limb, members, posed, body_of(bodies, limb.start), facing, report)
         known |= dict.fromkeys(members)
     chains = _chains(targets, taken)
     lines = [_line(targets, chain) for chain in chains]
@@ -95,9 +105,13 @@ def bend_planes(targets: Targets, facing: Floats | None, *, per_joint: bool) -> 
             part = slice(start, start + len(nodes) - 2)
             start = part.stop
             _set_chain(planes, targets, chain, nodes, areas[part], sines[part], per_joint=per_joint)
+        if not per_joint:
+            _agree_with_body(planes, targets, chain, body_of(bodies, chain[0]))
         known |= dict.fromkeys(chain)
     _set_adjoining(planes.adjoining, targets)
     _set_from_twins(planes.normals, targets, chains, known)
+    if not per_joint:
+        _set_body(planes, targets, bodies)
     return planes
 
 
@@ -107,9 +121,12 @@ def _set_limb(
     limb: Limb,
     members: list[int],
     posed: Bend,
+    body: Body | None,
     facing: Floats | None,
+    report: Report,
 ) -> None:
     rig, ref = targets.tree.rig, targets.ref
+    known = facing if body is None else body.facing
     found: Bend | None = posed
     if posed.sine < STRAIGHT_SINE:
         name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
@@ -120,11 +137,41 @@ def _set_limb(
             ref.world,
             least_sine=STRAIGHT_SINE,
             others=targets.limbs,
-            facing=facing,
+            facing=known if known is not None or rig.rules.facing is None else np.array(rig.rules.facing),
             other_pose=ref.other,
         )
     if found is not None:
-        _set_bend(planes.normals, members, found)
+        _set_bend(planes.normals, members, believable(rig, limb, ref.world, found, known, report))
+
+
+def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body]) -> None:
+    """What bodies say of trunk, hands, feet and clavicles, instead of what single triples say."""
+    for body in bodies:
+        for joint, (rule, direction) in body.hinges.items():
+            if joint not in targets.aims or joint in body.limbs:
+                continue
+            bone = targets.bone[joint]
+            hinge = body.across(bone) if direction is None else normalise(perpendicular(direction, bone))
+            if np.isfinite(hinge).all():
+                planes.normals.set([joint], hinge, 2, rule, BODY_SINE)
+                planes.straight.pop(joint, None)
+
+
+def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int], body: Body | None) -> None:
+    """One plane for a chain that is no limb (tail, ear, hair), on the side on which the body's would be."""
+    if body is None:
+        return
+    normals = planes.normals
+    shown = all(normals.step[joint] for joint in chain) and float(normals.sine[chain[0]]) >= BENT_SINE
+    for joint in chain:
+        hinge = body.default(targets.bone[joint])
+        if not np.isfinite(hinge).all():
+            continue
+        if not shown:
+            normals.set([joint], hinge, 5, "lateral axis of the body", BODY_SINE)
+            planes.straight.pop(joint, None)
+        elif dot(normals.vector[joint], hinge) < 0:
+            normals.vector[joint] = -normals.vector[joint]
 
 
 def _set_bend(normals: UpDirections, joints: Sequence[int], found: Bend) -> None:

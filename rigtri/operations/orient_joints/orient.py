@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.mirroring import parting
 from rigtri.frames.nonuniform_scale import ScaleTable, same_scales, ties
@@ -37,6 +37,8 @@ from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
 from rigtri.operations.orient_joints.targets import Targets, find_targets
 from rigtri.operations.orient_joints.up_direction import UpLadder
+from rigtri.recognition.body_hinges import bodies
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
 # What products of float64 quaternions leave of a rotation that is undone.
@@ -218,7 +220,9 @@ def requested_frames(
         joints, delta[joints] = like_deltas(targets, options.like, report)
         band = like_dead_band(len(rig))
     elif not options.keep:
-        planes = bend_planes(targets, _facing(rig, options), per_joint=options.per_joint_plane)
+        facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
+        known = bodies(rig, recognise(rig).characters, targets.ref.world, facing)
+        planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(options.offset) and not options.snap
         ladder = UpLadder(targets, planes, present=present, report=report)
@@ -250,13 +254,3 @@ def _with_offset(delta: Floats, options: OrientJointsOptions) -> Floats:
         if degrees:
             delta = multiply(delta, from_axis_angle(axis, degrees * (np.pi / 180.0)))
     return delta
-
-
-def _facing(rig: Rig, options: OrientJointsOptions) -> Floats | None:
-    facing = options.facing if options.facing is not None else rig.rules.facing
-    if facing is None:
-        return None
-    direction = np.asarray(facing, dtype=np.float64)
-    if not direction.any() or not np.isfinite(direction).all():
-        raise UsageError(f"--facing {facing} is not a valid direction")
-    return direction

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,12 +14,15 @@ from rigtri.maths.matrices import transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
-from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
+from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children, trunk_children
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
 from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.recognition.body_hinges import sockets
+from rigtri.recognition.layout import CONFIDENT, Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
+from rigtri.recognition.recognise import recognise
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,17 +78,24 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     chains = tuple((start, end) for start, end, _ in options.chain_styles)
     selection = replace(options.selection, chains=(*options.selection.chains, *chains))
     everything = elsewhere or options.root is not None or bool(aligned)
-    joints, skipped = select(tree, ref, selection, all_named=everything)
+    characters: Sequence[Character] = ()
+    if not everything:
+        characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
+        tree = replace(tree, sockets=sockets(rig, characters))
+    hips = frozenset(k.hips for k in characters if any(c.kind == "spine" and c.is_sure for c in k.chains))
+    joints, skipped = select(tree, ref, selection, all_named=everything, hips=hips)
     styles = dict.fromkeys(tree.joints, options.style)
     for start, end, style in options.chain_styles:
         styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
+    # A rule that the user names for branches goes before what is known of the trunk.
+    trunk = {} if options.branch else trunk_children(tree, characters)
     rules = Rules(
         options.branch_rule,
         tuple(rig.find(name) for name in options.branch_to),
         options.end,
         dict(_aim_at(rig, pair) for pair in options.aim_at),
-        limb_children(tree, limbs),
+        trunk | limb_children(tree, limbs),
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)

@@ -60,6 +60,10 @@ class UpLadder:
         related: the direction, (3,), of those whose up axis is that of another joint.
         """
         targets = self._targets
+        held = [joint for joint in joints if targets.styles[joint].held]
+        if held:
+            self._hold(held)
+            joints = [joint for joint in joints if not targets.styles[joint].held]
         sources = {joint: related.get(joint, _stated(targets, joint)) for joint in joints}
         stated = {joint: source for joint, source in sources.items() if source is not None}
         open_ = set(joints)
@@ -84,6 +88,31 @@ class UpLadder:
                     joint=name,
                     geometry=True,
                 )
+
+    def _hold(self, joints: Sequence[int]) -> None:
+        """A stated direction where a chain begins, held along it; a known hinge, reversed, goes before it."""
+        targets = self._targets
+        hinges = self._planes.normals
+        for joint in joints:
+            bone, above = targets.bone[joint], targets.tree.above[joint]
+            if hinges.step[joint] and crossing(hinges.vector[joint], bone):
+                self.normals.copy_from(hinges, [joint])
+                self.ups.copy_from(hinges, [joint])
+                self.ups.vector[joint] = -hinges.vector[joint]
+                continue
+            goes_on = above in targets.aims and targets.aims[above].node == joint and self.ups.step[above]
+            up: Floats | None
+            if goes_on:
+                up = transport_up(self.ups.vector[above], targets.bone[above], bone)
+                step, source = int(self.ups.step[above]), self.ups.source[above]
+                sine = float(self.ups.sine[above])
+            else:
+                up, step, source, sine = _stated(targets, joint), 1, targets.styles[joint].up_from, 1.0
+            if up is not None and crossing(up, bone):
+                self.ups.set([joint], up, step, source, sine)
+            else:
+                self._find_normals([joint])
+                self.ups.copy_from(self.normals, [joint])
 
     def _find_normals(self, joints: list[int]) -> None:
         """The plane normals of joints, by the first step of the ladder that is clear of the bone."""

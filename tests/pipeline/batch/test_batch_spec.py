@@ -144,7 +144,7 @@ def test_what_some_files_have_not_is_counted_at_the_end(here: Path, samples: Pat
     result = cli("batch", "in/a.glb", "in/tail.glb", "in/hand.glb", *given, code=7)
     advice = "List what is there with: rigtri inspect FILE"
     assert result.stderr.splitlines()[-4:] == [
-        "3 files: 1 warned, 2 error",
+        "3 files: 1 ok, 2 error",
         "in 2 of them: No joint is named 'hips'",
         "in 2 of them: No joint is named 'hand_L'",
         advice,

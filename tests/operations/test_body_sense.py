@@ -1,0 +1,159 @@
+"""One body, one sense: re-oriented axes are those that a rigger means, on bodies whose hinges are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from posed_bodies import Pose, PosedBody, posed_body, poses
+
+from rigtri import add_polevector, orient_joints
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.report import Report
+
+# The axis that is the hinge n, with its sign, as docs/presets.md has it.
+HINGES = {
+    "article": "+y",
+    "maya": "-y",
+    "blender": "+x",
+    "rigify": "+x",
+    "unreal-editor": "-y",
+    "mgear": "-z",
+    "cmt": "-z",
+    "talk": "+z",
+    "openxr": "+y",
+    "three-ik": "+y",
+}
+# How far an axis may be off the hinge that a body is made with, in degrees. A limb that is bent by less than
+# 10° shows its own plane within 60° of the natural one.
+LIMITS = {"trunk": 35.0, "hand": 30.0, "limb": 20.0, "clavicle": 35.0}
+SHAKY_LIMB = 60.0
+
+
+def hinge_axes(rig: Rig, hinge: str) -> Floats:
+    """The world direction of each node's hinge axis, unit, (n, 3)."""
+    axes = rig.world[:, "xyz".index(hinge[1]), :3] * (-1.0 if hinge[0] == "-" else 1.0)
+    return np.asarray(axes / np.linalg.norm(axes, axis=1)[:, np.newaxis])
+
+
+def kind(part: str) -> str:
+    """Which law is for a part of a body."""
+    if part.endswith("hand") or any(finger in part for finger in ("index", "middle", "ring", "little")):
+        return "hand"
+    if "clavicle" in part:
+        return "clavicle"
+    return "limb" if part.endswith(("arm", "leg", "foot")) else "trunk"
+
+
+def broken_laws(body: PosedBody, pose: Pose, out: Rig, hinge: str) -> list[str]:
+    """The joints whose hinge axis is not the one that the body was made with."""
+    axes, found = hinge_axes(out, hinge), []
+    for part, node in body.parts.items():
+        # What ends a chain takes the axes of the joint above it.
+        if node not in body.hinges or part == "head" or part.endswith(" 3"):
+            continue
+        if part.endswith("hand") and not pose.fingers:
+            continue
+        of = kind(part)
+        limit = SHAKY_LIMB if of == "limb" and pose.noise and pose.elbow < 10 else LIMITS[of]
+        cosine = float(axes[node] @ body.hinges[node]) / float(np.linalg.norm(body.hinges[node]))
+        off = float(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+        if off > limit:
+            found.append(f"{part} is {off:.0f}° off")
+    return found
+
+
+EVERY = list(poses())
+# A few of each kind always, all of them with --slow.
+FEW = EVERY[2:18:5] + EVERY[19:56:6]
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [pytest.param(pose, marks=[] if pose in FEW else pytest.mark.slow, id=pose.title) for pose in EVERY],
+)
+def test_every_preset_closes_hands_and_bends_trunks_and_limbs_about_one_axis(pose: Pose) -> None:
+    body = posed_body(pose)
+    for preset, hinge in HINGES.items():
+        # Left-handed frames keep their handedness, so an axis towards the bend leaves the hinge reversed.
+        if pose.flip and PRESETS[preset].up_from == "pole":
+            continue
+        out = orient_joints(body.rig, preset=preset)
+        assert broken_laws(body, pose, out, hinge) == [], preset
+        for socket in body.sockets:
+            np.testing.assert_allclose(out.world[socket], body.rig.world[socket], atol=1e-12)
+
+
+def test_a_report_names_the_rule_that_each_joint_follows() -> None:
+    body, report = posed_body(Pose(arms=80.0)), Report()
+    orient_joints(body.rig, report=report)
+    rules = {entry["joint"].removeprefix("mixamorig:"): entry.get("up") for entry in report.joints}
+    assert rules["Spine1"] == "lateral axis of the body"
+    assert rules["LeftHandIndex1"] == "palm of the hand"
+    assert rules["LeftShoulder"] == "facing direction of the body"
+
+
+def test_fingers_that_are_clearly_bent_share_their_own_plane() -> None:
+    report = Report()
+    orient_joints(posed_body(Pose(curl=25.0)).rig, report=report)
+    rules = {entry["joint"].removeprefix("mixamorig:"): entry.get("up") for entry in report.joints}
+    assert rules["LeftHandIndex1"] == rules["LeftHandPinky2"] == "plane of the bent fingers"
+
+
+def test_each_joint_may_still_have_its_own_plane() -> None:
+    body = posed_body(Pose(curl=1.0, noise=3.0, seed=5))
+    shared, own = orient_joints(body.rig), orient_joints(body.rig, per_joint_plane=True)
+    fingers = [node for part, node in body.parts.items() if part.endswith(("index 1", "ring 1"))]
+    spread = [np.ptp(hinge_axes(rig, "+y")[fingers[:2]], axis=0).max() for rig in (shared, own)]
+    assert spread[0] < 0.1 < spread[1]
+
+
+def test_a_small_bend_to_an_unnatural_side_is_not_believed() -> None:
+    body = posed_body(Pose(elbow=-4.0, knee=-4.0))
+    report = Report()
+    out = add_polevector(body.rig, limbs="auto", report=report)
+    for limb, record in zip(("arm", "arm", "leg", "leg"), report.limbs, strict=True):
+        middle = body.rig.world[body.rig.find(record["limb"][1]), 3, :3]
+        ahead = np.array(record["position"])[2] - middle[2]
+        assert ahead < 0 if limb == "arm" else ahead > 0
+    assert [notice.code for notice in report.warnings].count("bends-otherwise") == 4
+    assert len(out) > len(body.rig)
+
+
+def test_a_clear_bend_is_believed_whatever_is_natural() -> None:
+    body, report = posed_body(Pose(knee=-15.0)), Report()
+    add_polevector(body.rig, limbs="auto", report=report)
+    knees = [record for record in report.limbs if "Leg" in record["limb"][1]]
+    for record in knees:
+        middle = body.rig.world[body.rig.find(record["limb"][1]), 3, :3]
+        assert np.array(record["position"])[2] < middle[2]
+
+
+def test_facing_that_changes_nothing_is_reported() -> None:
+    body, report = posed_body(Pose(elbow=40.0)), Report()
+    add_polevector(body.rig, limbs="auto", facing="-z", report=report)
+    unused = [notice.text for notice in report.warnings if notice.code == "facing-unused"]
+    assert len(unused) == 2
+    assert all("clearly bent" in text for text in unused)
+
+
+def test_facing_turns_the_poles_of_straight_limbs() -> None:
+    body = posed_body(Pose())
+    ahead, back = (add_polevector(body.rig, limbs="auto", facing=facing) for facing in ("+z", "-z"))
+    knee = next(name for name in ahead.names if "LeftLeg_pole" in name)
+    assert ahead.world[ahead.find(knee), 3, 2] > 0 > back.world[back.find(knee), 3, 2]
+
+
+def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
+    body = posed_body(Pose("blender"))
+    dotted = replace(body.rig, rules=replace(body.rig.rules, dotted_names=True))
+    assert "forearm.L_pole" in add_polevector(dotted, limbs="auto").names
+    assert "forearm_L_pole" in add_polevector(body.rig, limbs="auto").names
+
+
+def test_a_pole_of_nameless_joints_is_called_after_its_limb() -> None:
+    names = add_polevector(posed_body(Pose("none", elbow=15.0)).rig, limbs="auto").names
+    assert {"left_arm_pole", "right_leg_pole"} <= set(names)
