@@ -1,0 +1,257 @@
+"""Plant faults in a copy of the package, one at a time, and list which of them the tests see.
+
+    python -m mutation --count 30                 # in the folder tests; a fault needs one to ten minutes
+    python -m mutation --count 30 --list          # only list the faults
+    python -m mutation --contexts .coverage       # run only the tests that execute the changed line
+
+A fault is another sign or operator, another bound, another axis or item, a reversed condition, or a statement
+that writes and is left out. Faults are spread over the rooms of the package and follow from ``--seed``. First
+the tests of the fault's room and the quick ones run, then all. Exit code 1 where more than two of thirty
+faults stay unseen: some have no effect that anybody could see, which only a reader can judge.
+
+``--contexts`` is data of coverage.py whose contexts are ids of tests (pytest --cov-context=test).
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOMS = (
+    "maths",
+    "model",
+    "files",
+    "evaluation",
+    "frames",
+    "recognition",
+    "operations",
+    "formats/gltf",
+    "formats/usd",
+    "formats/vrm",
+    "verification",
+    "export",
+    "pipeline",
+)
+OPERATORS = {
+    ast.Add: ("+", "-"),
+    ast.Sub: ("-", "+"),
+    ast.Mult: ("*", "+"),
+    ast.Lt: ("<", "<="),
+    ast.LtE: ("<=", "<"),
+    ast.Gt: (">", ">="),
+    ast.GtE: (">=", ">"),
+    ast.Eq: ("==", "!="),
+    ast.NotEq: ("!=", "=="),
+    ast.And: ("and", "or"),
+    ast.Or: ("or", "and"),
+}
+WRITES = (
+    "append",
+    "extend",
+    "update",
+    "add",
+    "write",
+    "write_bytes",
+    "write_text",
+    "insert",
+    "Set",
+    "warn",
+    "note",
+)
+# Of thirty faults, those that may change nothing.
+UNSEEN = 2 / 30
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Other text from ``start`` to ``end`` (offsets of bytes) of a file."""
+
+    file: str
+    line: int
+    start: int
+    end: int
+    other: str
+
+    def planted(self, content: bytes) -> bytes:
+        return content[: self.start] + self.other.encode() + content[self.end :]
+
+    def shown(self, content: bytes) -> str:
+        """The line before and after."""
+        before, after = (text.split(b"\n")[self.line - 1] for text in (content, self.planted(content)))
+        return f"{before.decode().strip()}  ->  {after.decode().strip()}"
+
+
+def faults_of(file: str, content: bytes) -> Iterator[Fault]:
+    """Every fault that can be planted in the functions of a module."""
+    starts = [0]
+    for line in content.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+
+    def fault(start: int, end: int, other: str) -> Fault:
+        return Fault(file, content.count(b"\n", 0, start) + 1, start, end, other)
+
+    def first(node: ast.expr | ast.stmt) -> int:
+        return starts[node.lineno - 1] + node.col_offset
+
+    def last(node: ast.expr | ast.stmt) -> int:
+        return starts[(node.end_lineno or 0) - 1] + (node.end_col_offset or 0)
+
+    def between(left: ast.expr, right: ast.expr, kind: type[ast.AST]) -> Iterator[Fault]:
+        old, new = OPERATORS.get(kind, ("", ""))
+        at = content.find(old.encode(), last(left), first(right)) if old else -1
+        if at >= 0:
+            yield fault(at, at + len(old), new)
+
+    for function in ast.walk(ast.parse(content)):
+        if not isinstance(function, ast.FunctionDef):
+            continue
+        for node in (inner for part in function.body for inner in ast.walk(part)):
+            if isinstance(node, ast.BinOp) and not _is_text(node):
+                yield from between(node.left, node.right, type(node.op))
+            elif isinstance(node, ast.Compare):
+                yield from between(node.left, node.comparators[0], type(node.ops[0]))
+            elif isinstance(node, ast.BoolOp):
+                yield from between(node.values[0], node.values[1], type(node.op))
+            elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+                yield fault(first(node), first(node.operand), "")
+            elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+                if node.slice.value in (0, 1) and type(node.slice.value) is int:
+                    yield fault(first(node.slice), last(node.slice), str(1 - node.slice.value))
+            elif _writes(node):
+                assert isinstance(node, ast.stmt)
+                yield fault(first(node), last(node), "pass")
+
+
+def _is_text(node: ast.BinOp) -> bool:
+    """Whether strings are put together; a type such as ``A | B`` has no operator here."""
+    return any(
+        isinstance(side, ast.JoinedStr) or (isinstance(side, ast.Constant) and isinstance(side.value, str))
+        for side in (node.left, node.right)
+    )
+
+
+def _writes(node: ast.AST) -> bool:
+    if isinstance(node, ast.Assign):
+        return isinstance(node.targets[0], ast.Subscript)
+    if not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Call)):
+        return False
+    called = node.value.func
+    return isinstance(called, ast.Attribute) and called.attr.startswith(WRITES)
+
+
+def chosen(seed: int, count: int) -> list[Fault]:
+    """Faults room by room, each in a file of its own."""
+    chance, found = random.Random(seed), list[Fault]()
+    files = {room: sorted((ROOT / "rigtri" / room).rglob("*.py")) for room in ROOMS}
+    while len(found) < count:
+        room = ROOMS[len(found) % len(ROOMS)]
+        path = chance.choice(files[room])
+        name = path.relative_to(ROOT).as_posix()
+        every = list(faults_of(name, path.read_bytes()))
+        if every and name not in {fault.file for fault in found}:
+            found.append(chance.choice(every))
+    return found
+
+
+def laid_out(folder: Path) -> Path:
+    """The package as it is installed, where it hides any that is."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    for source, target in (("rigtri", "rigtri"), ("cli", "rigtri/cli"), ("schemas", "rigtri/schemas")):
+        shutil.copytree(ROOT / source, folder / target, ignore=ignored)
+    return folder
+
+
+def runs_for(fault: Fault, contexts: Path | None) -> Iterator[list[str]]:
+    """Arguments of pytest, those that see it soonest first."""
+    if contexts is not None:
+        yield from _covering(fault, contexts)
+        return
+    room = next(room for room in sorted(ROOMS, key=len, reverse=True) if f"/{room}/" in fault.file)
+    yield [f"tests/{room}"]
+    yield ["-m", "quick"]
+    yield ["tests"]
+
+
+def _covering(fault: Fault, contexts: Path) -> Iterator[list[str]]:
+    """The tests that execute the line, a few at first."""
+    from coverage import CoverageData
+
+    data = CoverageData(str(contexts))
+    data.read()
+    for file in data.measured_files():
+        if file.endswith(f"/{fault.file}"):
+            tests = sorted({name for name in data.contexts_by_lineno(file).get(fault.line, []) if name})
+            few = random.Random(0).sample(tests, min(12, len(tests)))
+            yield few
+            yield [name for name in tests if name not in few]
+
+
+def seen_by(fault: Fault, folder: Path, contexts: Path | None) -> str | None:
+    """The test that fails, if any."""
+    environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+    for words in runs_for(fault, contexts):
+        if not words:
+            continue
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-x",
+            "-p",
+            "no:randomly",
+            "-p",
+            "no:cacheprovider",
+            *words,
+        ]
+        try:
+            run = subprocess.run(
+                command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=1800, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return "too slow"
+        if run.returncode not in (0, 5):
+            lines = run.stdout.splitlines()
+            return next((line for line in lines if line.startswith(("FAILED", "ERROR"))), "no test ran")
+    return None
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="python -m mutation", description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=30)
+    parser.add_argument("--list", action="store_true", help="only list the faults")
+    parser.add_argument("--contexts", type=Path, metavar="FILE", help="data of coverage.py by test")
+    given = parser.parse_args(words)
+    faults, unseen = chosen(given.seed, given.count), 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = laid_out(Path(name))
+        for number, fault in enumerate(faults, 1):
+            content = (ROOT / fault.file).read_bytes()
+            print(f"{number:3} {fault.file}:{fault.line}  {fault.shown(content)}", flush=True)
+            if given.list:
+                continue
+            begin = monotonic()
+            (folder / fault.file).write_bytes(fault.planted(content))
+            test = seen_by(fault, folder, given.contexts)
+            (folder / fault.file).write_bytes(content)
+            unseen += test is None
+            print(f"    {test or 'NOT SEEN'}  ({monotonic() - begin:.0f} s)", flush=True)
+    if not given.list:
+        print(f"{len(faults) - unseen} of {len(faults)} seen")
+    return unseen > UNSEEN * len(faults)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
