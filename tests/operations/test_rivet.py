@@ -127,6 +127,14 @@ def test_a_rivet_follows_skinning_and_morphs_by_hand(tmp_path: Path) -> None:
     assert_allclose(world, [[0, 3, 0], [-2, 1, 0.5]], atol=1e-6)
 
 
+def test_a_rivet_stands_where_its_weights_put_it_in_the_triangle(tmp_path: Path) -> None:
+    rig = read(arm().glb(tmp_path / "in.glb")).rig
+    places = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.2, 0.3, 0.5))
+    made = [add_rivet(rig, options=replace(MIDDLE, barycentric=(weights,))) for weights in places]
+    a, b, c, found = (out.world[out.find("button"), 3, :3] for out in made)
+    assert_allclose(found, 0.2 * a + 0.3 * b + 0.5 * c, atol=1e-6)
+
+
 def test_selected_vertices_are_skinned_as_all_vertices_are(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     (timeline,), mesh = timelines(rig), rig.meshes[0]

@@ -36,6 +36,7 @@ from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.recognition import output
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
@@ -482,6 +483,15 @@ def test_the_command_reports_chains_roles_and_words() -> None:
     assert "end: head_end" in told
     told = cli("recognise", SAMPLES / "biped.glb", "--joints").output
     assert "leftUpperArm" in told
+
+
+def test_chains_of_more_than_four_joints_are_shown_by_their_ends() -> None:
+    assert "tail_01 → tail_02 → … → tail_08" in cli("recognise", SAMPLES / "tail.glb", code=0).stdout
+    rig = read(SAMPLES / "tail.glb").rig
+    layout = recognise(rig)
+    (tail,) = layout.characters[0].chains
+    four = replace(layout.characters[0], chains=(replace(tail, joints=tail.joints[:4]),))
+    assert "tail_01 → tail_02 → tail_03 → tail_04 " in output.text(rig, replace(layout, characters=(four,)))
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "hand.glb", "flat_ik.glb", "biped.usda"])

@@ -59,6 +59,7 @@ def test_limbs_of_bodies_that_nobody_has_looked_at_are_right(tmp_path: Path) -> 
     check(varied_bodies(tmp_path, 25), named=0.95, unnamed=0.85)
 
 
+@pytest.mark.slow
 def test_limbs_requested_alone_are_those_of_the_whole_layout(tmp_path: Path) -> None:
     for one in (*files_here(), *made(tmp_path)):
         for rig in (one.rig, nameless(one.rig)):

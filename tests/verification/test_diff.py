@@ -379,6 +379,16 @@ def test_a_difference_of_usd_files_is_named(name: str, tmp_path: Path) -> None:
     assert any(line.startswith(wanted) for line in told), told
 
 
+def test_a_root_and_the_prim_below_it_may_both_be_renamed(samples: Path, tmp_path: Path) -> None:
+    text = (samples / "biped.usda").read_text()
+    for old, new in (("Xform", "hero"), ("SkelRoot", "rig")):
+        (name,) = re.findall(rf'^ *def {old} "(biped|figure)"', text, re.M)
+        text = re.sub(rf'(?<=[/"]){name}\b', new, text)
+    (tmp_path / "hero.usda").write_text(text)
+    found = lines(diff(samples / "biped.usda", tmp_path / "hero.usda"), "rig")
+    assert found == ["hierarchy: ~ node biped  renamed to hero", "hierarchy: ~ node figure  renamed to rig"]
+
+
 def test_a_comment_is_a_difference_of_spelling(tmp_path: Path) -> None:
     found = _usd(('def UnknownType "Odd"', '# a comment\ndef UnknownType "Odd"'), tmp_path)
     assert [line.partition(", from byte")[0] for line in lines(found)] == [
