@@ -79,7 +79,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         folder = item.path.relative_to(TESTS) if item.path.is_relative_to(TESTS) else None
         if folder is None or folder.as_posix().startswith(QUICK):
             item.add_marker("quick")
-        if folder is not None and (folder.parts[0] == "proofs" or _is_of_a_real_file(item)):
+        if folder is not None and (folder.parts[0] == "proofs" or _takes_a_real_file(item)):
             item.add_marker("slow")
         left = item.get_closest_marker("slow") and not config.getoption("--slow")
         left = left or not _is_in_part(item, config.getoption("--sample"))
@@ -88,9 +88,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     config.hook.pytest_deselected(items=left_out)
 
 
-def _is_of_a_real_file(item: pytest.Item) -> bool:
+def _takes_a_real_file(item: pytest.Item) -> bool:
     given = item.callspec.params.values() if hasattr(item, "callspec") else ()
-    return any(isinstance(value, Path) and value.is_relative_to(ASSETS) for value in given)
+    return "assets" in getattr(item, "fixturenames", ()) or any(
+        isinstance(value, Path) and value.is_relative_to(ASSETS) for value in given
+    )
 
 
 def _is_in_part(item: pytest.Item, part: str) -> bool:

@@ -14,6 +14,7 @@ import click
 import pytest
 from conftest import Golden
 from gltf_files import small
+from places import slow
 from program import cli
 from second_opinions import schema, validator
 
@@ -84,7 +85,7 @@ def test_metadata_in_written_files_keeps_to_its_schema(samples: Path, tmp_path: 
     assert found == 2 * (4 + 1)
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "tpose.glb", "arm.gltf", "biped.usda"])
+@pytest.mark.parametrize("name", [slow("biped.glb"), slow("tpose.glb"), "arm.gltf", "biped.usda"])
 def test_streams_work_both_ways(name: str, samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", "-", "-o", "-", *(["--root", "shoulder"] if name == "arm.gltf" else [])]
     script = "from importlib.metadata import entry_points as e; " + (

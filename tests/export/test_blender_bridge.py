@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from engines import Shown, blender_scenes, blender_setup, blender_trip
 from gltf_files import glb_bytes, glb_parts
-from places import NO_ASSETS, ROOT, SAMPLES, asset_files
+from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
 from program import cli
 
 from rigtri.evaluation.constraint_solver import Parts
@@ -320,7 +320,7 @@ def told_by_switch(rigged: Path, scale: float, target: Path) -> Path:
 
 
 @pytest.mark.parametrize("command", ["bake", "take-clips"])
-@pytest.mark.parametrize(("scale", "holds"), [(1.5, True), (1.0, False), (0.5, False)])
+@pytest.mark.parametrize(("scale", "holds"), [(1.5, True), slow(1.0, False), slow(0.5, False)])
 def test_a_switch_below_an_ik_end_reports_ik_without_keys(
     scale: float, holds: bool, command: str, rigged: dict[str, Path], tmp_path: Path
 ) -> None:

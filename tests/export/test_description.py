@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from places import slow
 from program import cli
 from second_opinions import validator
 
@@ -13,7 +14,7 @@ from rigtri.export.rig_json import description
 from rigtri.formats import read
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda"), slow("biped.usdz")])
 def test_the_sidecar_describes_what_the_file_holds(samples: Path, tmp_path: Path, name: str) -> None:
     out, beside = tmp_path / name, tmp_path / "biped.rig.json"
     command = ["add-controls", str(samples / name), "-o", str(out), "--whole-character", "--sidecar"]

@@ -552,6 +552,7 @@ def test_a_closed_standard_output_is_no_success(
     assert done.returncode == (2 if name == "diff" else 3)
 
 
+@pytest.mark.slow
 @POSIX
 def test_who_prints_nothing_needs_no_standard_output(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"

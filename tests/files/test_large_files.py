@@ -209,6 +209,7 @@ def test_a_glb_of_almost_4_gib_is_edited_in_little_memory(tmp_path: Path) -> Non
     assert glb_json(tmp_path / "b.glb")["skins"] == glb_json(source)["skins"]
 
 
+@pytest.mark.slow
 @needs_peak
 def test_memory_does_not_grow_with_what_is_not_edited(tmp_path: Path) -> None:
     source = holed_glb(tmp_path / "a.glb", small(), 250 << 20)

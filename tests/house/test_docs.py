@@ -68,6 +68,7 @@ def shell(code: str, folder: Path) -> None:
             expect(["bash", "-euo", "pipefail", "-c", line], folder, os.environ)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_the_blocks_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = OTHERS.sub("", (ROOT / page).read_text("utf-8"))
@@ -98,6 +99,7 @@ def test_the_site_links_to_the_repository_that_the_project_names_and_to_no_other
     assert site.get("repo_url") == named.get("repository", named.get("source"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(find_spec("zensical") is None, reason="zensical is not installed")
 def test_the_site_builds_without_a_fault(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "docs", tmp_path / "docs")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import files_of_all_kinds, leave_out_refused
+from places import files_of_all_kinds, leave_out_refused, slow
 from pxr import Gf, Usd, UsdSkel
 from rigs import chain
 from scaled_limbs import STRETCH, Limb, usd
@@ -199,7 +199,7 @@ def whole(rig: Rig, report: Report, ends: EndKind | None = "joint") -> Rig:
     return add_controls(rig, options=AddControlsOptions(whole_character=True, as_=ends), report=report)
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [slow(".glb"), ".usda"])
 def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: Path) -> None:
     source, once, twice = samples / f"biped{suffix}", tmp_path / f"1{suffix}", tmp_path / f"2{suffix}"
     outcome = edit(source, once, whole)

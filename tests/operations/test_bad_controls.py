@@ -103,7 +103,7 @@ def test_a_target_on_the_root_folds_the_limb(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("share", [0.0, 2.0])
+@pytest.mark.parametrize("share", [0.0, slow(2.0)])
 def test_a_pole_on_the_line_of_the_limb_keeps_the_side_of_the_rest_pose(name: str, share: float) -> None:
     rig, end, pole, root, hand = limb(name)
     near = (end, "translation", place(rig, end, root + 0.6 * (hand - root)))
@@ -194,7 +194,7 @@ def test_bake_reports_when_a_trouble_is_worst_and_strict_makes_it_an_error(name:
     run("--strict", "--overwrite", code=5)
 
 
-@pytest.mark.parametrize("soft", [0.05, 0.3])
+@pytest.mark.parametrize("soft", [0.05, slow(0.3)])
 def test_a_soft_limb_whose_target_matching_has_placed_is_no_trouble(soft: float) -> None:
     rig = add_controls(rigged("tpose.glb"), options=AddControlsOptions(whole_character=True, soft=soft))
     report = Report()

@@ -150,7 +150,7 @@ def test_a_limb_that_would_stretch_without_end_is_refused_by_name() -> None:
         assert all(np.isfinite(track.values).all() for clip in baked.clips for track in clip.tracks)
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_a_control_that_was_moved_at_rest_is_reported(suffix: str, tmp_path: Path) -> None:
     whole, turned, out, again = (tmp_path / f"{k}{suffix}" for k in ("whole", "turned", "out", "again"))
     rigged_file(f"biped{suffix}", whole)
@@ -252,7 +252,7 @@ def test_a_file_without_controls_has_nothing_to_bake() -> None:
         bake(read(SAMPLES / "biped.glb").rig, options=BakeOptions())
 
 
-@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), slow("biped.usda"), slow("biped.usdz")])
 def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
     rigged_file(name, steps[0])
@@ -296,7 +296,7 @@ def test_real_motion_comes_home(path: Path) -> None:
         assert apart(rig, home, name, times[:: max(1, len(times) // 50)]) < BOUND
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_a_joint_that_only_the_root_control_moves_keeps_its_motion(name: str) -> None:
     only_limbs = AddControlsOptions(limbs="auto", root_control=True)
     rig, report = stored(add_controls(read(SAMPLES / name).rig, options=only_limbs)), Report()
@@ -360,6 +360,7 @@ def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> N
     cli(*given, "--strict", code=5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", [slow(1), 7, slow(64)])
 def test_blocks_of_frames_change_no_bit(block: int) -> None:
     rig = rigged()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from morphs import arm, arm_usd
 from numpy.testing import assert_allclose
+from places import slow
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling, skinning
@@ -71,7 +72,7 @@ def off_surface(rig: Rig, clip: Clip, times: Floats) -> float:
     return float(np.linalg.norm(world[:, node, 3, :3] - middle, axis=-1).max())
 
 
-@pytest.mark.parametrize("kind", ["glb", "usda"])
+@pytest.mark.parametrize("kind", ["glb", slow("usda")])
 def test_rivets_and_readers_follow_what_controls_make_of_the_joints(kind: str, tmp_path: Path) -> None:
     source, joint, mesh = source_of(kind, tmp_path)
     ready, once, twice = (tmp_path / f"{name}.{kind}" for name in ("ready", "once", "twice"))

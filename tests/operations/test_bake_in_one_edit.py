@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from baked_rigs import WHOLE, control
-from places import SAMPLES
+from places import SAMPLES, slow
 
 from rigtri.errors import DeviationError
 from rigtri.evaluation import sampling
@@ -46,7 +46,7 @@ def built(rig: Rig, report: Report) -> Rig:
     return bake(nodding(rig), options=BakeOptions(), report=report)
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.gltf", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), slow("biped.usda"), slow("biped.usdz")])
 def test_what_was_added_and_baked_in_one_edit_is_what_was_intended(name: str, tmp_path: Path) -> None:
     source, target = SAMPLES / name, tmp_path / name
     outcome = edit(source, target, built)
@@ -62,7 +62,7 @@ def test_what_was_added_and_baked_in_one_edit_is_what_was_intended(name: str, tm
     assert np.abs(moved[0][head] - moved[1][after.find("head")]).max() > 0.1
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_a_result_that_is_not_what_was_intended_is_refused(name: str, tmp_path: Path) -> None:
     def wrong(rig: Rig, report: Report) -> Rig:
         done = built(rig, report)

@@ -75,6 +75,7 @@ def test_the_offsets_of_a_limb_move_and_no_others() -> None:
     assert {up.metadata[node]["kind"] for node in offsets} == {"fk"}
 
 
+@pytest.mark.slow
 def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
     rig, up = rigged(), with_keyed_controls()
     offsets = {node for node, note in up.metadata.items() if note.get("type") == "offset"}

@@ -139,7 +139,7 @@ def rounded_above(rig: Rig, seed: int) -> Rig:
     return replace(rig, clips=tuple(replace(c, tracks=tuple(map(off, c.tracks))) for c in rig.clips))
 
 
-@pytest.mark.parametrize("seed", [1, 4])
+@pytest.mark.parametrize("seed", [slow(1), 4])
 def test_rounding_above_a_limb_changes_no_choice_of_keys(seed: int) -> None:
     coarse = BakeOptions(stretch=True, tolerance=1e-3)
     once = with_shared_times(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig
@@ -152,7 +152,7 @@ def test_rounding_above_a_limb_changes_no_choice_of_keys(seed: int) -> None:
     assert any(now is not was for now, was in zip(finer.clips, ready.clips, strict=True))
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_a_larger_tolerance_still_leaves_out_more(name: str) -> None:
     ready = flung(read(SAMPLES / name).rig, 1)
     fine = bake(ready, options=BakeOptions(stretch=True))

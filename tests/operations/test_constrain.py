@@ -385,8 +385,8 @@ def test_circles_are_refused_and_named(samples: Path) -> None:
     constrain(rig, options=rule("parent", "hand_L_ik_ctl", (("head_ctl", 1.0),)))
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
-@pytest.mark.parametrize("child", ["hand_L_ik_ctl", "forearm_L_pole"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
+@pytest.mark.parametrize("child", ["hand_L_ik_ctl", slow("forearm_L_pole")])
 def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
     samples: Path, name: str, child: str
 ) -> None:
@@ -666,7 +666,7 @@ def test_the_extension_comes_and_goes_with_its_metadata(samples: Path, tmp_path:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_every_kind_is_the_same_in_both_formats(
     kind: ConstraintKind, suffix: str, samples: Path, tmp_path: Path
 ) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flat_options import joints_of
 from numpy.testing import assert_allclose
-from places import SAMPLES
+from places import SAMPLES, slow
 from program import cli
 from rigs import chain
 from second_opinions import validator
@@ -184,7 +184,7 @@ def test_what_fits_no_control_is_reported(options: AddControlsOptions, words: st
         add_controls(FINGER, options=options)
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_the_command_reports_every_control(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments: list[Any] = ["add-controls", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
     arguments += ["--whole-character", "--color", "left=0,1,0", "--shape", "fk=sphere", "--json", "-q"]
@@ -235,7 +235,7 @@ def lines(rig: Rig, joint: str) -> Any:
     return rig.content.read_lines(rig.keys[controls(rig)[joint]])
 
 
-@pytest.mark.parametrize("suffix", ["glb", "usda", "usdz"])
+@pytest.mark.parametrize("suffix", ["glb", slow("usda"), slow("usdz")])
 def test_what_is_requested_later_is_drawn_anew_where_nobody_has_edited(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
@@ -367,7 +367,7 @@ def test_as_is_refused_where_nothing_could_be_a_joint_or_is_one_of_the_other_kin
             add_controls(made, options=AddControlsOptions(limbs="auto", as_=second))
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) -> None:
     once, twice, across, plain = (tmp_path / f"{k}{Path(name).suffix}" for k in range(4))
     limb = ("--ik", "upper_arm_L", "forearm_L", "hand_L")

@@ -70,6 +70,7 @@ def joint_worlds(rig: Rig) -> Any:
     return sampling.worlds(rig, sampling.locals_at(rig, clip, times))[:, rig.is_joint]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "defaults"), [slow("biped.gltf", True), slow("biped.usda", True), ("biped.usda", False)]
 )

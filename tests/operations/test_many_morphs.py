@@ -57,6 +57,7 @@ def test_a_fault_that_points_show_is_refused_however_many_targets(samples: Path,
         edit(source, tmp_path / "out.glb", wrong)
 
 
+@pytest.mark.slow
 def test_more_offsets_than_can_be_held_are_named_and_left_at_their_bound(
     samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
+from places import slow
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom
 
@@ -198,7 +199,7 @@ def moved(name: str, folder: Path, samples: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 @pytest.mark.parametrize("mode", MODES)
 def test_a_character_that_stands_elsewhere_is_mirrored_in_its_own_space(
     name: str, mode: Mirror, samples: Path, tmp_path: Path

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from baked_rigs import WHOLE, control
 from morphs import arm
-from places import SAMPLES
+from places import SAMPLES, slow
 from program import cli
 
 from rigtri.errors import GeometryError
@@ -29,7 +29,7 @@ from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 
-NAMES = ["biped.glb", "biped.usda"]
+NAMES = ["biped.glb", slow("biped.usda")]
 MOVE = np.array([0.3, 0.0, 0.4])  # half a unit
 
 

@@ -58,7 +58,7 @@ def test_a_written_pose_is_the_rest_pose_and_stays_when_evaluated_again() -> Non
     assert taken.clips == up.clips
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> None:
     out = tmp_path / name
     rig = read(SAMPLES / name).rig
@@ -100,7 +100,7 @@ def skinned(path: Path, clip: str | None, time: float) -> list[np.ndarray]:
     ]
 
 
-@pytest.mark.parametrize("suffix", [".glb", slow(".gltf"), slow(".usda"), ".usdc", slow(".usdz")])
+@pytest.mark.parametrize("suffix", [".glb", slow(".gltf"), slow(".usda"), slow(".usdc"), slow(".usdz")])
 def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path: Path) -> None:
     name = {".usdc": ".usda"}.get(suffix, suffix)
     made, up, baked, still = (tmp_path / f"{k}{suffix}" for k in range(4))

@@ -216,6 +216,7 @@ def test_at_rest_channels_are_set_at_rest() -> None:
     np.testing.assert_allclose(done.translation[hand], 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("at", "told"), [slow("walk@1", 0), ("walk@99", 1)])
 def test_a_time_outside_its_clip_is_reported_once_as_by_pose(at: str, told: int) -> None:
     rig = posed_by_ik()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from gltf_files import Builder, glb_json, small
 from numpy.testing import assert_allclose
+from places import slow
 from program import cli
 from second_opinions import khronos_errors, validator
 
@@ -216,7 +217,7 @@ def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
         assert len(new.Get()) == width * len(bodies[1].GetAttribute("points").Get())
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_the_command_reports_every_twist_joint(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments: list[Any] = ["add-twist", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
     arguments += ["--limbs", "auto", "--count", "3", "--split-weights", "--json", "-q"]
@@ -244,7 +245,7 @@ def test_options_that_do_not_fit_are_reported(
     assert words in run.output
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_path: Path, name: str) -> None:
     built, out = tmp_path / f"built_{name}", tmp_path / name
     edit(

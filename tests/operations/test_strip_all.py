@@ -75,7 +75,7 @@ OF_COMMANDS = {"controls", "poles", "limbs", "twist", "rivet", "posereader", "co
 @pytest.mark.parametrize(
     "name", [slow(name) if name in OF_COMMANDS else name for name in (*STEPS, "everything")]
 )
-@pytest.mark.parametrize("suffix", [".glb", ".usda", *map(slow, (".gltf", ".vrm", ".usdc", ".usdz"))])
+@pytest.mark.parametrize("suffix", [".glb", *map(slow, (".usda", ".gltf", ".vrm", ".usdc", ".usdz"))])
 def test_what_was_built_into_a_character_comes_out_again(
     suffix: str, name: str, samples: Path, tmp_path: Path
 ) -> None:
@@ -107,7 +107,7 @@ def test_all_that_can_be_built_into_a_file_comes_out_again(path: Path, tmp_path:
         assert content == path.read_bytes()
 
 
-@pytest.mark.parametrize("kind", ["glb", "usda"])
+@pytest.mark.parametrize("kind", ["glb", slow("usda")])
 @pytest.mark.parametrize(
     "weights",
     [
@@ -143,7 +143,7 @@ def split_arm(rig: Rig, report: Report) -> Rig:
     return twist.add_twist(rig, options=wanted, report=report)
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "wide.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda"), "wide.usda"])
 def test_split_weights_come_back_in_their_places_and_width(name: str, samples: Path, tmp_path: Path) -> None:
     source = in_format(Path(name).suffix, samples, tmp_path)
     if name == "wide.usda":  # room for more joints than points have
@@ -176,7 +176,7 @@ def test_rest_transforms_that_a_skeleton_did_not_have_go_again(tmp_path: Path) -
     assert built.GetAttributeAtPath(path.AppendProperty("restTransforms"))
 
 
-@pytest.mark.parametrize("name", ["split weights", "pole joints", "limbs", "everything"])
+@pytest.mark.parametrize("name", [slow("split weights"), slow("pole joints"), slow("limbs"), "everything"])
 def test_a_character_that_is_referred_to_keeps_no_opinions(name: str, samples: Path, tmp_path: Path) -> None:
     in_format(".usda", samples, tmp_path)
     source = tmp_path / "shot.usda"
@@ -233,7 +233,7 @@ def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_pat
     assert comes_back(source, step, tmp_path) == source.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_joints_of_ours_that_are_reoriented_keep_the_record_of_how_they_were_made(
     name: str, samples: Path, tmp_path: Path
 ) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, slow
 from pxr import Sdf, Usd
 from taken_clips import BIPED, notices, places, rig_of
 
@@ -54,7 +54,7 @@ def far(a: Rig, b: Rig) -> float:
     return max(float(np.abs(mine[name] - its[name]).max()) for name in mine if name in its)
 
 
-@pytest.mark.parametrize("edited", ["biped.usda", "biped.glb"])
+@pytest.mark.parametrize("edited", [slow("biped.usda"), "biped.glb"])
 def test_a_skeleton_without_an_animation_gets_one_with_the_motion(edited: str, tmp_path: Path) -> None:
     source, out, again = bare(tmp_path / "bare.usda"), tmp_path / "out.usda", tmp_path / "again.usda"
     theirs = rig_of(SAMPLES / edited)

@@ -708,6 +708,7 @@ def test_a_new_clip_of_a_key_a_frame_has_as_few_keys_as_it_needs_and_its_length(
         take_clips(rig, options=TakeClipsOptions(from_=edited, tolerance=-1.0))
 
 
+@pytest.mark.slow
 def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Path) -> None:
     """RIG, flattened to a crate by OpenUSD, one control moved there."""
     rigged, flat, moved, home, game, before = (

@@ -10,7 +10,7 @@ import pytest
 from conftest import Golden
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
-from places import NO_LIMB, SAMPLES, files_of_all_kinds, leave_out, leave_out_refused
+from places import NO_LIMB, SAMPLES, files_of_all_kinds, leave_out, leave_out_refused, slow
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.evaluation.sampling import key_times, locals_at
@@ -124,7 +124,7 @@ def test_a_biped_with_twist_joints_reads_as_in_its_golden(
     golden.check(f"add-twist_{name}.txt", describe(read(tmp_path / name).rig) + "\n")
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
     name: str, samples: Path, tmp_path: Path
 ) -> None:

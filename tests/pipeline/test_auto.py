@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from places import SAMPLES
+from places import SAMPLES, slow
 from recognition_bodies.bodies import Body
 from recognition_bodies.creatures import crane, two_characters, vehicle
 from second_opinions import validator
@@ -58,7 +58,7 @@ def _doubted(one: Character, which: str) -> Character:
     return replace(one, chains=tuple(chains))
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_the_spec_that_auto_writes_builds_the_same_bytes(tmp_path: Path, name: str) -> None:
     out, again = tmp_path / f"out.{name}", tmp_path / f"again.{name}"
     run("auto", SAMPLES / name, "-o", out, "--preset", "blender")

@@ -111,6 +111,7 @@ def test_every_operation_gives_the_bytes_of_its_command(asked: Asked, two: tuple
     same_files(*two)
 
 
+@pytest.mark.slow
 def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     tmp_path: Path, two: tuple[Path, Path]
 ) -> None:
@@ -226,7 +227,7 @@ def test_a_rig_that_nobody_changed_is_written_as_it_was(tmp_path: Path) -> None:
     assert (tmp_path / "out.glb").read_bytes() == BIPED.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), "biped.usda", slow("biped.usdz")])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), slow("biped.usda"), slow("biped.usdz")])
 def test_what_is_taken_out_before_it_was_ever_written_leaves_the_file_as_it_was(
     name: str, tmp_path: Path
 ) -> None:
@@ -240,7 +241,7 @@ def test_what_is_taken_out_before_it_was_ever_written_leaves_the_file_as_it_was(
 LIMB = {"points": [(0.0, 1.0, 0.0), (0.0, 0.5, 0.1), (0.0, 0.0, 0.0)], "parent": "hips", "name": "tail"}
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_what_is_left_of_a_rig_goes_on(name: str, tmp_path: Path) -> None:
     added = rigtri.add_twist(rigtri.read(SAMPLES / name), limbs="auto", split_weights=True)
     rigtri.write(rigtri.add_controls(rigtri.strip(added), whole_character=True), tmp_path / f"new-{name}")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from gltf_files import Builder, glb_json
 from numpy.testing import assert_allclose
-from places import ASSETS, NO_ASSETS
+from places import ASSETS, NO_ASSETS, slow
 from second_opinions import khronos_errors, usd_errors
 
 from rigtri.formats import read
@@ -440,7 +440,7 @@ def test_a_straight_leg_without_a_bend_direction_is_reported(tmp_path: Path) -> 
 # 15. Already invalid before we touch them: only new errors count.
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_a_file_that_was_invalid_gets_no_new_errors(suffix: str, tmp_path: Path) -> None:
     name = {".glb": "gltf/godot_enemy.glb", ".usda": "usd/mayausd_HIK_Export.usda"}[suffix]
     source, target = asset(name), tmp_path / f"turned{suffix}"

@@ -212,6 +212,7 @@ def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: 
     assert verify(read(source), result).passes(1e-5)
 
 
+@pytest.mark.slow
 def test_a_second_build_changes_no_byte(tmp_path: Path) -> None:
     spec = load(write(tmp_path, WHOLE))
     build(SAMPLES / "biped.glb", tmp_path / "once.glb", spec)
@@ -418,6 +419,7 @@ def test_explain_writes_nothing_and_reports_what_each_step_would_do(tmp_path: Pa
     assert sorted(tmp_path.iterdir()) == before
 
 
+@pytest.mark.slow
 def test_explain_writes_the_report_on_request(tmp_path: Path) -> None:
     spec, report = write(tmp_path, WHOLE), tmp_path / "report.json"
     line = ["build", "--spec", str(spec), "--explain", "--report", str(report)]

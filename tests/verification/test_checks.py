@@ -224,6 +224,7 @@ def test_a_second_parent_that_is_below_the_node_is_a_cycle(tmp_path: Path) -> No
     assert found == {("gltf.node.cycle", "/nodes/0"), ("gltf.node.cycle", "/nodes/2/children/0")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [50_000])
 def test_findings_of_many_children_take_no_more_than_their_number(count: int, tmp_path: Path) -> None:
     """A chain each of whose nodes is a parent of the first, too, and one that names a child very often."""

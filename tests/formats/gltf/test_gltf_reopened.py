@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from gltf_files import small
 from rigs import lawful
 
@@ -24,6 +25,7 @@ def _told(before: GltfDocument, read: object) -> str:
     return str(self_check(before, after).as_json())
 
 
+@pytest.mark.slow
 def test_every_wrong_byte_is_reported_as_by_a_reader_that_knows_nothing(tmp_path: Path) -> None:
     before = GltfDocument.read(small(5).glb(tmp_path / "hero.glb"))
     random = np.random.default_rng(11)

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from meshopt_streams import Job, by_the_c_library, encode_attributes, encode_indices
+from places import slow
 
 from rigtri.formats.gltf.meshopt.attributes import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt.filters import FILTERS, color, exponential, octahedral, quaternion
@@ -39,7 +40,7 @@ def elements(count: int, stride: int, seed: int) -> bytes:
 
 
 @pytest.mark.parametrize("version", [0, 1])
-@pytest.mark.parametrize("stride", [4, 12, 36, 256])
+@pytest.mark.parametrize("stride", [4, 12, 36, slow(256)])
 @pytest.mark.parametrize("count", [1, 16, 17, 257])
 def test_decoding_gives_back_what_was_encoded(count: int, stride: int, version: int) -> None:
     for seed in range(5):
@@ -202,6 +203,7 @@ def test_index_streams_that_are_none_are_refused(stream: bytes) -> None:
 # --- the C library
 
 
+@pytest.mark.slow
 def test_all_bytes_are_those_of_the_c_library() -> None:
     jobs = [
         Job(elements(count, stride, seed), stride, version=version, level=level)
@@ -260,6 +262,7 @@ def filtered(bits: int) -> list[Job]:
     return jobs
 
 
+@pytest.mark.slow
 def test_all_filters_give_the_bits_of_the_c_library() -> None:
     jobs = [job for bits in range(4, 17) for job in filtered(bits)]
     for job, (stream, decoded) in zip(jobs, by_the_c_library(jobs), strict=True):

@@ -9,6 +9,7 @@ import pytest
 from builds import STEPS, Step, everything
 from gltf_files import Builder, glb_json
 from morphs import arm
+from places import slow
 
 from rigtri import verify
 from rigtri.formats import read
@@ -92,7 +93,7 @@ def test_after_axes_have_changed_between_builds_nothing_of_ours_is_left(
     assert not measured.lost
 
 
-@pytest.mark.parametrize("first", ["controls", "split weights"])
+@pytest.mark.parametrize("first", [slow("controls"), "split weights"])
 def test_what_several_runs_have_replaced_goes_and_what_others_left_unused_stays(
     samples: Path, first: str, tmp_path: Path
 ) -> None:

@@ -93,7 +93,7 @@ def held(stage: Any) -> None:
         attribute.Set(value)
 
 
-@pytest.mark.parametrize("still", [without_animation, held])
+@pytest.mark.parametrize("still", [without_animation, slow(held)])
 def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None], tmp_path: Path) -> None:
     # Of its own: a layer that is opened by its path is the same for all who have it open.
     stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(SAMPLES / "biped.usda")))
@@ -132,7 +132,7 @@ def joint_poses(path: Path) -> np.ndarray:
         slow("usdc", "rigged", "joints"),
         slow("usdz", "rigged", "controls"),
         slow("usdz", "biped.glb", "joints"),
-        ("usdc", "biped.glb", "controls"),
+        slow("usdc", "biped.glb", "controls"),
     ],
 )
 def test_a_usd_file_that_has_lost_its_metadata_is_baked_with_that_of_another(
@@ -162,7 +162,7 @@ def without_keys(name: str) -> Callable[[Rig, Report], Rig]:
     return step
 
 
-@pytest.mark.parametrize(("name", "kind"), [("biped.usda", UsdDocument), ("biped.glb", GltfDocument)])
+@pytest.mark.parametrize(("name", "kind"), [("biped.usda", UsdDocument), slow("biped.glb", GltfDocument)])
 def test_the_self_check_sees_keys_of_a_control_that_were_to_go(
     name: str, kind: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

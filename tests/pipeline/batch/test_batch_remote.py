@@ -146,6 +146,7 @@ def test_what_is_wrong_with_files_that_were_fetched_is_reported_where_they_are(
     assert [text.split(": ")[0] for text in sorted(told)] == [f"s3://studio/in/cut/{k}.glb" for k in "xy"]
 
 
+@pytest.mark.slow
 def test_outputs_of_others_are_not_replaced(batch: Batch, bucket: Any) -> None:
     bucket.pipe_file("studio/out/a.glb", b"theirs")
     lost = batch("-O", "s3://studio/out")
@@ -218,6 +219,7 @@ def test_files_come_from_the_web_and_secrets_stay_out_of_everything(
     assert (tmp_path / "out/biped.bin").exists()
 
 
+@pytest.mark.slow
 def test_what_a_file_refers_to_elsewhere_is_not_fetched(
     batch: Batch, bucket: Any, samples: Path, tmp_path: Path
 ) -> None:
@@ -250,9 +252,9 @@ def test_a_store_that_keeps_no_hashes_works_too(batch: Batch, samples: Path, tmp
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("-O", "s3://studio/out", "--resources", "relink"), "cannot be referred to from there"),
+        slow(("-O", "s3://studio/out", "--resources", "relink"), "cannot be referred to from there"),
         (("-O", "http://127.0.0.1/out"), "nothing can be written there"),
-        (("-O", "memory://out"), "what is written there is gone when the batch ends"),
+        slow(("-O", "memory://out"), "what is written there is gone when the batch ends"),
     ],
 )
 def test_what_cannot_be_is_reported_before_anything_is_done(
@@ -274,6 +276,7 @@ def test_without_a_manifest_here_or_the_extra_it_reports_what_to_do(
     assert (told.exit_code, 'pip install "rigtri[remote]"' in told.stderr) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_store_that_takes_nothing_is_reported_once_before_any_work(batch: Batch, bucket: Any) -> None:
     told = batch("-O", "s3://nobucket/out")
     assert told.exit_code == 3

@@ -56,6 +56,7 @@ def built(folder: Path) -> set[str]:
     return {str(p.relative_to(folder)) for p in folder.rglob("*.glb")}
 
 
+@pytest.mark.slow
 def test_the_github_workflow_builds_what_it_can_reports_the_rest_and_uploads_both(repository: Path) -> None:
     """One file of three is cut off: the steps fail as the page says, and the report is there all the same."""
     (repository / "assets" / "cut.glb").write_bytes((SAMPLES / "tail.glb").read_bytes()[:500])
