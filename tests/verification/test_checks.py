@@ -15,7 +15,8 @@ from broken_gltf import clean as clean_gltf
 from broken_usd import USD
 from broken_usd import clean as clean_usd
 from broken_vrm import VRM, avatar_0, avatar_1, motion
-from places import sample_files
+from gltf_files import glb_bytes, glb_parts
+from places import SAMPLES, sample_files
 from program import cli
 from usd_files import save
 from wrong_values import refusal
@@ -137,6 +138,25 @@ def test_samples_have_neither_errors_nor_warnings(path: Path) -> None:
     # Two roots and no node above them: glTF asks for one, and the Khronos validator misses it here.
     rootless = {"gltf.skin.no-common-root"} if path.name == "mirrored_pair.glb" else set()
     assert serious(check(path)) == rootless
+
+
+def test_metadata_finds_nodes_without_names_by_their_paths(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "hand.glb")
+    for node in gltf["nodes"]:
+        node.pop("name", None)
+    source, controls = tmp_path / "a.glb", tmp_path / "out.glb"
+    source.write_bytes(glb_bytes(gltf, binary))
+    cli("add-controls", source, "-o", controls, "--chain", "#1", "#3", code=0)
+    assert "gltf.note.broken" not in {finding.id for finding in check(controls)}
+
+
+def test_metadata_finds_joints_by_their_paths_whatever_their_tokens_begin_with(tmp_path: Path) -> None:
+    """Tokens of joints may begin with prims that are no joints, and names be those of prims, too."""
+    text = (SAMPLES / "biped.usda").read_text("utf-8").replace('"hips', '"figure/hips')
+    text = text.replace('def Mesh "staff"', 'def Xform "hips" {\n}\n\ndef Mesh "staff"')
+    source, controls = save(tmp_path, text), tmp_path / "out.usda"
+    cli("add-controls", source, "-o", controls, "--whole-character", code=0)
+    assert "usd.note.broken" not in {finding.id for finding in check(controls)}
 
 
 def test_all_mistakes_of_a_file_are_reported_and_the_worst_first(tmp_path: Path) -> None:

@@ -349,6 +349,18 @@ def test_the_result_is_described_in_words_and_as_json() -> None:
     assert json.loads(json.dumps(result.as_json(), allow_nan=False))["lost"] == ["mesh sword", "mesh face"]
 
 
+def test_what_looks_different_comes_before_a_deviation_of_0() -> None:
+    before = character()
+    less = verify(before, replace(before, drawn=before.drawn[:1]))
+    assert less.deviation == 0
+    assert less.summary() == "lost: mesh sword, mesh face; what both have does not move"
+    nothing = verify(before, replace(before, rig=chain((0, 0, 0), (1, 0, 0)), drawn=()))
+    assert nothing.poses == 0
+    assert nothing.lost
+    assert nothing.summary().endswith("; no pose was compared")
+    assert nothing.describe().startswith("deviation   not measured: no pose was compared\nlost ")
+
+
 def test_turning_in_the_world_is_seen_although_no_joint_origin_moves() -> None:
     before = character()
     rotation = before.rig.rotation.copy()

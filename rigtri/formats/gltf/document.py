@@ -174,7 +174,10 @@ class GltfDocument:
         if moves and self.options.relink:
             relink(draft, container.path, target)
         if rig is not self._rig:
-            self._apply(rig, draft, storage)
+            try:
+                self._apply(rig, draft, storage)
+            except OverflowError as error:
+                raise FileError(f"{container.path}: {error}; scale the file down") from None
         binary, companions = storage.finish(target.stem)
         if not draft.changed and binary is None:
             _write(part, [container.source])
@@ -198,10 +201,7 @@ class GltfDocument:
         weights = WeightWriter(draft, storage, self.accessors, str(self.container.path))
         weights.write(rig)
         self._add_notices(weights.notices)
-        try:
-            clips.write()
-        except OverflowError as error:
-            raise FileError(f"{self.container.path}: {error}; scale the file down") from None
+        clips.write()
         if draft.changed or not storage.idle:
             nodes.repair(self.rest.repaired)
         if rig.pending.removed:

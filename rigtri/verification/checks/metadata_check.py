@@ -86,8 +86,8 @@ def violations(value: Any, form: Any, name: str) -> Iterator[str]:
         yield f"{name} is {value!r:.60}"
     if "pattern" in form and not re.search(form["pattern"], value):
         yield f"{name} is {value!r:.60}"
-    for word in _LIMITS.keys() & form.keys():
-        if not _LIMITS[word](value, form[word]):
+    for word, within in _LIMITS.items():
+        if word in form and not within(value, form[word]):
             yield f"{name} is {value!r:.60}, and {word} is {form[word]}"
     if isinstance(value, list | tuple):
         for item in value:
@@ -119,8 +119,9 @@ def addresses(value: Any, form: Any) -> Iterator[str]:
         for item in value:
             yield from addresses(item, form.get("items", {}))
     if isinstance(value, dict):
-        for key in value.keys() & form.get("properties", {}).keys():
-            yield from addresses(value[key], form["properties"][key])
+        for key, inner in form.get("properties", {}).items():
+            if key in value:
+                yield from addresses(value[key], inner)
 
 
 def _resolved(form: Any) -> dict[str, Any]:

@@ -153,11 +153,22 @@ class Comparison:
         return found
 
     def summary(self, tolerance: float | None = None) -> str:
-        """One line: the figure and its limit, where it is, what was declared to change, and what is lost."""
+        """One line: the figure and its limit, where it is, what was declared to change, and what is lost.
+
+        Where nothing moves, what is lost or different comes first.
+        """
+        differences = [
+            f"{label}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
+            for label, found in (("lost", self.lost), ("different", self.different))
+            if found
+        ]
+        if differences and self.shown == 0:
+            still = "what both have does not move" if self.poses else "no pose was compared"
+            return "; ".join([*differences, still])
         start = (
             "largest vertex movement" if self.motion is None else "largest deviation from the intended result"
         )
-        line = f"{start}: {self.deviation:.2g} of the model's size"
+        line = f"{start}: {self.shown:.2g} of the model's size"
         if tolerance is not None:
             line += f" (limit {tolerance:g})"
         if self.identical:
@@ -178,18 +189,19 @@ class Comparison:
             line += (
                 f"; measured without driven morph targets, which move up to {most:.2g} of the size ({name})"
             )
-        for label, found in (("lost", self.lost), ("different", self.different)):
-            if found:
-                line += f"; {label}: {', '.join(found[:3])}{' ...' if len(found) > 3 else ''}"
+        line = "; ".join([line, *differences])
         return line if self.motion is None else f"{line}; {self.motion.summary()}"
 
     def describe(self, *, verbose: bool = False) -> str:
         """All of it for people, the figure first; ``verbose`` names every mesh, clip and change."""
-        extent = f"in {self.poses} poses" if self.poses else "nothing can have moved"
-        lines = [
-            f"deviation   {self.deviation:.2g} of the model's size, {extent}",
-            f"absolute    {self.absolute:.2g} of {self.diagonal:.6g}, in file units",
-        ]
+        if not self.poses and (self.lost or self.different):
+            lines = ["deviation   not measured: no pose was compared"]
+        else:
+            extent = f"in {self.poses} poses" if self.poses else "nothing can have moved"
+            lines = [
+                f"deviation   {self.deviation:.2g} of the model's size, {extent}",
+                f"absolute    {self.absolute:.2g} of {self.diagonal:.6g}, in file units",
+            ]
         if self.worst is not None and self.deviation > 0:
             lines.append(f"worst       {self.worst}")
         if self.denormalisation > UNIT:

@@ -23,6 +23,7 @@ from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, conjugate, unit
 from rigtri.model.animation import Clip, Track
+from rigtri.model.control_shapes import Shape
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import verify
 
@@ -387,6 +388,10 @@ def test_values_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     track = replace(clip.tracks[0], values=clip.tracks[0].values * 1e39)
     with pytest.raises(FileError, match="too large"):
         written(document, replace(document.rig, clips=(replace(clip, tracks=(track,)),)), tmp_path / "b.glb")
+    shape = Shape("circle", (np.full((3, 3), 1e39),), True, (1.0, 1.0, 1.0))
+    pending = replace(document.rig.pending, shapes={0: shape})
+    with pytest.raises(FileError, match="too large"):
+        written(document, replace(document.rig, pending=pending), tmp_path / "c.glb")
 
 
 def test_turning_there_and_back_gives_back_the_same_rest_pose(tmp_path: Path) -> None:

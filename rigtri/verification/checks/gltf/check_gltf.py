@@ -118,10 +118,11 @@ def _waits(view: View) -> bool:
 
 
 def _address(view: View, name: str) -> bool:
-    """Whether a path ends in a node's name, or NAME#INDEX is a node of that name."""
+    """Whether NAME#INDEX is a node of that name, or a path ends in a name, or #INDEX of a nameless node."""
     word, _, number = name.rpartition("#")
-    if not number.isdecimal():
-        last = name.rpartition("/")[2]
-        return name.startswith("/") and any(node.get("name") == last for node in view.nodes)
-    index = int(number)
-    return index < len(view.nodes) and (not word or view.nodes[index].get("name") == word)
+    if number.isdecimal() and int(number) < len(view.nodes):
+        own = view.nodes[int(number)].get("name")
+        if not word or own == word or (not own and name.startswith("/") and word.endswith("/")):
+            return True
+    last = name.rpartition("/")[2]
+    return name.startswith("/") and any(node.get("name") == last for node in view.nodes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +75,7 @@ def _check_notes(scene: Scene, prim: Any) -> None:
     tokens = {path: _with_unsplit(scene, path) for path in scene.tokens}
     known = {token for path in tokens for token in tokens[path]}
     leaves = {token.rpartition("/")[2] for token in known}
-    paths = {f"{path}/{token}" for path in tokens for token in tokens[path]}
+    paths = {found for path in tokens for found in _joint_paths(path, tokens[path])}
     names = {str(prim.GetName()) for prim in scene.skeletons} | leaves | known | paths
 
     def is_joint(name: str) -> bool:
@@ -97,6 +98,17 @@ def _check_notes(scene: Scene, prim: Any) -> None:
         scene.add(rule, prim, "rigtri:type", why or newer)
     if prim.GetTypeName() == "Skeleton":
         _check_joint_notes(scene, prim, is_joint)
+
+
+def _joint_paths(skeleton: str, tokens: Iterable[str]) -> Iterable[str]:
+    """The names of joints from their skeleton down, which what is no joint is no part of."""
+    found: dict[str, str] = {}
+    for token in sorted(tokens):  # a joint before those below it
+        above, _, name = token.rpartition("/")
+        while above and above not in found:
+            above = above.rpartition("/")[0]
+        found[token] = f"{found.get(above, skeleton)}/{name}"
+    return found.values()
 
 
 def _with_unsplit(scene: Scene, path: str) -> set[str]:
