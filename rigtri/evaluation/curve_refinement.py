@@ -17,9 +17,8 @@ import numpy as np
 from rigtri.evaluation.adaptive_sampling import refine_times
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
-from rigtri.evaluation.frame_batches import blocks, joined
 from rigtri.evaluation.inverse_solver import Block, solve_controls
-from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.pose_cache import PoseCache, blocks, joined, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import Step, TwistStep
 from rigtri.evaluation.timelines import MOST_KEYS, as_float32

@@ -11,9 +11,8 @@ from functools import cached_property
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.dependency_graph import channel_order, in_order, steps_for
 from rigtri.evaluation.fk import Fk
-from rigtri.evaluation.frame_batches import BLOCK, blocks, cut, frames, joined
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.pose_cache import BLOCK, PoseCache, blocks, cut, frames, joined
 from rigtri.evaluation.solver_steps import CHANNELS, ConstraintStep, RootStep, Step, TwistStep
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero

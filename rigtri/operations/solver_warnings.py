@@ -9,9 +9,8 @@ import numpy as np
 
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
-from rigtri.evaluation.frame_batches import blocks, cut
 from rigtri.evaluation.ik import Ik
-from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.pose_cache import PoseCache, blocks, cut, sample_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import ConstraintStep, RootStep, Step

@@ -52,11 +52,13 @@ from rigtri.operations.bake.dependents import (
     rivets_and_readers,
     rivets_of_constraints,
 )
-from rigtri.operations.bake.reduced_tracks import key_counts, reduced_tracks
-from rigtri.operations.bake.residuals import fidelity
-from rigtri.operations.bake.sampling_warnings import warn_spline_swings, warn_undersampled
-from rigtri.operations.bake.stable_keys import is_still_valid
-from rigtri.operations.bake.stretch_limit import refuse_overstretch
+from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks
+from rigtri.operations.bake.warnings import (
+    fidelity,
+    refuse_overstretch,
+    warn_spline_swings,
+    warn_undersampled,
+)
 from rigtri.operations.operation import operation
 from rigtri.operations.options.bake import BETWEEN as BETWEEN
 from rigtri.operations.options.bake import BakeOptions as BakeOptions

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.evaluation.active_controls import size_of
 from rigtri.maths.matrices import determinant, inverse, multiply, nearest_rotation
 from rigtri.maths.matrices import skew as skewed
 from rigtri.maths.similarity_fit import (
@@ -98,11 +99,7 @@ class Counterparts:
     @cached_property
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, or of all nodes, in units of the rig."""
-        rig = self.rig
-        points = rig.world[rig.is_joint if rig.is_joint.any() else slice(None), 3, :3]
-        points = points[np.isfinite(points).all(axis=1)]
-        size = float(length(points.max(axis=0) - points.min(axis=0))) if len(points) else 0.0
-        return size or 1.0
+        return size_of(self.rig)
 
     def _from_binds(self) -> dict[int, Floats]:
         """C of joints that a skin of each file holds."""

@@ -1,17 +1,105 @@
-"""A clip of the edited file compared with that of the rig, track by track, and its place in time."""
+"""A clip of the edited file compared with that of the rig, track by track, and its place in time.
+
+How far a track may be from the rig's and still count as the same has a reason each: what can be seen, how
+well the axes of the two files are known, and what a format keeps of the numbers. docs/take-clips.md has
+the measurements.
+"""
 
 from __future__ import annotations
 
 from functools import cached_property
 
+import numpy as np
+
+from rigtri.evaluation.key_reduction import lever_arms, parent_sizes
+from rigtri.maths.similarity_fit import SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Track
+from rigtri.maths.vectors import length
+from rigtri.model.animation import Track, key_values
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.time_ranges import Clock, Pair, Ranges, ranges
-from rigtri.operations.take_clips.tolerances import Tolerances
 from rigtri.operations.take_clips.track_comparison import differing, same_knots, tangents_dropped
+
+# Morph weights that differ by less look alike.
+SAME_WEIGHT = 1e-4
+# float32 has so much of a number of size 1, half so much.
+_FLOAT, _HALF = 2.0**-23, 2.0**-11
+# Three angles worked out of a float32 matrix give the rotation within so many bits, over the cosine of the
+# middle one; measured: 7.2. Below the least cosine two axes count as one.
+_ANGLE_NOISE, _LEAST_COSINE = 10.0 * _FLOAT, 16.0 * _FLOAT
+# OpenUSD's sparse writer leaves a sample of an array of halves out that is no farther from the one before.
+_SPARSE_HALF = 1e-2
+
+
+class Tolerances:
+    """The bounds for one clip. tolerance: how far things may move in the world, as a share of the size."""
+
+    def __init__(self, both: Counterparts, transfer: Transfer, tolerance: float) -> None:
+        self.both, self.transfer = both, transfer
+        self.share = max(tolerance, SAME_PLACE)
+
+    def of(self, track: Track) -> Floats:
+        """How far each key of a track of the rig, at the other file's times, may be off, (k,)."""
+        node, keys = track.node, len(track.times)
+        if track.path == "weights":
+            return np.full(keys, max(SAME_WEIGHT, self.share))
+        if track.path == "translation":
+            above = float(self._above[node])
+            unit = above if np.isfinite(above) and above > 0 else 1.0
+            return np.full(keys, self.share * self.both.size / unit)
+        slack = self.both.slack(node)
+        if track.path == "scale":
+            return np.asarray(max(SAME_SIZE, self.share) + slack + self._halves(track))
+        turn = self.share * self.both.size / float(self._reach[node])
+        return np.asarray(turn + slack + self._angles(track))
+
+    def unit_of(self, track: Track) -> float:
+        """How large a number of the other file's track is here."""
+        node = track.node
+        right = float(length(self.both.between(node)[0, :3]))
+        size = right if track.path == "translation" else right * float(length(self.both.turns[node][0, :3]))
+        return size if track.path in ("translation", "scale") and np.isfinite(size) else 1.0
+
+    @cached_property
+    def _above(self) -> Floats:
+        return parent_sizes(self.both.rig)
+
+    @cached_property
+    def _reach(self) -> Floats:
+        return lever_arms(self.both.rig, self.both.size)
+
+    def _angles(self, track: Track) -> Floats:
+        """What angles about three axes lose of turns of USD prims, (k,): much where two axes nearly meet."""
+        both = self.both
+        noise = np.zeros(len(track.times))
+        if not both.other.rules.raw_quaternions:
+            return noise
+        theirs, _, above = both.line(track.node)
+        prims = [k for k in (both.of[track.node], *theirs) if not both.other.is_joint[k]]
+        if above >= 0 and self.transfer.is_carried(track.node) and not both.other.is_joint[both.of[above]]:
+            prims.append(both.of[above])
+        for prim in prims:
+            x, y, z = np.moveaxis(self.transfer.local(prim, track.times)[:, 0, :3], -1, 0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                cosine = np.sqrt((x * x + y * y) / (x * x + y * y + z * z))
+            noise = noise + _ANGLE_NOISE / np.maximum(np.nan_to_num(cosine), _LEAST_COSINE)
+        return noise
+
+    def _halves(self, track: Track) -> Floats:
+        """What the scales of a UsdSkel animation lose, (k,): halves, and fewer samples than frames."""
+        both, theirs = self.both, self.both.of[track.node]
+        lost = np.zeros(len(track.times))
+        own = self.transfer.driven.get(theirs, {}).get("scale")
+        if not (both.other.rules.raw_quaternions and both.other.is_joint[theirs]):
+            return np.asarray(lost)
+        now = np.abs(key_values(track)).max(axis=1, initial=0.0)
+        lost = lost + _HALF * now
+        if own is not None and 1 < len(own.times) < len(self.transfer.frames):
+            # In the unit of their scales, which is not ours where a size stands between.
+            lost = lost + _SPARSE_HALF * now.max() / max(float(np.abs(own.values).max()), _FLOAT)
+        return np.asarray(lost)
 
 
 class Comparison:

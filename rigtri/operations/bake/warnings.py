@@ -1,0 +1,167 @@
+"""What a bake warns of: what lies between samples, and what controls do not hold; and what it refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import NOTHING
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.curve_refinement import MOST_A_SECOND
+from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.inverse_solver import Block
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.zero_pose import ControlsAtZero
+from rigtri.maths.quaternions import dot
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.animation import Track, key_values
+from rigtri.model.metadata import ControlRecord
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.messages import list_names
+from rigtri.report import Notice, Report
+
+# Two keys of a spline are on opposite sides where the cosine between their quaternions is below this:
+# less than 120° apart, and by way of components more than 240°.
+_OPPOSITE = -0.5
+
+
+def _clips(report: Report) -> list[Mapping[str, Any]]:
+    return [entry for entry in report.added if entry.get("type") == "clip"]
+
+
+def warn_undersampled(rig: Rig, report: Report, most: float) -> None:
+    """One warning for all clips that are off by more than ``most`` of the size between samples."""
+    far = [entry for entry in _clips(report) if entry.get("limited") and entry["between_samples"] > most]
+    if not far:
+        return
+    worst = max(far, key=lambda entry: float(entry["between_samples"]))
+    more = f" ({len(far) - 1} more clips alike)" if len(far) > 1 else ""
+    end = _end_of(rig, worst["between_node"])
+    limb = f", of the limb of '{end}'," if end else ""
+    soft = ", and --soft 0.02 lets the limb slow down before it is straight" if end else ""
+    report.warn(
+        "samples-limited",
+        f"Clip '{worst['clip']}': with {worst['frames']} samples '{worst['between_node']}'{limb} is still "
+        f"off between them by up to {worst['between_samples']:.2g} of the size, after "
+        f"{worst['between_after']:g}{more}. "
+        f"It jumps there, or more than {MOST_A_SECOND:g} a second would be needed. A --between above that "
+        f"accepts it{soft}; --fps N sets the samples yourself",
+    )
+
+
+def _end_of(rig: Rig, name: str | None) -> str | None:
+    """The IK end of the limb that a joint is of."""
+    node = rig.known(name) if name else None
+    if node is None:
+        return None
+    limbs = rig.records(ControlRecord).items()
+    return next((rig.title(control) for control, limb in limbs if node in map(rig.known, limb.chain)), None)
+
+
+def warn_spline_swings(rig: Rig, report: Report) -> None:
+    """A warning for each clip of the report whose splines go from a turn to one of opposite sign.
+
+    rig: with the clips as they were. glTF's splines are of components: between q and −q they pass near
+    nothing, and turn by nearly 360° in an instant.
+    """
+    baked = {entry["clip"] for entry in _clips(report)}
+    for clip in (clip for clip in rig.clips if clip.name in baked):
+        swings = {track.node: list(_swings(track)) for track in clip.played.tracks}
+        nodes = [node for node, times in swings.items() if times]
+        if nodes:
+            first = min(time for node in nodes for time in swings[node])
+            names = list_names(rig.title(node) for node in nodes)
+            report.warn(
+                "splines-swing",
+                f"Clip '{clip.name}': the file's own splines of {names} swing round by nearly 360°, from a "
+                f"key to one of opposite sign, first after {first:g}; players show that, and it was baked "
+                "as it is. Give both keys one sign where the file was made",
+            )
+
+
+def _swings(track: Track) -> Iterator[float]:
+    """The times of the keys from which a spline swings round."""
+    if track.path == "rotation" and track.interpolation == "CUBICSPLINE":
+        values = key_values(track)
+        yield from track.times[np.flatnonzero(dot(values[:-1], values[1:]) < _OPPOSITE)].tolist()
+
+
+# So many times its length a bone may be: float32 has seven digits, and the pose is to have some of them.
+MOST = 1e4
+
+
+def refuse_overstretch(
+    rig: Rig, limbs: Iterable[Ik], parts: Mapping[int, Parts], clip: str, times: Floats
+) -> None:
+    """GeometryError where IK with stretch makes bones more than `MOST` times as long as at rest.
+
+    parts: of all nodes that are moved, at ``times``, (f,), of a clip.
+    """
+    still = PoseCache(rig)
+    for limb in (ik.limb for ik in limbs if ik.limb.stretch):
+        for node in (node for node in limb.chain[1:] if node in parts):
+            size = float(length(still.part(node).translation)[0])
+            grown = length(parts[node].translation) / (size if size > 0 else np.inf)
+            frame = int(np.argmax(grown > MOST))
+            if grown[frame] > MOST:
+                raise GeometryError(
+                    f"'{rig.title(limb.control)}' is so far away at {clip}@{times[frame]:g} that its limb "
+                    f"would be {grown[frame]:.2g} times as long; {MOST:g} times is the most. Bring it "
+                    "nearer, or bake with --no-stretch"
+                )
+
+
+def fidelity(
+    rig: Rig, blocks: Sequence[Block], times: Floats, *, clip: str, size: float, tolerance: float
+) -> tuple[dict[str, float], list[Notice]]:
+    """The record of a clip, as shares of ``size`` and degrees; and a warning about what is off by more.
+
+    blocks: what controls make of a motion at ``times``, and that motion. size: in file units.
+    tolerance: as a share of it.
+    """
+    joint, time, far = _farthest(rig, blocks, times)
+    residuals = [residual for block in blocks for residual in block.found.residuals]
+    record = {
+        "deviation": far / size,
+        "residual_degrees": float(np.degrees(max((r.turn for r in residuals), default=0.0))),
+        "residual_move": max((r.move for r in residuals), default=0.0) / size,
+    }
+    if far <= max(tolerance, NOTHING) * size:
+        return record, []
+    name = rig.title(joint)
+    text = f"The controls give '{name}' back {far / size:.2g} of the size off, at {clip}@{time:g}"
+    return record, [Notice("controls-off", f"{text}; {_advice(rig, joint)}", name, geometry=True)]
+
+
+def _farthest(rig: Rig, blocks: Sequence[Block], times: Floats) -> tuple[int, float, float]:
+    """The joint that is off most, when, and by how much in file units; −1 where none is."""
+    worst, start = (-1, 0.0, 0.0), 0
+    for source, found in blocks:
+        joints = np.flatnonzero(rig.is_joint).tolist() or sorted(source.parts)
+        count = 1
+        for joint in joints:
+            a, b = found.posed.world(joint), source.world(joint)
+            apart = np.nan_to_num(length(a[:, 3, :3] - b[:, 3, :3]))
+            row, count = int(np.argmax(apart)), max(count, len(apart))
+            if apart[row] > worst[2]:
+                worst = (joint, float(times[start + row]), float(apart[row]))
+        start += count
+        if len(blocks) > 1:
+            source.forget()
+            found.posed.forget()
+    return worst
+
+
+def _advice(rig: Rig, joint: int) -> str:
+    """What may help a joint that its controls do not give back."""
+    reference = ControlsAtZero(rig)
+    chains = [limb.chain for limb in reference.limbs if rig.is_below(joint, limb.chain[0])]
+    bare = [node for chain in chains for node in chain if node not in reference.fk]
+    if bare:
+        name = rig.title(bare[0])
+        return f"'{name}' has no FK control for what IK cannot hold: make one with rigtri add-controls"
+    return "what also moves it is not its controls' to hold: see docs/evaluation.md"
