@@ -132,8 +132,11 @@ def _is_default(clip: Clip) -> bool:
 def put_tracks(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
     """The rig with tracks put into a timeline: each takes the place of the one that drove the same.
 
-    A track with the same curve as the one before it leaves that as it is, to the bit.
+    A track with the same curve as the one before it leaves that as it is, to the bit. See `Rig.with_parts`
+    for nodes with a matrix, and what is refused of them.
     """
+    tracks = list(tracks)
+    rig = rig.with_parts(track.node for track in tracks if track.path != "weights")
     clips = list(rig.clips)
     for track in tracks:
         home, at = _place(clips, timeline, track)

@@ -7,16 +7,16 @@ nodes; matrices are row-vector matrices (`rigtri.maths.matrices`).
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 
-from rigtri.errors import NameNotFoundError
+from rigtri.errors import GeometryError, NameNotFoundError
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.matrices import compose, multiply
+from rigtri.maths.matrices import compose, decompose, multiply
 from rigtri.maths.quaternions import normalise
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -33,6 +33,8 @@ R = TypeVar("R", bound=Record)
 
 # The child that shows the lines of a control in formats that keep what is drawn apart.
 _DRAWING = "shape"
+# Of its largest number: what float32 leaves of a matrix of translation, rotation and scale.
+_EXACT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,6 +252,29 @@ class Rig(NodeNames):
     def holders(self) -> frozenset[int]:
         """The nodes that hold the axes of a joint below them."""
         return frozenset(self.frame_of.values())
+
+    def with_parts(self, nodes: Iterable[int]) -> Rig:
+        """This rig with translation, rotation and scale of nodes in place of their matrices.
+
+        No clip of glTF can move a node with a matrix; a joint of USD has its parts beside its matrix.
+        GeometryError for a matrix that is none of the three.
+        """
+        own = [node for node in nodes if self.has_matrix[node] and not self.rules.raw_quaternions]
+        if not own:
+            return self
+        translation, rotation, scale = self.translation.copy(), self.rotation.copy(), self.scale.copy()
+        has_matrix = self.has_matrix.copy()
+        translation[own], rotation[own], scale[own] = decompose(self.matrix[own])
+        again = compose(translation[own], rotation[own], scale[own])
+        off = np.abs(again - self.matrix[own]).max(axis=(1, 2))
+        for node, far, matrix in zip(own, off.tolist(), self.matrix[own], strict=True):
+            if not far <= _EXACT * np.abs(matrix).max():
+                raise GeometryError(
+                    f"'{self.title(node)}' has a matrix that is sheared or flat: no clip can move it, and "
+                    "translation, rotation and scale cannot replace it; export the file with these three"
+                )
+        has_matrix[own] = False
+        return replace(self, translation=translation, rotation=rotation, scale=scale, has_matrix=has_matrix)
 
     def insert_above(self, above: Mapping[int, str]) -> Rig:
         """This rig with new nodes (key None) between nodes and their parents, at the nodes' places.

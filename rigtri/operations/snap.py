@@ -126,6 +126,7 @@ class _Limb:
             offsets = [fk.own.offset for fk in ik.fk.values()]
             working = ends if self.to == "ik" else controls
             rig = self._replaced(channels, times, {*ends, *controls, *offsets}, working)
+        rig = rig if self.timeline is None else rig.with_parts(channels)
         # What controls show, and tracks that go, are so on purpose.
         self.report.reposed |= rig is not self.rig
         self._record(rig, times)

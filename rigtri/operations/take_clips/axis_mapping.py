@@ -71,6 +71,11 @@ class Counterparts:
         return own + (self._rounded[above, "C"] if above >= 0 else 0.0)
 
     @property
+    def bound(self) -> frozenset[int]:
+        """The joints whose C comes from the bind poses of both files."""
+        return frozenset(self._bound)
+
+    @property
     def other_proportions(self) -> bool:
         """Whether the two skeletons are not one."""
         return self.proportions > OTHER_SHAPE

@@ -43,6 +43,7 @@ from rigtri.operations.take_clips.messages import (
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.retargeting import rest_parts
+from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED, differing, lacking
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
@@ -78,6 +79,8 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
     every = names.taken(options.clip)
+    driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
+    refuse_other_skeleton(both, {both.back[node] for node in driven if node in both.back})
     warn_differences(both, report)
     taken_all, changed = set[str](), set[str]()
     for taken in every:
@@ -176,14 +179,6 @@ class _Taking:
     def _take(self, node: int) -> None:
         moved = self.transfer.of(node)
         fresh = [now for track in moved.tracks if (now := self._fresh(track)) is not None]
-        # No clip can move a glTF node with a matrix; a USD joint has its keys beside its rest.
-        if fresh and self.rig.has_matrix[node] and not self.rig.rules.raw_quaternions:
-            self.report.warn(
-                "matrix-node",
-                f"'{self.rig.title(node)}' has a matrix, which no clip can move; its motion was left out",
-                joint=self.rig.names[node],
-            )
-            return
         if fresh and moved.sampled:
             self.sampled.append(self.rig.names[node])
         self.changed += fresh
@@ -283,7 +278,8 @@ class _Taking:
         if not self.changed:
             return self.rig
         clip = Clip(self.taken.name, tuple(self.changed), self.taken.key)
-        return replace(self.rig, clips=(*self.rig.clips, clip))
+        rig = self.rig.with_parts(track.node for track in self.changed if track.path != "weights")
+        return replace(rig, clips=(*rig.clips, clip))
 
     def _warn(self) -> None:
         name, report = self.taken.name, self.report

@@ -1,0 +1,165 @@
+"""take-clips: motion of another skeleton is refused, and a node with a matrix gets what clips can move."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from gltf_files import glb_bytes, glb_json, glb_parts
+from program import cli
+from taken_clips import BIPED, apart, notices, rig_of, turned_key, with_tracks
+
+from rigtri import check
+from rigtri.errors import GeometryError
+from rigtri.evaluation import sampling
+from rigtri.maths.matrices import compose
+from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.report import Report
+
+CLOSE = 1e-6
+
+
+def without_skin(rig: Rig) -> Rig:
+    return replace(rig, skins=())
+
+
+def shown_at(rig: Rig, time: float) -> Rig:
+    """The rig as a DCC writes it that stores the current frame as rest."""
+    parts = {path: getattr(rig, path).copy() for path in ("translation", "rotation", "scale")}
+    for track in rig.clip("walk").tracks:
+        parts[track.path][track.node] = sampling.sample(track, [time])[0]
+    return replace(rig, **parts)
+
+
+def in_centimetres(rig: Rig) -> Rig:
+    clips = tuple(
+        replace(
+            clip,
+            tracks=tuple(
+                replace(t, values=t.values * 100.0) if t.path == "translation" else t for t in clip.tracks
+            ),
+        )
+        for clip in rig.clips
+    )
+    return replace(rig, translation=rig.translation * 100.0, clips=clips)
+
+
+def test_other_axes_without_a_skin_are_refused_with_the_worst_joints_and_degrees() -> None:
+    """Before, thighs were 90° and more off, and the self-check found all as intended."""
+    rig = rig_of()
+    with pytest.raises(GeometryError, match=r"another skeleton.*'\w+: \d+°'.*limit 5°"):
+        take_clips(rig, from_=without_skin(orient_joints(rig)))
+    # With its skin, whose bind poses show the axes, it is taken.
+    edited = turned_key(orient_joints(rig), "forearm_L")
+    assert apart(take_clips(rig, from_=edited), edited, "walk") < CLOSE
+
+
+@pytest.mark.parametrize("shown", [None, 0.3], ids=["rest", "a frame"])
+@pytest.mark.parametrize("unit", [1.0, 0.01])
+def test_the_same_skeleton_without_a_skin_is_taken(shown: float | None, unit: float) -> None:
+    rig = rig_of()
+    edited = turned_key(rig, "thigh_L")
+    bare = without_skin(edited if shown is None else shown_at(edited, shown))
+    home = take_clips(rig, from_=bare if unit == 1.0 else in_centimetres(bare))
+    assert apart(home, edited, "walk") < CLOSE
+    assert apart(home, rig, "walk") > 0.01
+
+
+def test_bones_that_keys_would_stretch_are_refused() -> None:
+    """A file whose keys are in other units than its rest put a toe 127 m away."""
+    rig = rig_of()
+    shin = rig.find("shin_L")
+
+    def held(rig: Rig, size: float) -> Rig:
+        (first,) = (t for t in rig.clip("walk").tracks if (t.node, t.path) == (shin, "rotation"))
+        values = np.tile(rig.translation[shin] * size, (len(first.times), 1))
+        track = replace(first, path="translation", interpolation="LINEAR", values=values, key=None)
+        clips = (replace(c, tracks=(*c.tracks, track)) if c.name == "walk" else c for c in rig.clips)
+        return replace(rig, clips=tuple(clips))
+
+    take_clips(rig, from_=without_skin(held(rig, 1.0)))
+    with pytest.raises(GeometryError, match=r"longer or shorter \('shin_L: 100'; limit 1.1\)"):
+        take_clips(rig, from_=without_skin(held(rig, 100.0)))
+
+
+def test_joints_that_clips_move_against_their_parents_are_no_bones() -> None:
+    rig = rig_of()
+    foot = rig.find("foot_L")
+
+    def sliding(track: Any) -> Any:
+        if (track.node, track.path) != (foot, "rotation"):
+            return track
+        away = np.linspace(0.0, 1.0, len(track.times))[:, np.newaxis] * [0.3, 0.0, 0.0]
+        return replace(track, path="translation", interpolation="LINEAR", values=rig.translation[foot] + away)
+
+    edited = with_tracks(rig, "walk", sliding)
+    take_clips(edited, from_=without_skin(shown_at(edited, 0.9)))
+
+
+def test_the_program_ends_with_5_and_writes_nothing(tmp_path: Path) -> None:
+    turned = tmp_path / "turned.glb"
+    cli("orient-joints", BIPED, "-o", turned, code=0)
+    gltf, binary = glb_parts(turned)
+    for node in gltf["nodes"]:
+        node.pop("skin", None)
+    gltf.pop("skins")
+    turned.write_bytes(glb_bytes(gltf, binary))
+    result = cli("take-clips", BIPED, "--from", turned, "-o", tmp_path / "o.glb", code=5)
+    assert "°" in result.stderr
+    assert not (tmp_path / "o.glb").exists()
+
+
+def with_matrix(name: str, folder: Path, *, shear: float = 0.0) -> Path:
+    """The biped with a node of a matrix in place of its parts, which no clip moves."""
+    gltf, binary = glb_parts(BIPED)
+    number = next(k for k, node in enumerate(gltf["nodes"]) if node.get("name") == name)
+    node = gltf["nodes"][number]
+    matrix = compose(
+        node.pop("translation", [0.0, 0.0, 0.0]),
+        node.pop("rotation", [0.0, 0.0, 0.0, 1.0]),
+        node.pop("scale", [1.0, 1.0, 1.0]),
+    )
+    matrix[0, :3] += shear * matrix[1, :3]
+    node["matrix"] = matrix.reshape(16).tolist()
+    for animation in gltf["animations"]:
+        channels = [c for c in animation["channels"] if c["target"].get("node") != number]
+        animation["channels"] = channels
+    path = folder / "matrix.glb"
+    path.write_bytes(glb_bytes(json.loads(json.dumps(gltf)), binary))
+    return path
+
+
+@pytest.mark.parametrize("lenient", [False, True])
+def test_a_node_with_a_matrix_gets_the_parts_that_a_clip_moves(lenient: bool, tmp_path: Path) -> None:
+    """Before, its motion was left out, or written beside the matrix, which glTF forbids."""
+    rig, out = with_matrix("thigh_L", tmp_path), tmp_path / "out.glb"
+    cli("take-clips", rig, "--from", BIPED, "-o", out, *(["--lenient"] if lenient else []), code=0)
+    node = next(node for node in glb_json(out)["nodes"] if node.get("name") == "thigh_L")
+    assert "matrix" not in node
+    assert not [finding for finding in check(out) if finding.severity == "error"]
+    assert apart(rig_of(out), rig_of(), "walk") < 1e-5
+
+
+def test_a_sheared_matrix_is_refused_where_a_clip_would_move_it(tmp_path: Path) -> None:
+    path = with_matrix("thigh_L", tmp_path, shear=0.3)
+    with pytest.raises(GeometryError, match="'thigh_L' has a matrix that is sheared"):
+        take_clips(rig_of(path), from_=rig_of())
+
+
+def test_proportions_beyond_half_of_the_size_are_refused(tmp_path: Path) -> None:
+    rig = rig_of()
+    scaled = [replace(skin, inverse_bind=skin.inverse_bind.copy()) for skin in rig.skins]
+    for skin in scaled:
+        bind = skin.bind.copy()
+        bind[:, 3, 1] *= np.linspace(0.1, 6.0, len(bind))
+        skin.inverse_bind[:] = np.linalg.inv(bind)
+    report = Report()
+    with pytest.raises(GeometryError, match="another skeleton"):
+        take_clips(rig, from_=replace(rig, skins=tuple(scaled)), report=report)
+    assert notices(report) == []
