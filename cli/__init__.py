@@ -8,6 +8,8 @@ import time
 from contextlib import suppress
 from typing import NoReturn
 
+from rigtri.files.import_path import leave_out_working_folder
+
 INTERRUPTED = 128 + signal.SIGINT
 # Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
 _NEAR = 0.5
@@ -27,6 +29,8 @@ def _raise(_number: int, _frame: object) -> None:
         raise KeyboardInterrupt
 
 
+# Before anything else is imported.
+leave_out_working_folder()
 # Until the program begins, which handles interrupts itself, one ends it without a traceback of imports.
 _first = signal.getsignal(signal.SIGINT) is signal.default_int_handler
 if _first:

@@ -12,6 +12,7 @@ import errno
 import gc
 import multiprocessing
 import os
+import pickle
 import signal
 import tempfile
 import threading
@@ -27,6 +28,7 @@ from types import TracebackType
 from typing import Any, ClassVar, Self, TypeVar
 
 from rigtri.errors import FileError, RigtriError
+from rigtri.files.import_path import no_working_folder_in_children
 from rigtri.files.temp_dirs import adopt, root
 
 T = TypeVar("T")
@@ -100,7 +102,7 @@ class WorkerProcess:
         ``on_event`` gets. CrashError where the child did not live to answer; a RigtriError of the task
         is raised here as it was there, any other exception as a RuntimeError with its traceback.
         """
-        pipe = self._started()
+        pipe = self._started(name)
         try:
             if self._killed:
                 raise EOFError
@@ -158,11 +160,13 @@ class WorkerProcess:
     ) -> None:
         self.close()
 
-    def _started(self) -> Connection:
+    def _started(self, name: str) -> Connection:
         if self._pipe is None:
             self._process, self._pipe = self._start()
-            with contextlib.suppress(EOFError, ConnectionError):  # raised with the task that it does not take
+            try:
                 self._pipe.recv()  # it is ready: the time of a task does not begin with imports
+            except (EOFError, ConnectionError):
+                raise CrashError(f"{name}: {self._death(begun=False)[0]}") from None
         return self._pipe
 
     def _start(self) -> tuple[Any, Connection]:
@@ -173,7 +177,7 @@ class WorkerProcess:
             mine, theirs = self._context.Pipe()
             process = self._context.Process(target=_serve, args=(theirs, self._memory, place), daemon=True)
             try:
-                with _sigint_blocked():
+                with no_working_folder_in_children(), _sigint_blocked():
                     process.start()
             except (EOFError, OSError) as error:  # the next time the server is started anew
                 mine.close()
@@ -187,8 +191,11 @@ class WorkerProcess:
                 theirs.close()
         raise AssertionError("unreachable")
 
-    def _death(self) -> tuple[str, str]:
-        """What ended the child, in words, and which kind of crash that is; another will be started."""
+    def _death(self, *, begun: bool = True) -> tuple[str, str]:
+        """What ended the child, in words, and which kind of crash that is; another will be started.
+
+        begun: it was ready to work.
+        """
         if self._killed:
             self._process.kill()
         self._process.join()
@@ -197,7 +204,9 @@ class WorkerProcess:
         if code is not None and code < 0:
             with contextlib.suppress(ValueError):
                 code = signal.Signals(-code).name
-        if code == "SIGKILL":
+        if not begun and code != "SIGKILL":
+            why = f"the process for this file ended before it began (exit code {code}); it has printed why"
+        elif code == "SIGKILL":
             why = "the process that read it was killed (SIGKILL), as systems do that run out of memory"
         elif code == _EXHAUSTED:
             return _NO_MEMORY, "memory"
@@ -277,12 +286,13 @@ def _serve(pipe: Connection, memory: int | None, place: str) -> None:
     with _ending_without_memory(), contextlib.suppress(EOFError, ConnectionError):
         pipe.send("ready")
         while True:
-            task, arguments = pipe.recv()
+            content = pipe.recv_bytes()
             try:
+                task, arguments = pickle.loads(content)  # an import that fails there is reported, too
                 answer: tuple[str, Any] = "done", task(*arguments)
             except RigtriError as error:
                 answer = "refused", (type(error), error.args)
-            except Exception as error:  # noqa: BLE001 - whatever it is, the parent raises it
+            except BaseException as error:  # noqa: BLE001 - whatever it is, the parent raises it
                 if of_memory(error):
                     pipe.send(("memory", None))
                     continue

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any
 from uuid import uuid4
 
+from rigtri.files.import_path import leave_out_working_folder
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.local_engine import FileProcess
 from rigtri.pipeline.batch.work import Assignment, Record
@@ -66,6 +67,7 @@ def do(packed: bytes) -> Record:
     number, assignment, settings = pickle.loads(packed)
     # Workers are children of Dask's nannies, which may have none of their own otherwise.
     multiprocessing.current_process().daemon = False
+    leave_out_working_folder()
     urls.add_secrets(settings.secrets)
     worker, client = get_worker(), get_client()
     task = worker.get_current_task()

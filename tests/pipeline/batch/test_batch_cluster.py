@@ -13,6 +13,7 @@ import signal
 import socket
 import subprocess
 import sys
+import sysconfig
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -37,7 +38,7 @@ from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.work import Assignment, Record
 
 # Tasks travel by the name of their module, which workers must find, too.
-ENVIRONMENT = os.environ | {"PYTHONPATH": str(BUILDERS)}
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(BUILDERS), "PYTHONSAFEPATH": ""}
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 LATE = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 pytestmark = [POSIX, LATE]
@@ -359,3 +360,27 @@ def test_a_scheduler_that_dies_is_reported_alike_whenever_it_does(tmp_path: Path
 
     with pytest.raises(FileError, match=r"cannot go on \(ConnectionPool closing.*run it again"):
         all_of_it()
+
+
+@pytest.mark.slow
+def test_workers_run_nothing_that_lies_where_they_or_the_batch_work(
+    machines: Machines, tmp_path: Path, samples: Path
+) -> None:
+    pack, script = tmp_path / "pack", Path(sysconfig.get_path("scripts"), "rigtri")
+    if not script.is_file():
+        pytest.skip("no program is installed beside this Python")
+    pack.mkdir()
+    shutil.copy(samples / "biped.glb", pack)
+    (pack / "rig.yaml").write_text("steps: [{do: orient-joints, preset: maya}]")
+    machines.add_worker()
+    with Client(machines.address, set_as_default=False) as client:
+        client.wait_for_workers(1, timeout=60)
+    for folder in (pack, machines.folder):
+        for name in ("numpy", "pxr", "json", "pickle", "sitecustomize"):
+            planted = f"open({str(tmp_path / name)!r}, 'w').close()\nraise SystemExit(1)"
+            (folder / f"{name}.py").write_text(planted)
+    given = ["batch", "*.glb", "--spec", "rig.yaml", "-O", "out", "--dask", machines.address]
+    environment = ENVIRONMENT | {"PYTHONPATH": ""}
+    subprocess.run([sys.executable, str(script), *given], cwd=pack, env=environment, check=True)
+    assert (pack / "out" / "biped.glb").is_file()
+    assert not [path for path in tmp_path.iterdir() if path.is_file()]
