@@ -165,6 +165,7 @@ def test_joints_to_controls_to_joints_gives_the_motion_back_whatever_the_softnes
         assert np.linalg.norm(before - after, axis=-1).max() / size < 1e-5
 
 
+@pytest.mark.slow
 def test_the_ik_end_is_placed_where_the_softened_limb_gives_the_joints_so_that_little_is_left_below_it() -> (
     None
 ):

@@ -21,7 +21,7 @@ from baked_rigs import (
     stored,
     with_keyed_controls,
 )
-from places import SAMPLES, USD, files_of_all_kinds, leave_out_refused, slow
+from places import SAMPLES, asset_files, leave_out_refused, sample_files, slow
 from program import cli
 from second_opinions import validator
 
@@ -276,10 +276,11 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
 
 
 # A .vrma has no joints.
-WITH_JOINTS = files_of_all_kinds(".glb", ".gltf", ".vrm", *USD)
-
-
-@pytest.mark.parametrize("path", WITH_JOINTS, ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path",
+    [path if path.name == "biped.glb" else slow(path) for path in (*sample_files(), *asset_files())],
+    ids=lambda path: path.name,
+)
 def test_real_motion_comes_home(path: Path) -> None:
     try:
         rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))

@@ -38,7 +38,12 @@ def off(rig: Rig, clip: str) -> float:
 
 @pytest.mark.parametrize(
     ("name", "clip"),
-    [("biped.glb", "walk"), ("biped.usda", "walk"), slow("biped.glb", "wave"), slow("biped.usda", "wave")],
+    [
+        ("biped.glb", "walk"),
+        slow("biped.usda", "walk"),
+        slow("biped.glb", "wave"),
+        slow("biped.usda", "wave"),
+    ],
 )
 def test_controls_stand_on_their_joints_at_every_frame(name: str, clip: str) -> None:
     up = bake(rigged(name), options=BakeOptions(to="controls", tolerance=1e-6))

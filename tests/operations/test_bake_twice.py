@@ -139,7 +139,7 @@ def rounded_above(rig: Rig, seed: int) -> Rig:
     return replace(rig, clips=tuple(replace(c, tracks=tuple(map(off, c.tracks))) for c in rig.clips))
 
 
-@pytest.mark.parametrize("seed", [slow(1), 4])
+@pytest.mark.parametrize("seed", [1, slow(4)])
 def test_rounding_above_a_limb_changes_no_choice_of_keys(seed: int) -> None:
     coarse = BakeOptions(stretch=True, tolerance=1e-3)
     once = with_shared_times(bake(flung(read(SAMPLES / "biped.usda").rig, seed), options=coarse)).rig

@@ -100,7 +100,7 @@ def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: st
     assert np.abs(joint_worlds(read(rig).rig) - joint_worlds(read(home).rig)).max() < 1e-5
 
 
-@pytest.mark.parametrize("name", [slow("biped.glb"), "biped.usda"])
+@pytest.mark.parametrize("name", [slow("biped.glb"), slow("biped.usda")])
 def test_a_file_that_has_its_metadata_takes_that_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
     rig, up = rigged(tmp_path, name)
     plain, out, itself = (tmp_path / f"{k}-{name}" for k in ("plain", "out", "itself"))

@@ -33,6 +33,7 @@ def with_targets(samples: Path, folder: Path, count: int) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_what_only_all_morphs_at_once_would_show_is_no_reason_to_refuse(
     samples: Path, tmp_path: Path
 ) -> None:

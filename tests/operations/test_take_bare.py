@@ -68,6 +68,7 @@ def test_a_skeleton_without_an_animation_gets_one_with_the_motion(edited: str, t
     assert out.read_bytes() == again.read_bytes()
 
 
+@pytest.mark.slow
 def test_controls_without_keys_get_them_and_bake_to_the_motion(tmp_path: Path) -> None:
     source, rigged, out = bare(tmp_path / "bare.usda"), tmp_path / "rigged.usda", tmp_path / "out.usda"
     edit(source, rigged, lambda rig, report: add_controls(rig, options=CONTROLS, report=report))

@@ -349,7 +349,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ("steps: [\n", "not valid YAML"),
         ("steps: 1\nsteps: 2\n", "not valid YAML: found duplicate key"),
         ("steps:\n- {do: bake, to: '${way}'}\n", "there is no variable 'way'"),
-        ("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+        slow("a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
             f"{chr(98 + k)}: &{chr(98 + k)} [{', '.join([f'*{chr(97 + k)}'] * 9)}]\n" for k in range(8)
         ), "more values"),
         ("steps: " + "[" * 500 + "]" * 500, "deeper, than a spec can have"),

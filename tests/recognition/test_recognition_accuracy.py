@@ -55,6 +55,7 @@ def test_limbs_of_every_naming_scheme_are_right(tmp_path: Path) -> None:
     check(schemes(tmp_path), named=0.95, unnamed=0.85)
 
 
+@pytest.mark.slow
 def test_limbs_of_bodies_that_nobody_has_looked_at_are_right(tmp_path: Path) -> None:
     check(varied_bodies(tmp_path, 25), named=0.95, unnamed=0.85)
 

@@ -68,6 +68,7 @@ def test_keys_that_are_new_to_a_control_come_into_a_usd_file(tmp_path: Path) -> 
     np.testing.assert_allclose(sample(track, TIMES), [[0, 0, 0, 1], TURN], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_gltf_motion_comes_into_a_usd_file_whose_controls_have_no_keys(tmp_path: Path) -> None:
     home, other = rigged(tmp_path), rigged(tmp_path, SAMPLES / "biped.glb")
     up = tmp_path / "up.glb"

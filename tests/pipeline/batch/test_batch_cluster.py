@@ -158,6 +158,7 @@ def outputs(folder: Path) -> dict[str, bytes]:
     return {p.stem: p.read_bytes() for p in (folder / "out").iterdir() if not p.name.startswith("rigtri-")}
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_what_each_file_alone_gives(
     tmp_path: Path, samples: Path, machines: Machines, begin: Begin
 ) -> None:

@@ -134,6 +134,7 @@ def test_kills_at_any_moment_lose_nothing_and_do_nothing_twice(
     }
 
 
+@pytest.mark.slow
 @POSIX
 def test_a_worker_that_is_killed_costs_its_file_alone(tmp_path: Path, start: Start) -> None:
     process = start("--json")

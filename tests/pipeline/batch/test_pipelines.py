@@ -127,6 +127,7 @@ def test_the_hook_takes_what_rigtri_reads_and_nothing_else() -> None:
     assert not any(files.search(name) for name in ("hero.bin", "glb", "hero.glb.txt", "usda.md", "hero.fbx"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not (ROOT / ".pre-commit-hooks.yaml").exists(), reason="this is no checkout of the source"
 )
