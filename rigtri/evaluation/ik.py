@@ -314,12 +314,15 @@ class Ik:
         start = self.limb.chain[0]
         turned = product(_rotation_of(source, self.above), source.part(start).rotation)
         inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
-        own = rotate(turned, inside)
+        as_turned = rotate(turned, inside)
         bone = normalise(b - a)
-        own = own - dot(own, bone)[:, np.newaxis] * bone
+        own = as_turned - dot(as_turned, bone)[:, np.newaxis] * bone
         both = bone + line
         spread = np.maximum(1.0 + dot(bone, line), 1e-12)  # 0: folded onto itself, and no way is the shortest
         own = normalise(own - (dot(own, line) / spread)[:, np.newaxis] * both)
+        # A bone or a limb without length has no line; where scale has left no axes, there is no side, either.
+        sized = np.min(length(source.world(start)[:, :3, :3]), axis=1, keepdims=True) > 0
+        own = np.where(sized & ~np.isfinite(own), as_turned, own)
         bend_side = normalise(bend)
         sine = 2.0 * length(bend) / size * np.maximum(dot(bend_side, own), 0.0)
         share = np.clip((sine - _STRAIGHTENS) / (_BENDS - _STRAIGHTENS), 0.0, 1.0)

@@ -16,6 +16,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import ConstraintStep, RootStep, Step
 from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.two_bone_ik import BEYOND
+from rigtri.evaluation.zero_pose import SAME_PLACE
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -108,6 +109,12 @@ def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     target, place = ik.target(posed), ik.place(posed)
     solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)
     longest, shortest = lengths[0] + lengths[1], np.abs(lengths[0] - lengths[1])
+    end = rig.title(limb.chain[2])
+    if longest.max() <= SAME_PLACE * float(np.abs(rig.world[:, 3, :3]).max()):
+        control = rig.title(limb.control)
+        text = f"The limb that ends in '{end}' has no length in {at(0)}, so '{control}' does not move it"
+        yield Notice("ik-no-length", text, end, geometry=True)
+        return
     distance = length(target - transform_points(ik.start, posed.world(ik.above)))
     # The targets that matching gives a soft limb are beyond it, and meant.
     far = distance - longest * (1.0 + (BEYOND - 1.0) * limb.soft + REACHED)
@@ -117,7 +124,6 @@ def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     away = length(target - posed.world(limb.chain[2])[:, 3, :3]) > REACHED * longest
     far = np.where(away & (not limb.stretch), far, -np.inf)
     near = np.where(away, near, -np.inf)
-    end = rig.title(limb.chain[2])
     for off, how in ((far, "too far away"), (near, "too near")):
         if off.max() > 0:
             yield Notice(

@@ -21,6 +21,8 @@ from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.advice import why_near
@@ -31,6 +33,8 @@ Step = Callable[[Rig, Report], Rig]
 
 # From this size on, reading all of a file and waiting for the disk are worth avoiding.
 _LARGE = 1 << 24
+# Files hold positions and keys as float32, some as half.
+_LARGEST, _LARGEST_HALF = float(np.finfo(np.float32).max), float(np.finfo(np.float16).max)
 
 
 @dataclass(frozen=True)
@@ -176,19 +180,34 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
 
 
 def _check_numbers(before: Rig, after: Rig) -> None:
-    """GeometryError for a node whose numbers an edit made infinite or NaN; what was so may stay so."""
+    """GeometryError for a node or clip whose numbers an edit made too large, infinite or NaN.
+
+    What was so may stay so.
+    """
     if after is before:
         return
+    known_tracks = {id(track) for clip in before.clips for track in clip.tracks}
+    for clip in after.clips:
+        for track in clip.tracks:
+            # A SkelAnimation holds scales as half3.
+            half = track.path == "scale" and after.rules.raw_quaternions and after.is_joint[track.node]
+            largest = _LARGEST_HALF if half else _LARGEST
+            if id(track) not in known_tracks and _unfit(track.values, largest).any():
+                raise GeometryError(
+                    f"The {track.path} of '{after.title(track.node)}' in clip '{clip.name}' gets values that "
+                    f"are not numbers, or larger than {largest:.3g}, the most that the file can hold: a bone "
+                    "or a scale there is zero, or numbers are too large. Leave the joint or the clip out"
+                )
     lost = np.zeros(len(after), dtype=bool)
     for name in ("translation", "rotation", "scale", "matrix"):
-        wrong, known = ~np.isfinite(getattr(after, name)), ~np.isfinite(getattr(before, name))
+        wrong, known = _unfit(getattr(after, name)), _unfit(getattr(before, name))
         wrong[: len(before)] &= ~known
         lost |= wrong.any(axis=tuple(range(1, wrong.ndim)))
     for number, new in enumerate(after.skins):
-        worse = ~np.isfinite(new.inverse_bind)
+        worse = _unfit(new.inverse_bind)
         if number < len(before.skins):
             old = before.skins[number].inverse_bind[: len(worse)]
-            worse[: len(old)] &= np.isfinite(old)
+            worse[: len(old)] &= ~_unfit(old)
         lost[new.joints[worse.any(axis=(1, 2))]] = True
     if lost.any():
         node = int(lost.argmax())
@@ -196,6 +215,11 @@ def _check_numbers(before: Rig, after: Rig) -> None:
             f"'{after.names[node] or after.labels[node]}' gets no place that is a number: a scale at or "
             "above it is zero, or numbers there are too large. Leave it out with --exclude"
         )
+
+
+def _unfit(numbers: Floats, largest: float = _LARGEST) -> Booleans:
+    """Which numbers are none, or larger than ``largest``."""
+    return np.asarray(~(np.abs(numbers) <= largest))
 
 
 def _check_order(rig: Rig) -> None:

@@ -29,6 +29,8 @@ from rigtri.formats import ReadOptions
 from rigtri.formats import read as read_any
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd import usdz
+from rigtri.model.animation import Path as TrackKind
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
@@ -338,6 +340,33 @@ def test_an_edit_may_not_make_a_number_none(what: str, tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="'joint 1' gets no place that is a number"):
         edit(path, tmp_path / "out.glb", overflow)
     assert not (tmp_path / "out.glb").exists()
+
+
+@pytest.mark.parametrize(
+    ("file", "path", "value"),
+    [
+        ("biped.glb", "rotation", np.nan),
+        ("biped.glb", "translation", 1e39),
+        ("biped.usda", "translation", np.inf),
+        ("biped.usda", "scale", 1e5),
+    ],
+)
+@pytest.mark.parametrize("verify", [True, False])
+def test_an_edit_may_not_make_a_clip_infinite(
+    file: str, path: TrackKind, value: float, verify: bool, samples: Path, tmp_path: Path
+) -> None:
+    def overflow(rig: Rig, report: Report) -> Rig:
+        clip = rig.clips[0]
+        times = clip.tracks[0].times
+        values = np.full((len(times), 4 if path == "rotation" else 3), value)
+        hips = rig.find("hips")
+        others = [track for track in clip.tracks if (track.node, track.path) != (hips, path)]
+        track = Track(hips, path, "LINEAR", times, values)
+        return replace(rig, clips=(replace(clip, tracks=(*others, track)), *rig.clips[1:]))
+
+    with pytest.raises(GeometryError, match=f"The {path} of 'hips' in clip 'walk' gets values"):
+        edit(samples / file, tmp_path / file, overflow, verify=verify)
+    assert not (tmp_path / file).exists()
 
 
 @pytest.mark.filterwarnings("error")

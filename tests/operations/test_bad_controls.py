@@ -116,6 +116,22 @@ def test_a_pole_on_the_line_of_the_limb_keeps_the_side_of_the_rest_pose(name: st
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_joints_of_a_limb_that_are_at_one_place_have_controls(name: str) -> None:
+    rig, *_ = limb(name)
+    evaluated(asked(rig, *((rig.find(joint), "translation", np.zeros(3)) for joint in ARM[1:])))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_ik_control_of_a_limb_without_length_is_reported(name: str) -> None:
+    rig, end, *_ = limb(name)
+    translation = rig.translation.copy()
+    # Offsets of FK controls hold where the joints stand while controls are zero.
+    translation[[rig.find(name) for joint in ARM[1:] for name in (joint, f"{joint}_ctl_offset")]] = 0.0
+    rig = replace(rig, translation=translation)
+    evaluated(asked(rig, (end, "translation", np.ones(3))), "ik-no-length")
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_uneven_scale_of_a_control_is_that_of_its_joint(name: str) -> None:
     rig = rigged(name)
     node = control(rig, "forearm_L", "fk")
