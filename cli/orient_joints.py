@@ -65,9 +65,11 @@ def summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    changed = f"{counted(counts['turned'], 'joint')} re-oriented"
     skipped = f"{counts['kept']} skipped" + (" (reasons with -v)" if counts["kept"] else "")
-    return "\n".join([f"{changed}, {counts['unchanged']} unchanged, {skipped}", *_splits(report)])
+    line = f"{counted(counts['turned'], 'joint')} re-oriented, {counts['unchanged']} unchanged, {skipped}"
+    if not counts["turned"]:
+        line = f"no joint was re-oriented: {counts['unchanged']} have these axes already, {skipped}"
+    return "\n".join([line, *_splits(report)])
 
 
 def _splits(report: Report) -> list[str]:

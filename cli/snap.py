@@ -16,6 +16,7 @@ from rigtri.operations.options.snap import SnapOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .text import counted
 
 
 def summary(report: Report) -> str:
@@ -23,6 +24,8 @@ def summary(report: Report) -> str:
     matched = [entry for entry in report.added if entry["type"] == "snap"]
     far = max((entry["deviation"] for entry in matched), default=0.0)
     limbs = len({tuple(entry["limb"]) for entry in matched})
+    if not report.reposed:
+        return f"{counted(limbs, 'limb')} matched already; nothing was changed"
     return f"{limbs} limbs to {matched[0]['to']}; their joints stay within {far:.2g} of the size"
 
 

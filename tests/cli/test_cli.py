@@ -40,6 +40,20 @@ def test_orient_joints_reports_what_it_did_and_where_it_is(samples: Path, tmp_pa
     assert str(tmp_path / "out.glb") in result.stderr
 
 
+def test_edits_that_change_nothing_say_so(samples: Path, tmp_path: Path) -> None:
+    once, rigged, out = (tmp_path / f"{name}.glb" for name in ("once", "rigged", "out"))
+    cli("orient-joints", samples / "biped.glb", "-o", once, "-q", code=0)
+    again = cli("orient-joints", once, "-o", out, code=0)
+    assert "no joint was re-oriented: 23 have these axes already, 0 skipped" in again.stderr
+    assert out.read_bytes() == once.read_bytes()
+    cli("add-controls", samples / "biped.glb", "-o", rigged, "--whole-character", "-q", code=0)
+    snapped = cli(
+        "snap", rigged, "-o", out, "--all-limbs", "--to", "ik", "--at", "rest", "--overwrite", code=0
+    )
+    assert "4 limbs matched already; nothing was changed" in snapped.stderr
+    assert out.read_bytes() == rigged.read_bytes()
+
+
 def test_reports_keep_to_their_schema(samples: Path, tmp_path: Path) -> None:
     report, schema = tmp_path / "report.json", validator("report")
     out = tmp_path / "out.glb"
