@@ -134,9 +134,14 @@ def stale_parts(path: Path, *, every: bool = False) -> list[tuple[Path, int]]:
     every: nobody else writes ``path``, so that what still has the number is another process, or one
     that nobody has taken leave of.
     """
+    return stale_files(path.parent, f".{path.stem}.part-", path.suffix, every=every)
+
+
+def stale_files(folder: Path, start: str, end: str = "", *, every: bool = False) -> list[tuple[Path, int]]:
+    """Files with the number of a process that is no more between ``start`` and ``end``; as `stale_parts`."""
     found = []
-    for part in path.parent.glob(f".{glob.escape(path.stem)}.part-*{glob.escape(path.suffix)}"):
-        owner = part.name[len(path.stem) + len("..part-") : len(part.name) - len(path.suffix)]
+    for part in folder.glob(f"{glob.escape(start)}*{glob.escape(end)}"):
+        owner = part.name[len(start) : len(part.name) - len(end)]
         # In a container numbers return soon: what bears ours was there before us.
         if owner.isdigit() and (every or int(owner) == os.getpid() or not _runs(int(owner))):
             found.append((part, int(owner)))

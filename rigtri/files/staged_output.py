@@ -7,7 +7,7 @@ import os
 import re
 import shutil
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -19,6 +19,7 @@ from rigtri.files.atomic_write import (
     discard_stale,
     resolve_link,
     same_file,
+    stale_files,
     stale_parts,
     temp_path,
 )
@@ -32,7 +33,9 @@ class StagedOutput:
     """A part beside its target and the companions placed so far; either all stay or none.
 
     The rename of the part is the moment that counts: as long as there is a part, the old
-    files are the valid ones, and what a killed run has replaced is put back by the next.
+    files are the valid ones, and what a killed run has replaced is put back by the next. Where there is
+    something to tidy up after the rename, the old output stays meanwhile, too, under the name of a backup:
+    a backup without a part shows the next run what a killed one has not tidied up.
     """
 
     def __init__(
@@ -60,7 +63,8 @@ class StagedOutput:
         self._syncing: threading.Thread | None = None
         self.placed: list[tuple[Path, Path | None]] = []
         self.beside: list[Path] = []  # all companions, also those that were there
-        self._orphans = _our_buffers(final)
+        self._orphans = _our_buffers(final, final)
+        self._backup = _backup_path(final, os.getpid())
 
     def add(self, companion: Companion) -> None:
         """Put a companion in place, keeping what was there until the whole has passed."""
@@ -116,15 +120,18 @@ class StagedOutput:
 
     def finish(self) -> None:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
+        backups = [backup for _, backup in self.placed if backup is not None]
         with as_file_error(self.final):
+            if backups or self._orphans:
+                _link(self.final if self.final.exists() else self.part, self._backup)
             commit(self.part, self.final, synced=self._fsynced(), named=not self._shared)
         # The new file is there; what cannot be tidied up any more is no reason to fail.
         with suppress(OSError):
-            for _, backup in self.placed:
-                if backup is not None:
-                    backup.unlink()
-            for orphan in self._orphans - _our_buffers(self.final):
-                orphan.unlink(missing_ok=True)
+            for backup in backups:
+                backup.unlink()
+            others = [self.final] if self._shared else self.final.parent.glob("*.gltf")
+            _remove_unnamed(self._orphans, others)
+            self._backup.unlink(missing_ok=True)
 
     def undo(self) -> None:
         """Leave the folder as it was; nothing to do where the part has become the file."""
@@ -137,6 +144,7 @@ class StagedOutput:
             else:
                 place.unlink(missing_ok=True)
         with suppress(OSError):  # the reason for undoing is raised, not this
+            self._backup.unlink(missing_ok=True)
             self.part.unlink(missing_ok=True)
 
 
@@ -161,24 +169,48 @@ def _put_back(backup: Path, place: Path) -> None:
 
 
 def recover(final: Path, *, alone: bool = False) -> None:
-    """Finish what killed runs have left: put back what they had replaced, remove their parts.
+    """Finish what killed runs have left.
 
-    A buffer that was new stays: by its name alone nobody knows who else refers to it.
+    Those that had not renamed their part: put back what they had replaced, remove their parts and the
+    buffers that only these refer to. Those that had: remove what they had replaced.
     alone: nobody else writes ``final``.
     """
-    for process in {process for _, process in stale_parts(final, every=alone)}:
+    for own, process in stale_parts(final, every=alone):
+        _backup_path(final, process).unlink(missing_ok=True)
         for backup in final.parent.rglob(f".*.kept-{process}"):
             _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
+        others = (path for path in final.parent.glob("*.gltf") if path != own)
+        _remove_unnamed(_our_buffers(own, final), others)
         for part in final.parent.rglob(f".*.part-{process}*"):
-            part.unlink(missing_ok=True)
+            if part != own:
+                part.unlink(missing_ok=True)
+        own.unlink(missing_ok=True)
+    for old, process in stale_files(final.parent, f".{final.name}.kept-", every=alone):
+        _remove_unnamed(_our_buffers(old, final), final.parent.glob("*.gltf"))
+        for backup in final.parent.rglob(f".*.kept-{process}"):
+            if backup != old:
+                backup.unlink(missing_ok=True)
+        old.unlink(missing_ok=True)
 
 
-def _our_buffers(path: Path) -> set[Path]:
-    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to."""
-    if path.suffix.lower() != ".gltf" or not path.is_file():
+def _our_buffers(path: Path, final: Path) -> set[Path]:
+    """The files of added keys, ``<stem>.rigtri-<hash>.bin``, that a .gltf refers to, as ``path`` has it."""
+    if final.suffix.lower() != ".gltf" or not path.is_file():
         return set()
-    names = {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
-    return {path.parent / name for name in names if name.startswith(f"{path.stem}.rigtri-")}
+    return {final.parent / name for name in _buffer_names(path) if name.startswith(f"{final.stem}.rigtri-")}
+
+
+def _buffer_names(path: Path) -> set[str]:
+    return {name.decode("utf-8", "replace") for name in _OURS.findall(path.read_bytes())}
+
+
+def _remove_unnamed(buffers: set[Path], files: Iterable[Path]) -> None:
+    """Remove the buffers that none of these .gltf refers to, as far as these can be read."""
+    with suppress(OSError):
+        named = set().union(*(_buffer_names(path) for path in files)) if buffers else set()
+        for buffer in buffers:
+            if buffer.name not in named:
+                buffer.unlink(missing_ok=True)
 
 
 def _same(content: bytes | Path, place: Path) -> bool:

@@ -183,9 +183,7 @@ def test_a_kill_at_any_step_leaves_old_or_new_and_the_next_run_tidies_up(gltf: P
         with pytest.raises(DeviationError):
             edit(samples / "biped.gltf", gltf, orient, overwrite=True, tolerance=-1.0)
         found = contents(gltf.parent)
-        assert {name: found[name] for name in old} == old, moment
-        # A buffer that is new has a name of its own, and nobody refers to it.
-        assert all(".rigtri-" in name for name in found.keys() - old.keys())
+        assert found == old, moment
     assert between > 0
     assert moment > 6
 

@@ -96,6 +96,16 @@ def test_a_spec_that_is_there_is_replaced_only_on_request(tmp_path: Path) -> Non
     assert "thigh" in spec.read_text("utf-8")
 
 
+def test_a_spec_by_which_nothing_was_built_says_so(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    run("auto", SAMPLES / "biped.glb", "-o", out, "--tolerance", "1e-12", code=6)
+    assert not out.exists()
+    first, why, rest = out.with_suffix(".rig.yaml").read_text("utf-8").split("\n", 2)
+    assert first.startswith("# rigtri auto built nothing by this spec")
+    assert "The result would look different" in why
+    assert rest.startswith("# A rig spec to start from")
+
+
 def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> None:
     picture = tmp_path / "hero.svg"
     result = run("auto", SAMPLES / "biped.glb", "-n", "--picture", picture)

@@ -29,8 +29,8 @@ from rigtri.text import and_more
 
 Tasks = Callable[[tuple[tuple[str, str], ...]], SpecTask]
 
-# A part of an output, as `rigtri.files.atomic_write.temp_path` names it.
-_PART = re.compile(r"\.(.+)\.part-[0-9]+(\.[^.]+)")
+# A part or a backup of an output, as `rigtri.files.staged_output` names them.
+_PART = re.compile(r"\.(.+)\.(?:part-[0-9]+(\.[^.]+)|kept-[0-9]+)")
 # So many files are tried before the first is written.
 TRIED = 8
 _MISFITS = {"name not found", "ambiguous name", "usage"}
@@ -268,7 +268,7 @@ def _clear(entries: Sequence[Entry]) -> None:
     for folder, own in names.items():
         with suppress(FileNotFoundError):
             parts = [found for name in os.listdir(folder or ".") if (found := _PART.fullmatch(name))]
-            for name in own & {f"{part[1]}{part[2]}" for part in parts}:
+            for name in own & {f"{part[1]}{part[2] or ''}" for part in parts}:
                 final = Path(folder, name)
                 with as_file_error(final):
                     recover(final, alone=True)  # the manifest is ours, and so are its outputs

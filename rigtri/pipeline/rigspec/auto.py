@@ -15,7 +15,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest
 from rigtri.pipeline.rigspec.build import Built, build_file
-from rigtri.pipeline.rigspec.errors import SpecError
+from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import load, need_extra
 from rigtri.pipeline.rigspec.spec_init import starter, unsure
 from rigtri.recognition.layout import Chain, Layout
@@ -128,11 +128,21 @@ def auto_file(
             with called({str(spec): str(spec_out or "the spec")}):
                 limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
                 built = build_file(inner, limited, report)
-        except SpecError:
-            _write(place, found.text)
+        except SpecError as error:
+            _write(place, _not_built(error) + found.text)
             raise
     _write(place, found.text)
     return built
+
+
+def _not_built(error: SpecError) -> str:
+    """The first lines of a spec by which nothing was built, so that nobody takes it for one that works."""
+    faults = "".join(f"#   {_one_line(fault)}\n" for fault in error.found)
+    return f"# rigtri auto built nothing by this spec; it is here to be looked at and changed:\n{faults}"
+
+
+def _one_line(fault: Fault) -> str:
+    return " ".join(fault.text.split())
 
 
 def _unsure_message(found: Proposal, place: Path | None, target: Path | str) -> str:

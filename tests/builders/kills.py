@@ -1,0 +1,66 @@
+"""Commands that kill themselves at one of the moments in which they change a folder."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+# What Python reports of itself before it asks the system: https://docs.python.org/3/library/audit_events.html
+CHANGES = ("os.rename", "os.link", "os.symlink", "os.mkdir", "os.remove", "os.rmdir", "os.truncate")
+WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT
+PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "pxr.Usd", "rigtri.cli.main", "kills"]
+
+
+def _kill_at(moment: int, top: str) -> None:
+    """Kill this process at the n-th change below a folder."""
+    counted = 0
+
+    def hook(event: str, arguments: tuple[Any, ...]) -> None:
+        nonlocal counted
+        if event in CHANGES or (event == "open" and arguments[2] & WRITES):
+            names = [str(one) for one in arguments[:2] if isinstance(one, str | Path)]
+            if any(os.path.abspath(name).startswith(top) for name in names):
+                counted += 1
+                if counted == moment:
+                    os.kill(os.getpid(), signal.SIGKILL)
+
+    sys.addaudithook(hook)
+
+
+def _run(moment: int, top: str, words: list[str]) -> None:
+    from rigtri.cli.main import program
+
+    # Given, for else the standard library tries whether it can write there, and a kill leaves what it wrote.
+    os.environ["TMPDIR"] = tempfile.tempdir = str(Path(top, "tmp"))
+    os.chdir(top)
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 2)
+    os.dup2(null, 1)
+    if moment:
+        _kill_at(moment, top)
+    program(words, prog_name="rigtri")
+
+
+def run(top: Path, words: list[str], moment: int = 0) -> int:
+    """The exit code of a command in a folder, killed at a moment, from 1 on; 0: left alone."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(PRELOADED)
+    process = context.Process(target=_run, args=(moment, str(top), words))
+    process.start()
+    process.join()
+    assert process.exitcode is not None
+    return process.exitcode
+
+
+def contents(top: Path) -> dict[str, bytes]:
+    """All files below a folder, and its folders as such; of a manifest, which has times, only the name."""
+    found = {}
+    for path in top.rglob("*"):
+        name = str(path.relative_to(top))
+        found[name] = b"" if path.is_dir() or path.suffix == ".sqlite" else path.read_bytes()
+    return found

@@ -1,0 +1,109 @@
+"""Commands are killed at each moment in which they change a folder, and run again."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from kills import contents, run
+from places import ROOT, SAMPLES
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+
+LIMB = ["--limb", "upper_arm_L", "forearm_L", "hand_L"]
+TWIST = ["add-twist", "in/biped.gltf", "-o", "out/biped.gltf", "--overwrite", *LIMB]
+STEPS = """
+steps:
+  - {do: orient-joints, preset: maya}
+  - {do: add-twist, limb: [upper_arm_L, forearm_L, hand_L]}
+"""
+
+
+def orient(suffix: str) -> list[str]:
+    file = f"biped{suffix}"
+    return ["orient-joints", f"in/{file}", "-o", f"out/{file}", "--overwrite", "--preset", "maya"]
+
+
+MORE = [*TWIST, "--count", "3"]
+GLTF = ["in/biped.gltf", "-o", "out/biped.gltf", "--overwrite"]
+# By the row of docs/reliability.md: the command, and what has run there before with other results.
+CASES = {
+    "edit .glb": (orient(".glb"), [*orient(".glb")[:-1], "blender"]),
+    "edit .gltf": (TWIST, MORE),
+    "edit .usda": (orient(".usda"), []),
+    "edit .usdz": (orient(".usdz"), []),
+    "build .gltf": (["build", *GLTF, "--spec", "in/rig.yaml"], MORE),
+    "auto .gltf": (["auto", *GLTF], MORE),
+    "view": (["view", "in/biped.glb", "-o", "out/page.html", "--overwrite"], []),
+    "batch": (["batch", "in/biped.g*", "--spec", "in/rig.yaml", "-O", "out", "-j1", "--overwrite"], TWIST),
+}
+
+
+@pytest.fixture
+def place() -> Iterator[Path]:
+    """A folder with a short name, for sockets lie in it."""
+    with tempfile.TemporaryDirectory() as name:
+        top = Path(name)
+        for folder in ("in", "out", "tmp"):
+            (top / folder).mkdir()
+        for name in ("biped.glb", "biped.gltf", "biped.bin", "biped.usda", "biped.usdz"):
+            shutil.copy(SAMPLES / name, top / "in")
+        (top / "in" / "rig.yaml").write_text(STEPS)
+        yield top
+
+
+def restored(top: Path, before: Path) -> None:
+    for folder in ("out", "tmp"):
+        shutil.rmtree(top / folder)
+        shutil.copytree(before / folder, top / folder)
+
+
+def stated(case: str) -> tuple[int, int, int]:
+    """Cases, survived and lost, as the documentation has them."""
+    text = (ROOT / "docs" / "reliability.md").read_text("utf-8")
+    found = re.search(rf"^\| kill -9, {re.escape(case)} \| (\d+) \| (\d+) \| (\d+) \|$", text, re.M)
+    assert found, f"docs/reliability.md has no row of {case}"
+    return int(found[1]), int(found[2]), int(found[3])
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_kill_at_any_change_leaves_old_or_new_and_the_next_run_leaves_nothing_else(
+    case: str, place: Path, every: Callable[[int], int], tmp_path: Path
+) -> None:
+    words, first = CASES[case]
+    if first:
+        assert run(place, first) == 0
+    before = tmp_path / "before"
+    shutil.copytree(place, before)
+    old = contents(place)
+    assert run(place, words) == 0
+    new, code, moment, step = contents(place), -9, 1, every(5)
+    while code != 0:
+        restored(place, before)
+        code = run(place, words, moment)
+        time.sleep(0.3 if case == "batch" else 0.0)  # its workers see that it is gone
+        for name, content in contents(place).items():
+            if name in (old.keys() | new.keys()):  # whole, the old one or the new one
+                assert content in (old.get(name), new.get(name)), (name, moment)
+        assert run(place, words) == 0
+        assert contents(place) == new, (moment, contents(place).keys() ^ new.keys())
+        moment += step
+    cases, survived, lost = stated(case)
+    assert (survived, lost) == (cases, 0)
+    assert moment - step == pytest.approx(cases + 1, rel=0.25, abs=step)
+
+
+def test_a_buffer_that_another_file_refers_to_stays(place: Path) -> None:
+    """Whoever copies a .gltf under another name goes on using the buffers of the first."""
+    assert run(place, TWIST) == 0
+    (buffer,) = (place / "out").glob("*.rigtri-*.bin")
+    shutil.copy(place / "out" / "biped.gltf", place / "out" / "mine.gltf")
+    assert run(place, [*TWIST, "--count", "3"]) == 0
+    assert buffer.is_file()
+    (place / "out" / "mine.gltf").unlink()
