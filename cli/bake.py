@@ -32,6 +32,10 @@ def summary(report: Report) -> str:
         nothing = "the file has no clips" if bare else "no clip has keys of controls or constraints"
         return "; ".join([nothing, *(beside or ["nothing was baked"])])
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
+    if not keys and not any(entry["keys_before"] for entry in clips):
+        looked = f"{counted(len(clips), 'clip')}, {counted(frames, 'frame')}"
+        nothing = f"{looked}: controls and constraints move nothing there"
+        return "; ".join([nothing, *(beside or ["nothing was baked"])])
     line = ", ".join([counted(len(clips), "clip"), counted(frames, "frame"), counted(keys, "key")])
     line += f" for {counted(max(e['nodes'] for e in clips), 'node')}"
     line += grown(clips)

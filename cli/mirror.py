@@ -94,6 +94,8 @@ def summary(report: Report) -> str:
     reoriented = sum(entry["status"] == "turned" for entry in report.joints)
     new = sum(entry["new"] for entry in report.added)
     made = len(report.added)
+    if not reoriented and not made:
+        return "both sides are symmetric already; nothing was changed"
     return f"{counted(reoriented, 'joint')} re-oriented; {made} rigtri nodes mirrored, {new} of them new"
 
 

@@ -54,6 +54,21 @@ def test_edits_that_change_nothing_say_so(samples: Path, tmp_path: Path) -> None
     assert out.read_bytes() == rigged.read_bytes()
 
 
+def test_constraints_without_weight_and_sides_that_are_symmetric_change_nothing(
+    samples: Path, tmp_path: Path
+) -> None:
+    held, once, out = (tmp_path / f"{name}.glb" for name in ("held", "once", "out"))
+    follow = ("--type", "parent", "--child", "staff", "--driver", "hand_L=0")
+    cli("constrain", samples / "biped.glb", "-o", held, *follow, code=0)
+    baked = cli("bake", held, "-o", out, code=0)
+    assert "controls and constraints move nothing there; nothing was baked" in baked.stderr
+    assert out.read_bytes() == held.read_bytes()
+    cli("mirror", samples / "biped.glb", "-o", once, "--from-side", "left", code=0)
+    mirrored = cli("mirror", once, "-o", out, "--from-side", "left", "--overwrite", code=0)
+    assert "both sides are symmetric already; nothing was changed" in mirrored.stderr
+    assert out.read_bytes() == once.read_bytes()
+
+
 def test_reports_keep_to_their_schema(samples: Path, tmp_path: Path) -> None:
     report, schema = tmp_path / "report.json", validator("report")
     out = tmp_path / "out.glb"
