@@ -28,7 +28,8 @@ BUTTONS = "[...document.querySelectorAll('button')]"
 # Colours of a picture with a lit mesh in it. Without one, and without lines over it, the stage has 13.
 DRAWN = 100
 BARE = "['axes', 'bones', 'triangles', 'controls'].forEach((key) => rigtri.act.set(key, false))"
-SEEN = [{"evaluate": BARE}, {"evaluate": "new Promise((done) => setTimeout(done, 200))"}, {"seen": "#stage"}]
+NEXT_FRAME = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))"
+SEEN = [{"evaluate": BARE}, {"evaluate": NEXT_FRAME}, {"seen": "#stage"}]
 
 
 APART = """(([clip, speed]) => Math.min(clip.right - speed.left, clip.bottom - speed.top))(
@@ -164,7 +165,7 @@ def test_names_are_shown_as_they_are_and_nothing_in_them_runs(page: Any, tmp_pat
         {"evaluate": 'document.body.innerHTML += \'<img src="data:," onerror="hacked=1">\''},
         {"evaluate": "document.body.append(Object.assign(document.createElement('script'), {text: 'x=1'}))"},
         {"wait": "document.documentElement.dataset.errors > 0"},
-        {"evaluate": "new Promise((done) => setTimeout(done, 100))"},
+        {"wait": "[...document.images].every((one) => one.complete)"},
         {"evaluate": "[window.hacked ?? 0, Number(document.documentElement.dataset.errors) > 0]"},
     ]
     (told,) = visited({"page": page(named), "steps": steps}, folder=tmp_path)
