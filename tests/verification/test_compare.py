@@ -358,6 +358,7 @@ def test_what_looks_different_comes_before_a_deviation_of_0() -> None:
     assert nothing.poses == 0
     assert nothing.lost
     assert nothing.summary().endswith("; no pose was compared")
+    assert nothing.as_json()["deviation"] is None
     assert nothing.describe().startswith("deviation   not measured: no pose was compared\nlost ")
 
 

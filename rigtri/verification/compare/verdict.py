@@ -121,15 +121,20 @@ class Comparison:
         declared = self.moved is not None or self.driven or self.motion is not None
         return not (self.poses or declared or self.lost or self.changed or self.different)
 
+    @property
+    def measured(self) -> bool:
+        """Whether there was a pose to compare, or no need for one: all that moves is the same to the bit."""
+        return bool(self.poses) or not (self.lost or self.different)
+
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
         return not self.lost and not self.different and self.shown <= tolerance
 
     def as_json(self) -> dict[str, Any]:
-        """For machines; a deviation that is not a number is null."""
+        """For machines; a deviation that is not a number, or was not measured, is null."""
         found = {
-            "deviation": _finite(self.deviation),
-            "absolute": _finite(self.absolute),
+            "deviation": _finite(self.deviation) if self.measured else None,
+            "absolute": _finite(self.absolute) if self.measured else None,
             "diagonal": self.diagonal,
             "raw_deviation": _finite(self.raw_deviation),
             "denormalisation": self.denormalisation,
@@ -194,7 +199,7 @@ class Comparison:
 
     def describe(self, *, verbose: bool = False) -> str:
         """All of it for people, the figure first; ``verbose`` names every mesh, clip and change."""
-        if not self.poses and (self.lost or self.different):
+        if not self.measured:
             lines = ["deviation   not measured: no pose was compared"]
         else:
             extent = f"in {self.poses} poses" if self.poses else "nothing can have moved"
