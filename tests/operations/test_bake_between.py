@@ -34,6 +34,7 @@ def reaching(name: str) -> Rig:
     return replace(rig, clips=rig.clips[-1:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clip", [slow("walk"), "wave"])
 def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
     rig, report = rigged(), Report()

@@ -255,6 +255,7 @@ def test_names_that_several_nodes_have_are_reported() -> None:
         as_described(twice, rig)
 
 
+@pytest.mark.slow
 def test_an_op_of_a_control_without_a_default_reports_that_it_is_zero_at_rest(tmp_path: Path) -> None:
     _, up = rigged(tmp_path, "biped.usda")
     stage = Usd.Stage.Open(str(up))

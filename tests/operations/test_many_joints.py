@@ -75,6 +75,7 @@ def went_through_all_commands(source: Path, folder: Path) -> None:
     assert sum(joint["status"] == "turned" for joint in joints) >= count - 2
 
 
+@pytest.mark.slow
 def test_a_chain_deeper_than_the_recursion_limit_goes_through_every_command(tmp_path: Path) -> None:
     went_through_all_commands(rope(tmp_path / "rope.glb", DEEP), tmp_path)
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import Golden
 from numpy.testing import assert_allclose
+from places import slow
 from program import cli
 from second_opinions import validator
 
@@ -37,7 +38,7 @@ from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
-FILES = ["biped.glb", "biped.usda"]
+FILES = ["biped.glb", slow("biped.usda")]
 REFLECT = np.array([-1.0, 1.0, 1.0])
 WING = ((0.3, 1.2, -0.2), (0.5, 1.0, -0.3), (0.6, 0.7, -0.25))
 

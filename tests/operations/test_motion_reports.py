@@ -205,6 +205,7 @@ def test_the_report_of_a_command_has_the_motion(tmp_path: Path) -> None:
     assert "motion differs" not in cli(*bare).output
 
 
+@pytest.mark.slow
 def test_more_keys_than_there_were_are_reported(tmp_path: Path) -> None:
     """The joints of the sample's walk have few keys; with IK at work they bend between them."""
     up, edited, out = (tmp_path / f"{name}.glb" for name in ("up", "edited", "out"))

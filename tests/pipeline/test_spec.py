@@ -444,6 +444,7 @@ def test_explain_has_in_its_json_what_would_be_done_and_where_it_stands(tmp_path
     assert alone["steps"][1]["place"] == f"{spec}:6:5"
 
 
+@pytest.mark.slow
 def test_explain_refuses_an_output_as_the_build_would(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     out.write_bytes(b"mine")

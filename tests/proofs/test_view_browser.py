@@ -284,7 +284,8 @@ def moved(path: Path, at: str) -> dict[str, Floats]:
     rig = document.rig
     timeline, time = timeline_and_time(rig, at)
     clip = None if timeline is None else timeline.clip
-    world = worlds(rig, None if clip is None else locals_at(rig, clip, [time])).reshape(1, -1, 4, 4)
+    local = rig.normalised_local if clip is None else locals_at(rig, clip, [time])
+    world = worlds(rig, local).reshape(1, -1, 4, 4)
     times = np.array([time])
     return {
         mesh.name.rsplit("/", 1)[-1]: deformed(mesh, rig, world, morph_weights(mesh, clip, times))[0]
