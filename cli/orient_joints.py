@@ -68,7 +68,8 @@ def summary(report: Report) -> str:
     skipped = f"{counts['kept']} skipped" + (" (reasons with -v)" if counts["kept"] else "")
     line = f"{counted(counts['turned'], 'joint')} re-oriented, {counts['unchanged']} unchanged, {skipped}"
     if not counts["turned"]:
-        line = f"no joint was re-oriented: {counts['unchanged']} have these axes already, {skipped}"
+        already = f"{counts['unchanged']} have these axes already, " if counts["unchanged"] else ""
+        line = f"no joint was re-oriented: {already}{skipped}"
     return "\n".join([line, *_splits(report)])
 
 

@@ -167,7 +167,7 @@ def _bend(
         given=given,
         other_pose=ref.other,
     )
-    if given is not None and found is None:
+    if given is not None and found is None and _has_chord(ref.world[list(limb.triple), 3, :3]):
         raise GeometryError(
             f"--bend {rig.title(limb.middle)}: the direction runs along the limb; give one across it"
         )
@@ -327,13 +327,19 @@ def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose) -> str:
     points = ref.world[list(worst.triple), 3, :3]
     name = rig.names[worst.middle] or rig.labels[worst.middle]
     rest = f" So do {len(limbs) - 1} more." if len(limbs) > 1 else ""
-    degenerate = not np.isfinite(normalise(points[2] - points[0])).all()
-    what = (
-        "has its root and end at one place"
-        if degenerate
-        else f"is straight (bent {float(np.degrees(bend_angle(*points))):.3g}°)"
-    )
+    if not _has_chord(points):
+        return (
+            f"The limb {_title(rig, worst)} has its root and end at one place, so no direction lies across "
+            f"it.{rest} Leave it out: name the limbs that are to have a pole vector"
+        )
+    degrees = float(np.degrees(bend_angle(*points)))
     return (
-        f"The limb {_title(rig, worst)} {what}, and neither a clip, the other side nor its name "
-        f"says which way it bends.{rest} Say it with --bend '{name}=0,0,1' or --facing +z."
+        f"The limb {_title(rig, worst)} is straight (bent {degrees:.3g}°), and "
+        f"neither a clip, the other side nor its name says which way it bends.{rest} Say it with "
+        f"--bend '{name}=0,0,1' or --facing +z."
     )
+
+
+def _has_chord(points: Floats) -> bool:
+    """Whether the root and the end of a limb are at two places, so that a direction can lie across it."""
+    return bool(np.isfinite(normalise(points[2] - points[0])).all())

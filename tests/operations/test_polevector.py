@@ -202,3 +202,11 @@ def test_wrong_arguments_are_reported() -> None:
         placed(arm(), bend={"knee": (0.0, 0.0, 1.0)})
     with pytest.raises(GeometryError, match="one place"):
         placed(chain((0, 0, 0), (1, 0, 0), (0, 0, 0)))
+
+
+def test_a_limb_with_its_root_and_end_at_one_place_is_to_be_left_out() -> None:
+    rig = chain((0, 0, 0), (0, 0, 0), (0, 0, 0))
+    for bend in ({}, {"b": (0.0, 0.0, 1.0)}):
+        options = AddPolevectorOptions(limb=(("a", "b", "c"),), bend=bend)
+        with pytest.raises(GeometryError, match=r"root and end at one place.*Leave it out"):
+            add_polevector(rig, options=options)
