@@ -11,7 +11,7 @@ import sysconfig
 from pathlib import Path
 
 import pytest
-from places import BUILDERS, SAMPLES
+from places import BUILDERS, SAMPLES, slow
 
 from rigtri.cli.main import COMMANDS
 from rigtri.files.worker_process import WorkerProcess
@@ -93,7 +93,11 @@ def run(pack: Path, *line: object, **environment: str) -> subprocess.CompletedPr
     )
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+# One that reads, one that edits, one with a library of its own, and one that starts processes.
+SOME = ("inspect", "orient-joints", "build", "batch")
+
+
+@pytest.mark.parametrize("command", [name if name in SOME else slow(name) for name in COMMANDS])
 def test_no_command_runs_what_lies_where_it_works(command: str, pack: Path) -> None:
     done = run(pack, SCRIPT, command, *WORDS[command])
     assert ran(pack) == []
@@ -109,7 +113,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize("method", STARTS)
+@pytest.mark.parametrize("method", [STARTS[0], slow(STARTS[1])])
 @pytest.mark.parametrize("command", ["batch", "check"])
 def test_no_worker_runs_it_however_workers_start(command: str, method: str, pack: Path) -> None:
     if method not in multiprocessing.get_all_start_methods():
