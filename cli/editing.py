@@ -15,6 +15,7 @@ from rigtri.report import Report
 
 from .parameters import destination, read_options, refuse_given
 from .printing import print_joints, print_json, print_verification, print_warnings
+from .progress import Progress
 from .text import plain
 
 if TYPE_CHECKING:
@@ -65,7 +66,9 @@ def run(
     check_side_files(values)
     report = Report()
     try:
-        outcome = done(report)
+        with Progress(quiet=quiet) as progress:
+            report.on_progress = progress.at
+            outcome = done(report)
     except RigtriError:
         if not quiet:
             print_warnings(report.warnings, values["verbose"])

@@ -15,26 +15,35 @@ _PAUSE = 0.1
 class Progress:
     """Shows how many of ``total`` files are done, how many fail, the rate, and the time that is left.
 
-    On standard error, and only on a terminal.
+    On standard error, and only on a terminal. Of one file it shows the clips or limbs, by `at`.
     """
 
-    def __init__(self, total: int, *, quiet: bool = False) -> None:
-        self._total, self._done, self._failed = total, 0, 0
+    def __init__(self, total: int = 0, *, quiet: bool = False) -> None:
+        self._total, self._done, self._failed, self._what = total, 0, 0, "files"
         self._began = self._shown = time.monotonic()
-        self._shows = not quiet and total > 0 and sys.stderr is not None and sys.stderr.isatty()
+        self._shows = not quiet and sys.stderr is not None and sys.stderr.isatty()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._shows:
+        if self._shows and self._what == "files" and self._total:
             self._show()
             sys.stderr.write("\n")
+        self.clear()
 
     def step(self, *, failed: bool) -> None:
         """One file more is done."""
         self._done += 1
         self._failed += failed
+        if self._shows and time.monotonic() - self._shown >= _PAUSE:
+            self._show()
+
+    def at(self, done: int, total: int, what: str) -> None:
+        """So many of ``total`` things are done; ``what`` they are, in the plural."""
+        if (total, what) != (self._total, self._what) or not done:
+            self._began = time.monotonic()
+        self._done, self._total, self._what = done, total, what
         if self._shows and time.monotonic() - self._shown >= _PAUSE:
             self._show()
 
@@ -48,7 +57,7 @@ class Progress:
         seconds = self._shown - self._began
         rate = self._done / seconds if seconds > 0 else 0.0
         left = (self._total - self._done) / rate if rate > 0 else 0.0
-        words = [f"{self._done}/{self._total} files", f"{rate:.1f}/s", f"{_clock(left)} left"]
+        words = [f"{self._done}/{self._total} {self._what}", f"{rate:.1f}/s", f"{_clock(left)} left"]
         words += [counted(self._failed, "error")] if self._failed else []
         sys.stderr.write(f"\r\x1b[K{', '.join(words)}")
         sys.stderr.flush()

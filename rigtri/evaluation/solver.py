@@ -25,13 +25,15 @@ from rigtri.model.rig import Rig
 class Solver:
     """The steps of a rig, in the order in which they can be taken.
 
-    driven: the controls, IK ends and poles that are at work; None: all of them.
-    Raises ControlCycleError.
+    driven: the controls, IK ends and poles that are at work; None: all of them. reference: that of a rig
+    which differs in nothing but its clips. Raises ControlCycleError.
     """
 
-    def __init__(self, rig: Rig, driven: Collection[int] | None = None) -> None:
+    def __init__(
+        self, rig: Rig, driven: Collection[int] | None = None, reference: ControlsAtZero | None = None
+    ) -> None:
         self.rig = rig
-        self.reference = ControlsAtZero(rig)
+        self.reference = ControlsAtZero(rig) if reference is None else reference
         self.driven = driven
         rules = constraints_of(rig).values()
         self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}

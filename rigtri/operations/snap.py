@@ -7,7 +7,7 @@ of the clip's keys, so that the rest of the motion stays; what is at work alread
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -64,11 +64,18 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
         if timeline is not None:
             time = warn_outside_clip(timeline, time, report)
         moments.setdefault(timeline.members if timeline else (), []).append((text, time))
+    done, total = 0, len(moments) * len(chains)
     for together in moments.values():
         at = as_float32(np.unique([time for _, time in together]))
+        reference = ControlsAtZero(rig)
         for chain in chains:
+            report.progress(done, total, "limbs")
+            done += 1
             timeline, _ = timeline_and_time(rig, together[0][0])
-            rig = _Limb(rig, chain, timeline, at, options.to, report).snapped()
+            before, rig = rig, _Limb(rig, chain, timeline, at, options.to, report, reference).snapped()
+            if timeline is None and rig is not before:
+                reference = ControlsAtZero(rig)
+    report.progress(done, total, "limbs")
     return rig
 
 
@@ -97,6 +104,7 @@ class _Limb:
     times: Floats
     to: Literal["ik", "fk"]
     report: Report
+    reference: ControlsAtZero
 
     def snapped(self) -> Rig:
         ik = self._ik()
@@ -108,7 +116,7 @@ class _Limb:
         already = was_ik if self.to == "ik" else not was_ik and at_work.issuperset(controls)
         # What takes over is to show all of the motion that it had without.
         times = self.times if already or self.timeline is None else self._all_times(self.timeline)
-        before = self._posed(self.rig, times)
+        before = self._posed(self._solver(self.rig), times, self._looked_at(ik, fks))
         channels = self._to_ik(ik, before) if self.to == "ik" else self._to_fk(ik, fks, before)
         if not all(np.isfinite(each).all() for parts in channels.values() for each in parts):
             raise GeometryError(
@@ -129,7 +137,7 @@ class _Limb:
         rig = rig if self.timeline is None else rig.with_parts(channels)
         # What controls show, and tracks that go, are so on purpose.
         self.report.reposed |= rig is not self.rig
-        self._record(rig, times)
+        self._record(rig, times, {*ends, *controls, *ik.sets, *(fk.own.offset for fk in ik.fk.values())})
         return rig
 
     def _all_times(self, timeline: Timeline) -> Floats:
@@ -154,15 +162,30 @@ class _Limb:
         tracks = {(t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].played.tracks}
         return replace(self.timeline, clip=Clip(self.timeline.clip.name, tuple(tracks.values())))
 
-    def _posed(self, rig: Rig, times: Floats) -> PoseCache:
-        timeline = self._now(rig)
-        parts = sample_parts(rig, timeline.clip, times) if timeline else {}
-        return Solver(rig, self._at_work(rig)).run(parts)
+    def _solver(self, rig: Rig) -> Solver:
+        """The solver of a state of the rig; its rest pose is this one's but after a snap at rest."""
+        same_rest = self.timeline is not None or rig is self.rig
+        return Solver(rig, self._at_work(rig), self.reference if same_rest else None)
+
+    def _posed(self, solver: Solver, times: Floats, nodes: Collection[int]) -> PoseCache:
+        """The rig as the solver poses some nodes and what is above them; others may be elsewhere."""
+        rig, timeline = solver.rig, self._now(solver.rig)
+        steps = solver.steps_for(rig.with_ancestors(nodes))
+        used = [node for step in steps for node in (*step.sets, *step.reads, *step.needs)]
+        only = rig.with_ancestors([*nodes, *used])
+        return solver.run(sample_parts(rig, timeline.clip, times, only=only) if timeline else {}, steps)
+
+    def _looked_at(self, ik: Ik, fks: Mapping[int, Fk]) -> set[int]:
+        """The nodes whose poses give the limb's controls their values."""
+        of = [*fks.values(), *ik.fk.values()]
+        nodes = [node for fk in of for node in (fk.own.control, fk.own.offset, fk.own.above, *fk.needs)]
+        drivers = ik.rule.drivers if ik.rule is not None else ()
+        nodes += [*ik.sets, *ik.needs, *drivers, ik.limb.control, ik.limb.pole]
+        return {node for node in nodes if node >= 0}
 
     def _ik(self) -> Ik:
-        reference = ControlsAtZero(self.rig)
-        limb = next(limb for limb in reference.limbs if limb.chain == self.chain)
-        solver = Solver(self.rig, {limb.control})
+        limb = next(limb for limb in self.reference.limbs if limb.chain == self.chain)
+        solver = Solver(self.rig, {limb.control}, self.reference)
         return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
 
     def _fks(self, ik: Ik) -> dict[int, Fk]:
@@ -173,7 +196,8 @@ class _Limb:
 
     def _to_ik(self, ik: Ik, before: PoseCache) -> dict[int, Parts]:
         found = SolvedControls(PoseCache(self.rig, before.parts))
-        match_limb(found, ik, before, Solver(self.rig, ()).rules, lambda node, parts: _single(parts))
+        rules = Solver(self.rig, (), self.reference).rules
+        match_limb(found, ik, before, rules, lambda node, parts: _single(parts))
         channels = dict(found.controls)
         if self.timeline is not None:  # at rest the controls' channels start from their offsets
             for fk in ik.below({fk.own.offset for fk in ik.fk.values()}.difference(ik.carries)):
@@ -190,7 +214,7 @@ class _Limb:
             raise GeometryError(
                 f"'{self.rig.title(missing[0])}' has no FK control; make one with: rigtri add-controls"
             )
-        rules = Solver(self.rig, ()).rules
+        rules = Solver(self.rig, (), self.reference).rules
         for node in (ik.limb.control, ik.limb.pole):
             if node in rules:
                 raise GeometryError(
@@ -264,8 +288,12 @@ class _Limb:
         clips[home] = replace(clips[home], tracks=(*clips[home].tracks, *made.values()))
         return replace(self.rig, clips=tuple(clips))
 
-    def _record(self, rig: Rig, times: Floats) -> None:
-        far, elsewhere = self._apart(rig, self.times), self._apart(rig, keys_and_between(times))
+    def _record(self, rig: Rig, times: Floats, changed: Collection[int]) -> None:
+        solvers = self._solver(self.rig), self._solver(rig)
+        joints = _joints_moved(rig, changed, solvers)
+        far, elsewhere = (
+            self._apart(solvers, joints, each) for each in (self.times, keys_and_between(times))
+        )
         name = self.rig.title(self.chain[2])
         if not far <= NEAR:
             self.report.warn(
@@ -283,13 +311,29 @@ class _Limb:
             }
         )
 
-    def _apart(self, rig: Rig, times: Floats) -> float:
-        """How far joints of the rig are from where they were, at most, as a share of the size."""
-        before, after, far = self._posed(self.rig, times), self._posed(rig, times), 0.0
-        for joint in np.flatnonzero(rig.is_joint).tolist():
+    def _apart(self, solvers: tuple[Solver, Solver], joints: Sequence[int], times: Floats) -> float:
+        """How far joints are from where they were, at most, as a share of the size."""
+        before, after = (self._posed(solver, times, joints) for solver in solvers)
+        far = 0.0
+        for joint in joints:
             apart = length(after.world(joint)[:, 3, :3] - before.world(joint)[:, 3, :3])
             far = max(far, float(np.nan_to_num(apart).max()))
-        return far / size_of(rig)
+        return far / size_of(solvers[1].rig)
+
+
+def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver]) -> list[int]:
+    """The joints whose places depend on some nodes: below these, or by steps that use them."""
+    moved = np.zeros(len(rig), dtype=bool)
+    moved[list(changed)] = True
+    for solver in solvers:
+        for step in solver.steps:
+            used = rig.with_ancestors((*step.reads, *step.needs))
+            if moved[list(used)].any():
+                moved[list(step.sets)] = True
+                moved[list(getattr(step, "carries", ()))] = True
+    for level in rig.levels[1:]:
+        moved[level] |= moved[rig.parents[level]]
+    return np.flatnonzero(moved & rig.is_joint).tolist()
 
 
 def _channel_values(channels: Mapping[int, Parts]) -> dict[tuple[int, Path], Floats]:

@@ -5,7 +5,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -129,7 +129,7 @@ class _Baker:
             if not timelines(self.rig):
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
-            for timeline in chosen_timelines(self.rig, self.options.clip):
+            for timeline in self._shown(chosen_timelines(self.rig, self.options.clip)):
                 self._to_controls(timeline)
             self._warn()
             return self.rig
@@ -152,11 +152,18 @@ class _Baker:
             "form a cycle"
         )
 
+    def _shown(self, every: Sequence[Timeline]) -> Iterator[Timeline]:
+        """Clips one by one, with a sign of how many are done."""
+        for done, timeline in enumerate(every):
+            self.report.progress(done, len(every), "clips")
+            yield timeline
+        self.report.progress(len(every), len(every), "clips")
+
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
         self.reference, self.solvers = ControlsAtZero(self.rig), {}
         chosen = chosen_timelines(self.rig, self.options.clip)
-        for timeline in chosen:
+        for timeline in self._shown(chosen):
             self._to_joints(timeline)
         self._rest(self.rig)
         self._follow(frozenset(member for timeline in chosen for member in timeline.members))
