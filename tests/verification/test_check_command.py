@@ -145,6 +145,7 @@ def as_markdown() -> str:
         "vrm": "VRM 0.x and 1.0",
         "vrma": "VRM animations",
         "usd": "USD: skeletons, animations, bindings, blend shapes",
+        "axes": "Axes of recognised characters, in any format",
     }
     parts = []
     for key, title in titles.items():

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from body_files import AXES
 from broken_gltf import GLTF, Make, sparse_texture
 from broken_gltf import clean as clean_gltf
 from broken_usd import USD
@@ -23,7 +24,7 @@ from wrong_values import refusal
 
 from rigtri.verification.checks import RULES, Finding, check
 
-BROKEN = GLTF | VRM | USD
+BROKEN = GLTF | VRM | USD | AXES
 # What a mistake brings with it: the smallest file with the one has the other, too.
 ALONG = {
     "gltf.accessor.broken": {"gltf.accessor.bounds"},

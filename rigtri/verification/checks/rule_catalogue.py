@@ -22,6 +22,25 @@ _FILE = (
         "Copy or export it again.",
     ),
 )
+_ORIENT = "Give it other axes with rigtri orient-joints, or leave it: nothing is broken."
+_INFOS = {
+    "aim": "No one axis runs along the bones of a hand, limb or trunk, so its joints were not compared.",
+    "fingers": "The fingers of one hand curl about axes that are more than 30° apart.",
+    "hinge": "The hinge of a knee or elbow turns by more than 20° between the two bones of the limb.",
+    "trunk": "A joint of the trunk is rolled by more than 30° against the one below it.",
+    "forward": "No axis of a joint of the trunk points within 35° of where the character faces.",
+    "flex": "Knees and elbows, left and right, do not all bend by the same axis and sign.",
+}
+_AXES = (
+    *(Rule(f"axes.{name}", "info", meaning, _ORIENT) for name, meaning in _INFOS.items()),
+    Rule(
+        "axes.pole",
+        "warning",
+        "The pole vector of a nearly straight limb is more than 60° off the side to which such limbs bend: "
+        "ahead of a knee, behind an elbow. IK bends the limb the wrong way.",
+        "Move it, or place it again with rigtri add-polevector.",
+    ),
+)
 RULES: Mapping[str, Rule] = {
     rule.id: rule
     for rule in (
@@ -29,6 +48,7 @@ RULES: Mapping[str, Rule] = {
         *read_rules("gltf"),
         *read_rules("vrm"),
         *read_rules("usd"),
+        *_AXES,
     )
 }
 

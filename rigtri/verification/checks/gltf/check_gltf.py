@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, RigtriError
+from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import Container, open_container
+from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.structure import unknown_required
 from rigtri.formats.gltf.uris import absent
 from rigtri.formats.json_values import short_repr
+from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.cycle_check import WAITING, check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
@@ -44,10 +47,24 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         vrm.check(view)
         spring_bones.check(view)
         _check_metadata(view)
-        if _waits(view):
-            check_cycles(path, "gltf.note.circle", findings, allow_external=allow_external)
+        _check_rig(view, findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
+
+
+def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> None:
+    """What only a rig shows. A file that cannot be read as one has findings of other rules."""
+    waits = _waits(view)
+    joints = (skin.get("joints") for skin in view.lists["skins"])
+    if not waits and not any(isinstance(each, list) and len(each) >= LEAST_JOINTS for each in joints):
+        return
+    try:
+        rig = GltfDocument(view.container, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
+    except RigtriError:
+        return
+    if waits:
+        check_cycles(rig, "gltf.note.circle", findings)
+    check_axes(rig, findings)
 
 
 def _opened(path: Path, findings: Findings) -> Container:

@@ -7,11 +7,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from rigtri.errors import RigtriError
+from rigtri.formats import ReadOptions, read
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.verification.checks import metadata_check
+from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.usd import animations, bindings, skeletons
@@ -44,12 +47,23 @@ def check_usd(
         scene.guard(prim, bindings.check_blend_shapes)
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
-    if scene.noted:
-        check_cycles(path, "usd.note.circle", findings, allow_external=allow_external)
+    if scene.noted or any(len(tokens) >= LEAST_JOINTS for tokens in scene.tokens.values()):
+        _check_rig(path, scene, findings, allow_external=allow_external)
     if external:
         from rigtri.verification.checks.usd.usd_validation import validate
 
         validate(stage, findings, path)
+
+
+def _check_rig(path: Path, scene: Scene, findings: Findings, *, allow_external: bool) -> None:
+    """What only a rig shows. A file that cannot be read as one has findings of other rules."""
+    try:
+        rig = read(path, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
+    except RigtriError:
+        return
+    if scene.noted:
+        check_cycles(rig, "usd.note.circle", findings)
+    check_axes(rig, findings)
 
 
 def _check_package(path: Path, findings: Findings) -> None:

@@ -1,0 +1,305 @@
+"""Axes that make no sense on a recognised character: hands, limbs and trunk whose joints do not agree.
+
+Nothing is broken by them, but animators and solvers meet them in each file of a library. Which axis aims is
+found, not presumed: the one along the bones of a chain. Where the joints have the axes of the world (VRM 0,
+the preset ``vrm``) no axis is meant to follow a bone, and nothing is said.
+
+Source: design notes, "One body, one sense".
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, pairwise, product
+
+import numpy as np
+
+from rigtri.errors import NameNotFoundError, RigtriError
+from rigtri.frames.skeleton import Skeleton, reference, skeleton
+from rigtri.maths.quaternions import between, rotate
+from rigtri.maths.triangle import STRAIGHT_SINE, bend_sine
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, dot, length, normalise, perpendicular
+from rigtri.model.limb import Limb
+from rigtri.model.metadata import PoleVectorRecord
+from rigtri.model.rig import Rig
+from rigtri.recognition.bend_direction import CLEAR, believable, bend
+from rigtri.recognition.body_hinges import Body, bodies
+from rigtri.recognition.layout import CONFIDENT, Chain, Character
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+from rigtri.verification.checks.cycle_check import place_of
+from rigtri.verification.checks.findings import Findings
+
+# No hand and no body has fewer joints.
+LEAST_JOINTS = 8
+# An axis this near to its bone (cosine of 20°) aims along it.
+AIMS = 0.9396926207859084
+# Degrees: of the axes of fingers, of the two bones of a limb, of neighbours in the trunk, of the trunk's axes
+# off the facing direction, and of a pole off the side to which its limb bends.
+FINGERS, LIMB, TRUNK, FORWARD, POLE = 30.0, 20.0, 30.0, 35.0, 60.0
+# A bone shorter than this share of the longest of its chain has no direction.
+TINY = 1e-3
+# About an axis that flexes, a joint moves its bone within 60° (the cosine) of the way in which it bends.
+FLEXES = 0.5
+# Joints have the same axes that differ by less than this (cosine of 2°); a character has, of which most do.
+PARALLEL, MOST = 0.9993908270190958, 0.5
+# Where the user or the motion has decided on a pole, nothing is presumed.
+DECIDED = ("given", "clips", "other pose")
+_BENDS = {"arm": "elbow", "leg": "knee"}
+# A signed axis of a joint: 0 to 2, and 1 or −1.
+Signed = tuple[int, float]
+Found = tuple[str, int, str]
+
+
+def check_axes(rig: Rig, findings: Findings) -> None:
+    """Note the axes of a rig's characters that make no sense."""
+    with suppress(RigtriError):  # of a rig that cannot be judged there are other findings
+        for rule, node, text in axis_findings(rig):
+            findings.add(rule, *place_of(rig, node), text)
+
+
+def axis_findings(rig: Rig) -> Iterator[Found]:
+    """The rules ``axes.*`` that a rig breaks: the id, the node and a sentence about it."""
+    characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
+    if not characters or not rig.is_joint.any() or not np.isfinite(rig.world).all():
+        return
+    tree = skeleton(rig)
+    ref = reference(tree, None)
+    for character in characters:
+        known = bodies(rig, [character], ref.world, None)
+        seen = _Seen(tree, character, known[0] if known else None, ref.world, ref.other)
+        if not seen.parallel:
+            yield from seen.findings()
+        at_rest = bodies(rig, [character], rig.world, None)
+        if at_rest and character.form == "biped":
+            yield from _poles(rig, character, at_rest[0])
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """A character in the pose of its axes. world: (n, 4, 4). body: None where nobody knows where it faces.
+
+    Joints without weight on or below them, which nobody sees, are left out.
+    """
+
+    tree: Skeleton
+    character: Character
+    body: Body | None
+    world: Floats
+    other: Floats | None
+
+    @property
+    def rig(self) -> Rig:
+        return self.tree.rig
+
+    @cached_property
+    def at(self) -> Floats:
+        return np.asarray(self.world[:, 3, :3])
+
+    @cached_property
+    def axes(self) -> Floats:
+        """The unit axes of all nodes as rows, (n, 3, 3)."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(normalise(self.world[:, :3, :3]))
+
+    @cached_property
+    def chains(self) -> dict[str, Chain]:
+        carries = self.tree.carries
+        return {k.name: k for k in self.character.chains if k.is_sure and carries[list(k.joints)].all()}
+
+    @cached_property
+    def limbs(self) -> list[Limb]:
+        """The sure arms and legs."""
+        return [
+            Limb(*chain.bend, kind="arm" if chain.kind == "arm" else "leg", side=chain.side)
+            for chain in self.chains.values()
+            if chain.kind in _BENDS and len(chain.bend) == 3
+        ]
+
+    @cached_property
+    def trunk(self) -> list[int]:
+        """From hips to head, each below the one before."""
+        found = [self.character.hips] if self.character.hips >= 0 else []
+        for chain in (self.chains.get(name) for name in ("spine", "neck", "head")):
+            for joint in chain.joints if chain else ():
+                if not found or (joint not in found and self.rig.is_below(joint, found[-1])):
+                    found.append(joint)
+        return found
+
+    @cached_property
+    def hands(self) -> list[tuple[str, list[Chain]]]:
+        """The fingers of each hand but the thumb, two at least."""
+        names = ("index", "middle", "ring", "little")
+        found = []
+        for side in ("left", "right"):
+            fingers = [self.chains.get(f"{side} {name} finger") for name in names]
+            hand = [finger for finger in fingers if finger and len(finger.joints) > 1]
+            if len(hand) > 1:
+                found.append((side, hand))
+        return found
+
+    @property
+    def parallel(self) -> bool:
+        """Whether most joints of trunk and limbs have the same axes."""
+        joints = [*self.trunk, *(joint for limb in self.limbs for joint in limb.triple[:2])]
+        if not joints:
+            return False
+        axes = self.axes[joints]
+        alike = (np.nan_to_num(dot(axes[:, np.newaxis], axes)) > PARALLEL).all(axis=-1)
+        return bool(alike.sum(axis=1).max() > MOST * len(joints))
+
+    def findings(self) -> Iterator[Found]:
+        off: list[int] = []
+        for side, hand in self.hands:
+            yield from self._hand(side, hand, off)
+        if self.character.form == "biped":
+            yield from self._trunk(off)
+            yield from self._limbs(off)
+        if off:
+            names = ", ".join(f"'{self.rig.title(joint)}'" for joint in off[:4])
+            more = f" and {len(off) - 4} more" if len(off) > 4 else ""
+            yield (
+                "axes.aim",
+                off[0],
+                f"no one axis runs along the bones of the chains of {names}{more}, within 20°",
+            )
+
+    def _aim(self, bones: Sequence[tuple[int, int]], off: list[int]) -> Signed | None:
+        """The axis along all of these bones, joint and target; those without it are added to ``off``.
+
+        Joints that stand where the next one does have no bone and no vote.
+        """
+        sizes = {joint: float(length(self.at[target] - self.at[joint])) for joint, target in bones}
+        bones = [bone for bone in bones if sizes[bone[0]] > TINY * max(sizes.values())]
+        votes: dict[Signed, list[int]] = {}
+        for joint, target in bones:
+            cosines = dot(self.axes[joint], normalise(self.at[target] - self.at[joint]))
+            if not np.isfinite(cosines).all():
+                return None
+            k = int(np.argmax(np.abs(cosines)))
+            if abs(cosines[k]) >= AIMS:
+                votes.setdefault((k, float(np.sign(cosines[k]))), []).append(joint)
+        best = max(votes, key=lambda axis: len(votes[axis]), default=None)
+        agreeing = votes[best] if best is not None else []
+        odd = [joint for joint, _ in bones if joint not in agreeing]
+        off += [joint for joint in odd if joint not in off]
+        return None if odd else best
+
+    def _roll(self, aim: Signed, one: int, other: int) -> float:
+        """How far a joint is rolled against another about the axis that aims, degrees."""
+        (k, sign), up = aim, (aim[0] + 1) % 3
+        start, end = self.axes[one, k] * sign, self.axes[other, k] * sign
+        return float(np.degrees(angle(rotate(between(start, end), self.axes[one, up]), self.axes[other, up])))
+
+    def _hand(self, side: str, hand: Sequence[Chain], off: list[int]) -> Iterator[Found]:
+        aim = self._aim([finger.joints[:2] for finger in hand], off)  # type: ignore[misc]
+        if aim is None:
+            return
+        rolls = [(self._roll(aim, a.joints[0], b.joints[0]), a, b) for a, b in combinations(hand, 2)]
+        most, a, b = max(rolls, key=lambda roll: roll[0])
+        if most > FINGERS:
+            text = f"the fingers of the {side} hand curl about axes up to {most:.0f}° apart"
+            yield "axes.fingers", a.joints[0], f"{text}: {a.name} and {b.name}"
+
+    def _trunk(self, off: list[int]) -> Iterator[Found]:
+        trunk = self.trunk
+        aim = self._aim([*pairwise(trunk)], off) if len(trunk) > 1 else None
+        if aim is None:
+            return
+        k, sign = aim
+        bone = self.axes[:, k] * sign
+        if len(trunk) > 2 and not dot(bone[trunk[-1]], bone[trunk[-2]]) > FLEXES:
+            trunk = trunk[:-1]  # a head without a bone of its own
+        for below, joint in pairwise(trunk):
+            roll = self._roll(aim, below, joint)
+            if roll > TRUNK:
+                yield "axes.trunk", joint, f"is rolled by {roll:.0f}° against '{self.rig.title(below)}'"
+        if self.body is None:
+            return
+        for joint in trunk[1:]:
+            facing = perpendicular(self.body.facing, bone[joint])
+            others = [self.axes[joint, j] * s for j in range(3) for s in (1.0, -1.0) if j != k]
+            least = min(float(np.degrees(angle(axis, facing))) for axis in others)
+            if length(facing) > FLEXES and least > FORWARD:
+                text = f"no axis points where the character faces: the nearest is {least:.0f}° off"
+                yield "axes.forward", joint, text
+
+    def _limbs(self, off: list[int]) -> Iterator[Found]:
+        flexing: list[tuple[Limb, set[Signed]]] = []
+        for limb in self.limbs:
+            aim = self._aim([limb.triple[:2], limb.triple[1:]], off)
+            if aim is None:
+                continue
+            roll = self._roll(aim, limb.start, limb.middle)
+            if roll > LIMB:
+                text = f"its hinge is rolled by {roll:.0f}° against that of '{self.rig.title(limb.start)}'"
+                yield "axes.hinge", limb.middle, f"{text}: they are the two bones of one limb"
+            axes = self._flexing(limb, aim)
+            if axes is not None:
+                flexing.append((limb, axes))
+        if flexing and not set.intersection(*(axes for _, axes in flexing)):
+            what = ", ".join(f"{limb.side} {_BENDS[limb.kind]} by {_text(axes)}" for limb, axes in flexing)
+            yield "axes.flex", flexing[0][0].middle, f"no one axis and sign bends all limbs: {what}"
+
+    def _flexing(self, limb: Limb, aim: Signed) -> set[Signed] | None:
+        """The axes of the middle joint about which a positive rotation bends the limb; None: nobody knows."""
+        facing = None if self.body is None else self.body.facing
+        found = bend(
+            self.rig,
+            limb,
+            self.world,
+            least_sine=STRAIGHT_SINE,
+            others=self.limbs,
+            facing=facing,
+            other_pose=self.other,
+        )
+        if found is None:
+            return None
+        hinge = believable(self.rig, limb, self.world, found, facing, Report()).hinge
+        signed = product((k for k in range(3) if k != aim[0]), (1.0, -1.0))
+        return {(k, s) for k, s in signed if s * dot(self.axes[limb.middle, k], hinge) > FLEXES}
+
+
+def _text(axes: set[Signed]) -> str:
+    """Signed axes in words."""
+    return " or ".join(f"{'-' if s < 0 else '+'}{'xyz'[k]}" for k, s in sorted(axes)) or "none"
+
+
+def _poles(rig: Rig, character: Character, body: Body) -> Iterator[Found]:
+    """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
+    at = rig.world[:, 3, :3]
+    for chain in character.limbs:
+        if not chain.is_sure or len(chain.bend) != 3 or chain.kind not in _BENDS:
+            continue
+        a, b, c = at[list(chain.bend)]
+        if float(bend_sine(a, b, c)) >= CLEAR:
+            continue
+        ahead = perpendicular(body.facing if chain.kind == "leg" else -body.facing, normalise(c - a))
+        for pole in _poles_of(rig, chain):
+            side = perpendicular(at[pole] - b, normalise(c - a))
+            off = float(np.degrees(angle(side, ahead)))
+            if min(length(ahead), length(side) / (length(c - a) or 1.0)) > 0.1 and off > POLE:
+                where = "ahead of the knee" if chain.kind == "leg" else "behind the elbow"
+                text = f"the pole vector of the nearly straight {chain.name} is {off:.0f}° off the side"
+                yield "axes.pole", pole, f"{text} {where} '{rig.title(chain.bend[1])}'"
+
+
+def _poles_of(rig: Rig, chain: Chain) -> Iterator[int]:
+    """The pole vectors of a limb: by what rigtri has stored, and by name."""
+    for node, record in rig.records(PoleVectorRecord).items():
+        try:
+            limb = tuple(rig.find(name) for name in record.chain)
+        except NameNotFoundError:
+            continue
+        if limb == chain.bend and record.source not in DECIDED:
+            yield node
+    name = rig.names[chain.bend[1]]
+    called = {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}
+    for node, known in enumerate(rig.names):
+        if name and known in called and rig.type_of(node) != PoleVectorRecord.type:
+            yield node

@@ -1,0 +1,121 @@
+"""rigtri check finds axes that make no sense, and nothing where orient-joints has been."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from body_files import AXES, backwards, rolled, with_poles
+from broken_vrm import avatar_0
+from places import sample_files
+from posed_bodies import Pose, posed_body, poses
+
+from rigtri import mirror, orient_joints
+from rigtri.formats import ReadOptions, read
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS
+from rigtri.verification.checks import check
+from rigtri.verification.checks.axis_check import axis_findings
+
+
+def rules(rig: Rig) -> set[str]:
+    return {rule for rule, _, _ in axis_findings(rig)}
+
+
+EVERY = list(poses())
+FEW = EVERY[3:18:7] + EVERY[19:56:9]
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [pytest.param(pose, marks=[] if pose in FEW else pytest.mark.slow, id=pose.title) for pose in EVERY],
+)
+def test_no_preset_leaves_anything_to_report(pose: Pose) -> None:
+    body = posed_body(pose)
+    assert rules(body.rig) >= {"axes.aim"}  # its axes are random
+    for preset in PRESETS:
+        assert list(axis_findings(orient_joints(body.rig, preset=preset))) == [], preset
+
+
+@pytest.mark.parametrize("path", sample_files(), ids=lambda path: path.name)
+def test_no_preset_leaves_anything_to_report_of_the_samples(path: Path) -> None:
+    rig = read(path, ReadOptions(empty=True)).rig
+    if not rig.is_joint.any():
+        return
+    if path.stem in ("biped", "tpose"):
+        assert rules(rig)
+    for preset in PRESETS:
+        assert list(axis_findings(orient_joints(rig, preset=preset))) == [], preset
+
+
+@pytest.mark.parametrize("side", ["behavior", "blender"])
+def test_mirrored_axes_bend_by_the_same_sign(side: str) -> None:
+    rig = orient_joints(posed_body(Pose()).rig, preset="blender")
+    assert rules(mirror(rig, mode=side)) == set()
+
+
+def test_axes_of_the_world_follow_no_bone(tmp_path: Path) -> None:
+    ids = {finding.id for finding in check(avatar_0().glb(tmp_path / "a.glb"))}
+    assert not [name for name in ids if name.startswith("axes.")]
+
+
+def test_a_rolled_joint_is_named_with_its_degrees(tmp_path: Path) -> None:
+    found, after = check(AXES["axes.trunk"][0](tmp_path))
+    assert after.message == "is rolled by 90° against 'mixamorig:Spine1'"
+    assert found.place == "node 'mixamorig:Spine1'"
+    assert found.pointer == "/nodes/3"
+    assert found.message == "is rolled by 90° against 'mixamorig:Spine'"
+    assert found.severity == "info"
+
+
+def test_both_hands_and_each_knee_are_reported() -> None:
+    body = posed_body(Pose())
+    out = rolled(body, right_little_1=40.0, left_index_1=40.0, left_lower_leg=25.0, right_lower_leg=40.0)
+    found = [rule for rule, _, _ in axis_findings(out)]
+    assert found.count("axes.fingers") == 2
+    assert found.count("axes.hinge") == 2
+
+
+def test_what_is_below_the_limits_is_not_reported() -> None:
+    out = rolled(posed_body(Pose()), left_ring_1=25.0, left_lower_leg=15.0, chest=25.0)
+    assert rules(out) == set()
+
+
+def test_poles_are_judged_where_a_limb_is_nearly_straight() -> None:
+    assert rules(with_poles(posed_body(Pose()))) == set()
+    assert rules(backwards(posed_body(Pose()))) == {"axes.pole"}
+    assert rules(backwards(posed_body(Pose(knee=-15.0)))) == set()
+
+
+def test_our_own_pole_is_known_by_its_metadata() -> None:
+    body = posed_body(Pose())
+    rig = with_poles(body)
+    poles = [node for node in rig.metadata if "Leg" in rig.names[node]]
+    names = tuple(f"k{k}" if k in poles else name for k, name in enumerate(rig.names))
+    translation = rig.translation.copy()
+    translation[poles, 2] *= -1.0
+    moved = replace(rig, names=names, translation=translation)
+    assert [rule for rule, _, _ in axis_findings(moved)] == ["axes.pole"] * 2
+    given = {node: {**rig.metadata[node], "source": "given"} for node in poles}
+    assert rules(replace(moved, metadata={**rig.metadata, **given})) == set()
+
+
+def test_left_and_right_by_other_signs_are_named() -> None:
+    out = rolled(posed_body(Pose(arms=80.0)), left_upper_arm=180.0, left_lower_arm=180.0)
+    ((rule, _, text),) = axis_findings(out)
+    assert rule == "axes.flex"
+    assert "left elbow by -y, right elbow by +y" in text
+
+
+def test_joints_without_weight_are_left_out() -> None:
+    out = rolled(posed_body(Pose()), left_lower_leg=90.0)
+    (skin,) = out.skins
+    legs = [k for k, node in enumerate(skin.joints) if "LeftUpLeg" in out.path(int(node))]
+    weighted = skin.weighted.copy()
+    weighted[legs] = False
+    bare = replace(out, skins=(replace(skin, weigh=lambda: weighted),))
+    assert "axes.hinge" in rules(out)
+    assert "axes.hinge" not in rules(bare)
+    assert np.count_nonzero(weighted) < len(weighted)
