@@ -56,7 +56,7 @@ class ControlCycleError(GeometryError):
 
 
 def dependencies(rig: Rig, without: int | None = None) -> Dependencies:
-    """For each node those that it depends on. without: a node whose note does not count."""
+    """For each node those that it depends on. without: a node whose record does not count."""
     found: Dependencies = {node: {parent} for node, parent in enumerate(rig.parents.tolist()) if parent >= 0}
 
     chains = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}

@@ -159,7 +159,7 @@ class KeepRequest(NamedTuple):
 
 
 # Asks for one node after another, and is answered with what is kept of it; None: nothing.
-Asking = Generator[KeepRequest, Parts | None, None]
+Requests = Generator[KeepRequest, Parts | None, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,37 +201,37 @@ def solve_controls(solver: Solver, parts: Mapping[int, Parts], keep: Keep, block
         some = cut(parts, rows)
         each.append(Block(PoseCache(solver.rig, some), SolvedControls(PoseCache(solver.rig, some))))
     steps = inverse_steps(solver)
-    asking = [_all_steps(solver, steps, found, source) for source, found in each]
-    _serve(asking, keep, each if len(each) > 1 else (), count, block)
+    walks = [_all_steps(solver, steps, found, source) for source, found in each]
+    _serve(walks, keep, each if len(each) > 1 else (), count, block)
     return each
 
 
 def _serve(
-    asking: Sequence[Asking], keep: Keep, of: Sequence[Block] = (), count: int = 1, block: int = BLOCK
+    walks: Sequence[Requests], keep: Keep, of: Sequence[Block] = (), count: int = 1, block: int = BLOCK
 ) -> None:
     """Take all blocks through their nodes, side by side: each node is kept for all frames at once.
 
     of: the blocks, where there are several, which are to hold no places from one node to the next.
     """
-    requests = [_next_request(each, None, some) for each, some in zip_longest(asking, of)]
+    requests = [_next_request(each, None, some) for each, some in zip_longest(walks, of)]
     while requests[0] is not None:
         node, parts, free = requests[0]
-        if len(asking) > 1:
+        if len(walks) > 1:
             pieces = [{node: each.parts} for each in requests if each is not None]
             parts = joined(pieces, count, block)[node]
         finite = not free or all(bool(np.isfinite(each).all()) for each in parts)
         kept = keep(node, parts) if finite else None
         answers = (
-            kept if kept is None or len(asking) == 1 else cut({node: kept}, rows)[node]
+            kept if kept is None or len(walks) == 1 else cut({node: kept}, rows)[node]
             for rows in blocks(count, block)
         )
-        requests = [_next_request(*each) for each in zip_longest(asking, answers, of)]
+        requests = [_next_request(*each) for each in zip_longest(walks, answers, of)]
 
 
-def _next_request(asking: Asking, kept: Parts | None, of: Block | None) -> KeepRequest | None:
+def _next_request(walk: Requests, kept: Parts | None, of: Block | None) -> KeepRequest | None:
     """The next request; None at the end. of: the block, where there are others besides."""
     try:
-        return asking.send(kept)
+        return walk.send(kept)
     except StopIteration:
         return None
     finally:
@@ -240,7 +240,7 @@ def _next_request(asking: Asking, kept: Parts | None, of: Block | None) -> KeepR
             of.found.posed.forget()
 
 
-def _all_steps(solver: Solver, steps: Sequence[Step], found: SolvedControls, source: PoseCache) -> Asking:
+def _all_steps(solver: Solver, steps: Sequence[Step], found: SolvedControls, source: PoseCache) -> Requests:
     for step in steps:
         if isinstance(step, FindLimb):
             yield from _bend(found, step, source, step.still)
@@ -255,7 +255,7 @@ def _all_steps(solver: Solver, steps: Sequence[Step], found: SolvedControls, sou
         yield from _carry(found, fk)
 
 
-def _carry(found: SolvedControls, fk: Fk) -> Asking:
+def _carry(found: SolvedControls, fk: Fk) -> Requests:
     """Let an offset follow IK, so that whoever shows the file sees its control on the joint."""
     # Where a scale of zero leaves no frame to stand in, the offset stays at rest.
     kept = yield KeepRequest(fk.own.offset, fk.beneath(found.posed), free=True)
@@ -264,7 +264,7 @@ def _carry(found: SolvedControls, fk: Fk) -> Asking:
         found.posed.set(fk.own.offset, kept)
 
 
-def _store(found: SolvedControls, node: int, parts: Parts) -> Asking:
+def _store(found: SolvedControls, node: int, parts: Parts) -> Requests:
     kept = yield KeepRequest(node, parts)
     if kept is not None:
         found.controls[node] = kept
@@ -276,13 +276,13 @@ def match_limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collecti
     _serve([_limb(found, ik, source, ruled)], keep)
 
 
-def _limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collection[int]) -> Asking:
+def _limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collection[int]) -> Requests:
     for place in find_limb_ends(ik, ruled):
         yield from _store(found, place.control, place.find(found.posed, source))
     yield from _bend(found, ik, source, ruled)
 
 
-def _bend(found: SolvedControls, ik: Ik, source: PoseCache, still: Collection[int]) -> Asking:
+def _bend(found: SolvedControls, ik: Ik, source: PoseCache, still: Collection[int]) -> Requests:
     """What the limb's FK controls hold below the solver, but for those that keep ``still``; its joints."""
     built = found.posed
     solved = ik.solved(

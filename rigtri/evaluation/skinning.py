@@ -201,7 +201,7 @@ class SkinnedPoints:
     @cached_property
     def _part(self) -> tuple[Rig, dict[int, int]]:
         """A rig of these nodes alone, and the number of each in it."""
-        return replace(self.rig, clips=()).part(self.nodes)
+        return replace(self.rig, clips=()).subset(self.nodes)
 
     @property
     def _normalised(self) -> bool:

@@ -50,11 +50,11 @@ def timelines(rig: Rig) -> list[Timeline]:
     """All that can be played, in the file's order; clips without tracks, and what is idle, are left out."""
     alone = [k for k, clip in enumerate(rig.clips) if not isinstance(clip.key, tuple)]
     together = [k for k, clip in enumerate(rig.clips) if isinstance(clip.key, tuple)]
-    found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].played.tracks]
-    if any(rig.clips[k].played.tracks for k in together):
+    found = [Timeline(rig.clips[k], (k,)) for k in alone if rig.clips[k].without_idle.tracks]
+    if any(rig.clips[k].without_idle.tracks for k in together):
         # Defaults are seen only where no samples are, so they come first and samples go over them.
         order = sorted(together, key=lambda k: not _is_default(rig.clips[k]))
-        tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].played.tracks}
+        tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].without_idle.tracks}
         first = min(together, key=lambda k: _is_default(rig.clips[k]))
         members = (first, *(k for k in together if k != first))
         found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
@@ -118,7 +118,7 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
         units = "seconds" if rig.rules.per_second == 1.0 else f"time codes, {rig.rules.per_second:g} a second"
         raise UsageError(f"'{text}' is no pose: give CLIP@TIME in {units}, e.g. walk@0.5, or rest")
     clip = rig.clip(name)
-    number = next((k for k, known in enumerate(rig.clips) if known is clip or known.played is clip), -1)
+    number = next((k for k, known in enumerate(rig.clips) if known is clip or known.without_idle is clip), -1)
     found = next((t for t in timelines(rig) if number in t.members), None)
     if found is None:
         raise GeometryError(f"Clip '{name}' has no keys")

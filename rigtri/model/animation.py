@@ -79,7 +79,7 @@ class Clip:
     fixed_times: bool = False
 
     @property
-    def played(self) -> Clip:
+    def without_idle(self) -> Clip:
         """What is seen of it: a clip that is idle without its idle tracks."""
         if not self.idle:
             return self

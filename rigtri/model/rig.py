@@ -185,7 +185,7 @@ class Rig(NodeNames):
         )
         return frozenset(made.union(drawings, between, switches))
 
-    def part(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
+    def subset(self, nodes: Sequence[int]) -> tuple[Rig, dict[int, int]]:
         """Some nodes alone, parents first as here, with the tracks that drive them; and their new indices.
 
         Nodes whose parents are left out become roots. Skins, metadata and the like stay behind:
@@ -236,7 +236,7 @@ class Rig(NodeNames):
     @property
     def shown_clips(self) -> tuple[Clip, ...]:
         """The clips that move anything, without what is idle in them."""
-        return tuple(clip.played for clip in self.clips if not clip.idle or clip.played.tracks)
+        return tuple(clip.without_idle for clip in self.clips if not clip.idle or clip.without_idle.tracks)
 
     @cached_property
     def frame_of(self) -> dict[int, int]:

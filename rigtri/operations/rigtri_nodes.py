@@ -23,7 +23,7 @@ from rigtri.report import Report
 GROUP = "rigtri_controls"
 # float32 readers see no difference below this share; a second run must change no byte.
 _SAME_PLACE = 1e-7
-# Keys of notes, at any depth, that hold addresses of nodes.
+# Keys of metadata, at any depth, that hold addresses of nodes.
 _ADDRESSES = frozenset(
     [
         *("joint", "to", "driver", "child", "control", "mesh", "worldUpObject", "frame", "node", "middle"),

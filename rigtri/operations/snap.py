@@ -159,7 +159,9 @@ class _Limb:
         """The timeline, with the tracks that a later state of the rig has in it."""
         if self.timeline is None:
             return None
-        tracks = {(t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].played.tracks}
+        tracks = {
+            (t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].without_idle.tracks
+        }
         return replace(self.timeline, clip=Clip(self.timeline.clip.name, tuple(tracks.values())))
 
     def _solver(self, rig: Rig) -> Solver:

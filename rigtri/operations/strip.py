@@ -3,7 +3,7 @@
 Weights that twist joints took return to their bone: `_folds`, with the arithmetic of
 `rigtri.model.skin_weights`.
 
-Nodes of ours go, notes on the nodes of others go. What others have put below a node of
+Nodes of ours go, and metadata on the nodes of others. What others have put below a node of
 ours is not ours to move: it is named, and nothing is done.
 """
 
@@ -28,9 +28,9 @@ from rigtri.report import Report
 
 @operation(StripOptions)
 def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
-    """The rig without the nodes and notes of rigtri; the axes of joints stay as they are.
+    """The rig without the nodes and metadata of rigtri; the axes of joints stay as they are.
 
-    ``report.added`` is left empty; ``report.removed`` names every node and note that goes.
+    ``report.added`` is left empty; ``report.removed`` names every node and record that goes.
     Raises GeometryError where a node of someone else is a child of one of ours.
     """
     gone = _gone(rig)

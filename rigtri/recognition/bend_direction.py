@@ -222,7 +222,7 @@ def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
         while node >= 0 and node not in lines:
             lines.add(node)
             node = int(rig.parents[node])
-    small, place = rig.part(list(lines))
+    small, place = rig.subset(list(lines))
     return small, [place[node] for node in nodes]
 
 

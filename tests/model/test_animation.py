@@ -11,7 +11,7 @@ BULGE = Track(1, "weights", "LINEAR", TIMES, np.zeros((2, 1)))
 
 def test_an_idle_clip_plays_its_weights_alone() -> None:
     clip = Clip("walk", (TURN, BULGE))
-    assert clip.played is clip
-    played = Clip("walk", (TURN, BULGE), idle=True).played
+    assert clip.without_idle is clip
+    played = Clip("walk", (TURN, BULGE), idle=True).without_idle
     assert played.tracks == (BULGE,)
     assert not played.idle

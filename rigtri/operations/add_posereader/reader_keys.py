@@ -34,7 +34,7 @@ class ReaderMotion:
     def _part(self) -> tuple[Rig, dict[int, int]]:
         """A rig of these nodes and all above them, and the number of each in it."""
         required = self.rig.with_ancestors([self.driver, self.frame, *self.nodes.values()])
-        return replace(self.rig, clips=()).part(sorted(required))
+        return replace(self.rig, clips=()).subset(sorted(required))
 
     def affecting(self, timeline: Timeline) -> Timeline:
         """The timeline with only those tracks that can change what is read."""

@@ -39,7 +39,7 @@ def keyed(rig: Rig, twist: TwistJoint) -> tuple[Rig, dict[str, tuple[float, bool
     Also what was found, by clip: the largest angle between the joint and what it should be between
     keys, in radians, and whether keys could have been added to make it less.
     """
-    small, place = rig.part(twist.path)
+    small, place = rig.subset(twist.path)
     found: dict[str, tuple[float, bool]] = {}
     clips = []
     for number, (clip, part) in enumerate(zip(rig.clips, small.clips, strict=True)):

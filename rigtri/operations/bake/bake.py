@@ -226,10 +226,10 @@ class _Baker:
         )
         return replace(timeline, clip=replace(timeline.clip, tracks=kept))
 
-    def _samples(self, curve: JointCurve | ControlCurve, telling: Timeline) -> RefinedSamples:
+    def _samples(self, curve: JointCurve | ControlCurve, timing: Timeline) -> RefinedSamples:
         """Where they get keys: also where what lies between these would else be off."""
-        times = times_and_jumps(telling, self.options.fps, self.rig.rules.per_second)
-        if steps_only(telling) or not curve.nodes:
+        times = times_and_jumps(timing, self.options.fps, self.rig.rules.per_second)
+        if steps_only(timing) or not curve.nodes:
             return RefinedSamples(times, curve.at(times), 0.0, limited=False)
         bound = np.inf if self.options.fps else max(self.options.between, NOTHING) * self.size
         return refine_samples(curve, times, bound=bound, per_second=self.rig.rules.per_second)
@@ -249,10 +249,10 @@ class _Baker:
             (node, path) for node, paths in solver.writes.items() for path, all_of_it in paths if all_of_it
         }
         replaced |= {(node, path) for node in solver.offsets for path in PATHS}
-        telling = self._times_from(timeline, replaced)
-        samples = self._samples(JointCurve(solver, timeline.clip, self.size), telling)
+        timing = self._times_from(timeline, replaced)
+        samples = self._samples(JointCurve(solver, timeline.clip, self.size), timing)
         times, parts = samples.times, samples.parts
-        held = times if steps_only(telling) else jumps(telling)
+        held = times if steps_only(timing) else jumps(timing)
         refuse_overstretch(self.rig, solver.limbs, parts, timeline.name, times)
         tracks = [
             track
@@ -309,12 +309,12 @@ class _Baker:
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
         solver = self._solver(self.movers - carrying)
         made = self.movers | solver.offsets
-        telling = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
+        timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
-        samples = self._samples(ControlCurve(solver, clip, self.size), telling)
+        samples = self._samples(ControlCurve(solver, clip, self.size), timing)
         times = samples.times
-        held = times if steps_only(telling) else jumps(telling)
+        held = times if steps_only(timing) else jumps(timing)
         tracks: list[Track] = []
 
         def keep(node: int, parts: Parts) -> Parts:

@@ -60,7 +60,7 @@ def key_counts(start: Rig, timeline: Timeline, tracks: Sequence[Track]) -> dict[
     """How many keys each node gets, and how many the file had of the same channels in ``start``."""
     channels = {(track.node, track.path) for track in tracks}
     before, now = Counter[int](), Counter[int]()
-    for track in (t for k in timeline.members for t in start.clips[k].played.tracks):
+    for track in (t for k in timeline.members for t in start.clips[k].without_idle.tracks):
         before[track.node] += len(track.times) if (track.node, track.path) in channels else 0
     for track in tracks:
         now[track.node] += len(track.times)

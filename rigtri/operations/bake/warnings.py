@@ -70,7 +70,7 @@ def warn_spline_swings(rig: Rig, report: Report) -> None:
     """
     baked = {entry["clip"] for entry in _clips(report)}
     for clip in (clip for clip in rig.clips if clip.name in baked):
-        swings = {track.node: list(_swings(track)) for track in clip.played.tracks}
+        swings = {track.node: list(_swings(track)) for track in clip.without_idle.tracks}
         nodes = [node for node, times in swings.items() if times]
         if nodes:
             first = min(time for node in nodes for time in swings[node])

@@ -146,7 +146,7 @@ def _compared(
 
 
 def _better(tree: Skeleton, ref: ReferencePose, options: MirrorOptions) -> tuple[Plane, float] | None:
-    """A plane that most pairs lie about, where they do not about the asked."""
+    """A plane that most pairs lie about, where they do not about the given one."""
     for plane in PLANES:
         parted = parting(tree, ref, plane, options.from_side)
         if parted.own and parted.fits:

@@ -160,7 +160,7 @@ def _part_of(rig: Rig, nodes: Integers) -> tuple[Rig, Integers]:
         return rig, np.arange(len(rig))
     place = np.full(len(rig), -1)
     place[kept] = np.arange(len(kept))
-    return rig.part(kept)[0], place
+    return rig.subset(kept)[0], place
 
 
 def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = False) -> tuple[Rig, Rig]:
@@ -177,17 +177,17 @@ def side_by_side(before: Rig, after: Rig, m: Correspondence, *, added: bool = Fa
         if partner >= 0:
             one, other = before.clips[k], after.clips[partner]
             if one.idle != other.idle:
-                one, other = one.played, other.played
+                one, other = one.without_idle, other.without_idle
             mine.append(replace(one, name=one.name or f"#{k}"))
             theirs.append(other)
     known = set(m.clip.tolist())
     for k, clip in enumerate(after.clips if added else ()):
-        if k in known or timeline(clip) is None or not clip.played.tracks:
+        if k in known or timeline(clip) is None or not clip.without_idle.tracks:
             continue
         shown = _instead(before, clip)
         if shown is not None:
             mine.append(replace(shown, name=clip.name or f"#{k}"))
-            theirs.append(clip.played)
+            theirs.append(clip.without_idle)
     return replace(before, clips=tuple(mine)), replace(after, clips=tuple(theirs))
 
 
@@ -196,7 +196,7 @@ def _instead(rig: Rig, clip: Clip) -> Clip | None:
 
     Keys without a time are seen where there are none with one: then, and only then.
     """
-    of_same = {timeline(c): c.played for c in rig.clips if _animation(c) == _animation(clip)}
+    of_same = {timeline(c): c.without_idle for c in rig.clips if _animation(c) == _animation(clip)}
     if timeline(clip) == "default" and "samples" in of_same:
         return None
     return of_same.get("default", Clip(clip.name, ()))
