@@ -9,6 +9,7 @@ import shutil
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
@@ -24,9 +25,19 @@ from rigtri.files.atomic_write import (
     temp_path,
 )
 from rigtri.files.background_copy import BackgroundCopies, copy_file
-from rigtri.files.companion import Companion
 
 _OURS = re.compile(rb'"uri"\s*:\s*"([^"/\\]*\.rigtri-[0-9a-f]{8}\.bin)"')
+
+
+@dataclass(frozen=True)
+class Companion:
+    """A file that must lie beside the output: new bytes, or a copy of a file of the source.
+
+    name: where, relative to the output's folder, with forward slashes.
+    """
+
+    name: str
+    content: bytes | Path
 
 
 class StagedOutput:

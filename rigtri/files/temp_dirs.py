@@ -38,7 +38,7 @@ def root() -> str:
     """The folder that holds all others of this process."""
     with _guard:
         if not os.path.isdir(_Own.root):  # the first, or what somebody has tidied away
-            _clear(tempfile.gettempdir())
+            remove_stale()
             _Own.root = _made()
         return _Own.root
 
@@ -79,9 +79,9 @@ def _hold(place: str) -> int:
     return held
 
 
-def _clear(place: str) -> None:
+def remove_stale() -> None:
     """Remove the folders of processes that are no more."""
-    with suppress(OSError), os.scandir(place) as found:
+    with suppress(OSError), os.scandir(tempfile.gettempdir()) as found:
         for name in [entry.path for entry in found if entry.name.startswith(PREFIX)]:
             with suppress(OSError):  # somebody's who lives
                 held = _hold(name)

@@ -60,7 +60,7 @@ def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise FileError(f"{name} is no UTF-8 text: byte {error.start}") from error
+        raise FileError(f"{name} is not UTF-8 text: byte {error.start}") from error
 
 
 def json_of(path: Path | str, what: str = "") -> Any:
@@ -68,4 +68,4 @@ def json_of(path: Path | str, what: str = "") -> Any:
     try:
         return json.loads(text_of(path, what))
     except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} is no JSON: {error}") from error
+        raise FileError(f"{path} is not valid JSON: {error}") from error

@@ -24,8 +24,7 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.util import get_temp_dir
 from pathlib import Path
-from types import TracebackType
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from rigtri.errors import FileError, RigtriError
 from rigtri.files.import_path import no_working_folder_in_children
@@ -64,7 +63,7 @@ class CrashError(FileError):
         self.kind = kind
 
 
-class WorkerProcess:
+class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
     """A child process that does tasks in turn. Not for several threads at once; have one for each.
 
     seconds: how long a task may take. memory: how many bytes a child may take beyond
@@ -152,12 +151,7 @@ class WorkerProcess:
             self._process.join()
         self._process = self._pipe = None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _started(self, name: str) -> Connection:

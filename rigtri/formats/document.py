@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, Protocol
 
-from rigtri.files.companion import Companion as Companion
+from rigtri.files.staged_output import Companion as Companion
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery

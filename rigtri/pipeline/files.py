@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from rigtri import formats
@@ -14,10 +14,31 @@ from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
-from rigtri.pipeline.origin import Origin
 from rigtri.report import Report
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """What a rig goes on knowing of its file: how it was read, and what operations have reported since.
+
+    content: what was read, where no file at ``path`` has it. The document does not know this: a rig
+    that its own document held would keep the file open in a ring.
+    """
+
+    path: Path
+    document: Document
+    reading: ReadOptions
+    report: Report
+    content: bytes | None = None
+
+    def after(self, report: Report) -> Origin:
+        """This origin for a rig to which something more was done; other rigs of the file keep theirs."""
+        merged = Report()
+        merged.merge(self.report)
+        merged.merge(report)
+        return replace(self, report=merged)
 
 
 def read(path: Path | str, options: ReadOptions | None = None) -> Rig:

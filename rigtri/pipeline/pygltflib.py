@@ -17,8 +17,7 @@ from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.model.rig import Rig
-from rigtri.pipeline.files import known, write
-from rigtri.pipeline.origin import Origin
+from rigtri.pipeline.files import Origin, known, write
 
 if TYPE_CHECKING:
     from pygltflib import GLTF2

@@ -374,7 +374,7 @@ def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"a \.yaml, \.yml or \.json"):
         load(SAMPLES / "biped.glb")
     (tmp_path / "latin.yaml").write_bytes(b"name: \xe9\n")
-    with pytest.raises(FileError, match="no UTF-8"):
+    with pytest.raises(FileError, match="not UTF-8"):
         load(tmp_path / "latin.yaml")
 
 
@@ -595,7 +595,7 @@ def test_a_starter_reports_which_limbs_it_passes_over() -> None:
     assert "# Not recognised, so not here: left leg, right leg. Name" in starter(half, "half.glb")
     assert "Not recognised" not in starter(rig, "biped.glb")
     flat = starter(read(SAMPLES / "flat_ik.glb").rig, "flat_ik.glb")
-    assert "# Left out, as its joints do not hang below each other: [" in flat
+    assert "# Left out, as its joints are not children of each other: [" in flat
 
 
 def test_a_starter_calls_a_joint_by_what_means_it_alone() -> None:

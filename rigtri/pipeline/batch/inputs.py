@@ -173,7 +173,7 @@ def _listed(name: str) -> dict[str, str]:
     try:
         text = sys.stdin.read() if name == "-" else text_of(name)
     except UnicodeDecodeError as error:
-        raise FileError(f"@{name} is no UTF-8 text: {error}") from error
+        raise FileError(f"@{name} is not UTF-8 text: {error}") from error
     except FileError as error:
         raise FileError(f"@{name}: {error}") from error
     lines = {f"@{name}:{k}": line for k, line in enumerate(text.splitlines(), 1) if line.strip()}

@@ -7,9 +7,9 @@ import queue
 import tempfile
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any, Protocol
 
 from rigtri.errors import RigtriError
 from rigtri.files import temp_dirs
@@ -60,7 +60,7 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-class FileProcess:
+class FileProcess(AbstractContextManager["FileProcess"]):
     """A process of this machine that does one file after another, wherever they are.
 
     seconds, memory: what one file may take, as `rigtri.files.worker_process.WorkerProcess` understands them.
@@ -82,9 +82,6 @@ class FileProcess:
         self._child = WorkerProcess(seconds=seconds, memory=memory, preload=(*_PRELOADED, *preload))
         # Of this object, for a process that is killed cannot remove what it has written for itself.
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

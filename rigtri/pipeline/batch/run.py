@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from rigtri.errors import NameNotFoundError, RigtriError, UsageError
+from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import fsync_folder
 from rigtri.files.staged_output import as_file_error, recover
 from rigtri.pipeline.batch import urls
@@ -259,6 +260,7 @@ def _stands(target: str) -> bool:
 
 def _clear(entries: Sequence[Entry]) -> None:
     """Remove what killed runs have left beside the outputs; each folder is looked through once."""
+    temp_dirs.remove_stale()  # where all is done, no process has work that would need such a folder
     names: dict[str, set[str]] = {}
     for entry in entries:
         if urls.is_url(entry.target):

@@ -185,9 +185,9 @@ class _Limbs:
         return _names(self.rig, chain.bend)
 
     def _wants_twist(self, chain: Chain) -> bool:
-        """Whether it is an arm or leg whose joints hang one below the other, without twist joints of its own.
+        """Whether it is an arm or leg whose joints are a chain, without twist joints of its own.
 
-        In some IK rigs the foot does not hang below the shin.
+        In some IK rigs the foot is not a child of the shin.
         """
         start, _, end = chain.bend
         along = [node for node in self.rig.below(start) if not self.rig.is_below(node, end)]
@@ -202,14 +202,14 @@ class _Limbs:
         limbs = [chain for chain in sure if self._wants_twist(chain)]
         apart = [chain for chain in sure if not self._chained(chain)]
         if limbs or apart:
-            yield "  # Twist joints, so that the skin of these limbs does not wring."
+            yield "  # Twist joints, which avoid the candy-wrapper effect on these limbs."
         if limbs:
             yield "  - do: add-twist"
             yield "    limb:"
             yield from (f"      - [{self._names(chain)}]" for chain in limbs)
             yield "    count: 2"
         for chain in apart:
-            yield f"  # Left out, as its joints do not hang below each other: [{self._names(chain)}]"
+            yield f"  # Left out, as its joints are not children of each other: [{self._names(chain)}]"
         if limbs or apart:
             yield ""
 
@@ -287,7 +287,7 @@ def _fingers(rig: Rig, layout: Layout) -> Iterator[str]:
 
 
 def _joints(rig: Rig, tree: Skeleton) -> Iterator[str]:
-    yield "# The joints, as steps may call them:"
+    yield "# The joints, named as in steps:"
     waiting = [(top, 0) for top in reversed(tree.roots)]
     for _ in range(min(MOST_SHOWN, len(tree.joints))):
         joint, depth = waiting.pop()

@@ -30,7 +30,7 @@ _TRIPLE = {"anyOf": [_TEXT, _NUMBERS]}
 
 
 class OneOrMany:
-    """A list, or for a list of one that one itself; said in the JSON Schema too."""
+    """A list, or for a list of one that one itself; in the JSON Schema too."""
 
     def __init__(self, alone: Callable[[Any], bool]) -> None:
         self._alone = alone
@@ -63,7 +63,7 @@ def _numbers(value: Any) -> Any:
         try:
             value = [float(part) for part in value.split(",")]
         except ValueError:
-            raise ValueError(f"'{value}' is no point: give [x, y, z]") from None
+            raise ValueError(f"'{value}' is not a valid point: use [x, y, z]") from None
     if not isinstance(value, Sequence) or len(value) != 3 or not all(map(_is_number, value)):
         raise ValueError("give three numbers: [x, y, z]")
     return tuple(workable(float(number)) for number in value)
@@ -102,7 +102,7 @@ def _joint_orient(value: Any) -> Any:
         try:
             value = [float(part) for part in value.split(",")]
         except ValueError:
-            raise ValueError(f"'{value}': give rest, none or [x, y, z] in degrees") from None
+            raise ValueError(f"'{value}' is not a valid joint orient: use rest, none or [x, y, z]") from None
     return value
 
 
@@ -119,7 +119,7 @@ def workable(value: float) -> float:
 
 def _finite(value: float) -> float:
     if not math.isfinite(value):
-        raise ValueError("is no number that differences can be compared with")
+        raise ValueError("is not a valid tolerance: use a finite number")
     return value
 
 
@@ -176,7 +176,7 @@ def _both(text: str, info: ValidationInfo) -> str:
 def one_of(word: str, known: Collection[str]) -> str:
     """A word of those that are known; ValueError for any other."""
     if word not in known:
-        raise ValueError(f"'{word}' is none of {', '.join(known)}")
+        raise ValueError(f"'{word}' is not valid: use {', '.join(known)}")
     return word
 
 
