@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Collection, Container, Sequence
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton
@@ -27,17 +27,19 @@ def select(
     ref: ReferencePose,
     selection: Selection,
     *,
+    aimed: Collection[int] = (),
     all_named: bool = False,
     hips: Container[int] = (),
 ) -> tuple[list[int], dict[int, str]]:
     """The joints to turn, parents first, and for every other joint the reason it is kept.
 
+    aimed: joints and nodes that the user has aimed at something, which are as good as selected.
     all_named: the user named the top node of a plain hierarchy, so all of it is meant. hips: top joints that
     are part of a body.
     Raises NameNotFoundError for names that the rig does not have.
     """
     rig = tree.rig
-    _check_named(rig, selection)
+    _check_named(rig, selection, aimed)
     stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
@@ -45,8 +47,12 @@ def select(
     kept: dict[int, str] = {}
     turning = []
     for joint in tree.joints:
+        if joint in excluded and joint in aimed:
+            raise UsageError(f"'{rig.title(joint)}' is excluded, and --aim-at names it")
         if joint in excluded:
             kept[joint] = EXCLUDED
+        elif joint in aimed:
+            turning.append(joint)
         elif selection.named and joint not in named:
             kept[joint] = "not selected"
         elif joint not in within:
@@ -72,13 +78,16 @@ def chosen(tree: Skeleton, selection: Selection) -> list[int]:
     return [joint for joint in tree.joints if joint in selected]
 
 
-def _check_named(rig: Rig, selection: Selection) -> None:
+def _check_named(rig: Rig, selection: Selection, aimed: Collection[int]) -> None:
     """GeometryError for a joint that the user named by itself and that may not turn."""
     named = [name for name in selection.joints if rig.has(name)]
     named += [name for chain in selection.chains for name in chain]
     for name in named:
         node = rig.find(name)
         if node in rig.rules.fixed and node not in rig.rules.data_nodes:
+            raise GeometryError(f"'{rig.title(node)}' cannot be re-oriented: {rig.rules.fixed[node]}")
+    for node in aimed:
+        if node in rig.rules.fixed:
             raise GeometryError(f"'{rig.title(node)}' cannot be re-oriented: {rig.rules.fixed[node]}")
 
 

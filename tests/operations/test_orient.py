@@ -195,6 +195,50 @@ def test_a_named_child_decides_its_branch_and_aim_at_goes_before_all() -> None:
     assert_allclose(axes(out, "b")[0], [-1, 0, 0], atol=1e-12)
 
 
+def body() -> Rig:
+    """A skinned arm with a socket without weight, and below it and beside it nodes that are no joints."""
+    arm = [[0, 0, 0], [1, 0, 0], [2, -0.1, 0], [3, 0, 0]]
+    places = np.array([*arm, [0.3, 0.2, 0.1], [0.0, 0.5, 0.5], [0, 0, 3]])
+    rig = rig_of(["top", "a", "b", "c", "socket", "prop", "lamp"], [-1, 0, 1, 2, 3, 4, -1], places)
+    weighted = np.array([True, True, True, False])
+    skin = Skin("s", np.arange(1, 5), inverse(rig.world[1:5]), weigh=lambda: weighted, key=0)
+    return replace(rig, skins=(skin,))
+
+
+@pytest.mark.parametrize("node", ["socket", "prop", "top", "a", "lamp"])
+@pytest.mark.parametrize("selection", [{}, {"joints": ("b",)}])
+def test_aim_at_is_obeyed_for_any_node_whatever_is_selected(node: str, selection: dict[str, Any]) -> None:
+    rig = body()
+    plain = orient_joints(rig, **selection)
+    out = orient_joints(rig, aim_at=((node, "c"),), **selection)
+    k, target = rig.find(node), rig.find("c")
+    assert_allclose(axes(out, node)[0], normalise(rig.world[target, 3, :3] - rig.world[k, 3, :3]), atol=1e-9)
+    for other in (name for name in rig.names if name != node and node != "a"):
+        assert_allclose(axes(out, other), axes(plain, other), atol=1e-9, err_msg=other)
+    again = orient_joints(out, aim_at=((node, "c"),), **selection)
+    assert np.array_equal(again.rotation, out.rotation)
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "text"),
+    [
+        ({"aim_at": (("b", "c"),), "exclude": ("b",)}, UsageError, "'b' is excluded"),
+        ({"aim_at": (("b", "c"), ("b", "a"))}, UsageError, "'b' cannot aim at two nodes"),
+        ({"aim_at": (("b", "c"),), "world": True}, UsageError, "axes of the world"),
+        ({"aim_at": (("lamp", "here"),)}, GeometryError, "in the same place"),
+        ({"aim_at": (("prop", "c"),)}, GeometryError, "cannot be re-oriented: it is data"),
+    ],
+)
+def test_an_aim_that_cannot_be_obeyed_is_an_error(
+    options: dict[str, Any], error: type[Exception], text: str
+) -> None:
+    rig = body()
+    rig = rig.with_nodes(["here"], [rig.find("lamp")], np.zeros((1, 3)), np.array([[0, 0, 0, 1.0]]))
+    rig = replace(rig, rules=FormatRules(fixed={rig.find("prop"): "it is data"}))
+    with pytest.raises(error, match=text):
+        oriented(rig, **options)
+
+
 @pytest.mark.parametrize(
     ("end", "expected"),
     [("parent", (1, 0, 0)), ("incoming", (1, 0, 0)), ("world", (1, 0, 0)), ("keep", None)],

@@ -101,7 +101,7 @@ class OrientJointsOptions:
     skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
     exclude: Nodes = option((), help="Leave these joints as they are.")
     aim_at: Annotated[tuple[tuple[str, str] | str, ...], Kind("node to node", "JOINT=NODE")] = option(
-        (), help="Aim one joint at any node. Repeatable."
+        (), help="Aim a joint, or any other node, at any node; it need not be selected. Repeatable."
     )
     limb: Limbs = option((), help="Three joints that bend as one limb and share its hinge. Repeatable.")
     branch: Names = option(

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import FileError, UsageError
-from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
+from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import transform_directions
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import normalise
+from rigtri.maths.vectors import length, normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children, trunk_children
 from rigtri.operations.axis_presets import AxisStyle
@@ -73,7 +73,8 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
     elsewhere = options.like is not None or options.frames is not None
     aligned = rig.rules.world_aligned
-    tree = skeleton(rig, options.root, plain=elsewhere, joints=aligned)
+    aim_at = _aim_at_pairs(rig, options.aim_at)
+    tree = _with_nodes(skeleton(rig, options.root, plain=elsewhere, joints=aligned), aim_at)
     ref = reference(tree, "nodes" if aligned else options.pose)
     chains = tuple((start, end) for start, end, _ in options.chain_styles)
     selection = replace(options.selection, chains=(*options.selection.chains, *chains))
@@ -83,7 +84,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
         tree = replace(tree, sockets=sockets(rig, characters))
     hips = frozenset(k.hips for k in characters if any(c.kind == "spine" and c.is_sure for c in k.chains))
-    joints, skipped = select(tree, ref, selection, all_named=everything, hips=hips)
+    joints, skipped = select(tree, ref, selection, aimed=aim_at, all_named=everything, hips=hips)
     styles = dict.fromkeys(tree.joints, options.style)
     for start, end, style in options.chain_styles:
         styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
@@ -94,12 +95,40 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         options.branch_rule,
         tuple(rig.find(name) for name in options.branch_to),
         options.end,
-        dict(_aim_at(rig, pair) for pair in options.aim_at),
+        aim_at,
         trunk | limb_children(tree, limbs),
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
+    _check_aims(tree, ref, aim_at, styles)
     return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules))
+
+
+def _with_nodes(tree: Skeleton, nodes: Iterable[int]) -> Skeleton:
+    """The skeleton with nodes that are no joints, of which no joint takes notice."""
+    new = sorted(set(nodes).difference(tree.joints))
+    if not new:
+        return tree
+    above = dict(tree.above)
+    for node in new:
+        parent = int(tree.rig.parents[node])
+        while parent >= 0 and parent not in above:
+            parent = int(tree.rig.parents[parent])
+        above[node] = parent
+    below = tree.below | dict.fromkeys(new, ())
+    return replace(tree, joints=tuple(sorted((*tree.joints, *new))), above=above, below=below)
+
+
+def _check_aims(
+    tree: Skeleton, ref: ReferencePose, aim_at: Mapping[int, int], styles: Mapping[int, AxisStyle]
+) -> None:
+    """Refuse aims that nobody could obey."""
+    for joint, target in aim_at.items():
+        pair = f"--aim-at {tree.rig.title(joint)}={tree.rig.title(target)}"
+        if styles[joint].world:
+            raise UsageError(f"{pair}: the axes of the world are asked for, and they aim at nothing")
+        if not length(ref.position(target) - ref.position(joint)) > ZERO_LENGTH * ref.extent:
+            raise GeometryError(f"{pair}: both stand in the same place, so there is no direction to aim in")
 
 
 def _check_world_aligned(rig: Rig, options: OrientJointsOptions) -> None:
@@ -119,6 +148,18 @@ def _check_world_aligned(rig: Rig, options: OrientJointsOptions) -> None:
         raise UsageError(f"{locked}, so --world is for all joints of this file: name none")
     if options.pose not in (None, "nodes"):
         raise UsageError(f"--pose {options.pose}: {locked}; rotations are zero in the pose of the nodes")
+
+
+def _aim_at_pairs(rig: Rig, texts: Iterable[tuple[str, str] | str]) -> dict[int, int]:
+    """What each joint aims at. A node that holds the axes of a split joint is that joint."""
+    joint_of = {holder: joint for joint, holder in rig.frame_of.items()}
+    found: dict[int, int] = {}
+    for text in texts:
+        joint, target = _aim_at(rig, text)
+        joint = joint_of.get(joint, joint)
+        if found.setdefault(joint, target) != target:
+            raise UsageError(f"--aim-at: '{rig.title(joint)}' cannot aim at two nodes")
+    return found
 
 
 def _aim_at(rig: Rig, text: tuple[str, str] | str) -> tuple[int, int]:

@@ -175,7 +175,8 @@ class _Additions:
         for node in range(len(self.source.rig), len(self.rig)):
             if self.rig.attachment[node] >= 0:
                 raise FileError(
-                    f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim."
+                    f"'{self.rig.title(node)}': a USD prim cannot hand its shape to another prim, "
+                    "so its axes are those of its shape."
                 )
             if self._is_group(node) or node in joints:
                 continue
