@@ -37,14 +37,15 @@ MOST = 20
 
 def _run(ctx: click.Context, values: dict[str, Any]) -> None:
     if values["check"]:
-        _check(values, made(MirrorOptions, values, given(ctx)))
+        _check(values, made(MirrorOptions, values, given(ctx)), presumed="mode" in given(ctx))
         return
     if values["output"] is None and not values["dry_run"]:
         raise UsageError("give the file to write with -o OUT, or --check to write none")
     run_edit("mirror", values, step_of("mirror", MirrorOptions, values), given_options(ctx), summary)
 
 
-def _check(values: dict[str, Any], options: MirrorOptions) -> None:
+def _check(values: dict[str, Any], options: MirrorOptions, *, presumed: bool) -> None:
+    """presumed: the user has named the convention, so no other is looked for."""
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.operations.mirror.symmetry_check import asymmetry
@@ -52,13 +53,14 @@ def _check(values: dict[str, Any], options: MirrorOptions) -> None:
     if values["output"] is not None:
         raise UsageError("--check writes nothing; leave -o out")
     with opened(values["source"]) as path:
-        found = asymmetry(read(path, read_options(values)).rig, options=options)
+        rig = read(path, read_options(values)).rig
+        found = asymmetry(rig, options=options, mode=options.mode if presumed else None)
     worse = found.worse(values["tolerance_distance"], values["tolerance_degrees"])
     if values["as_json"]:
         document = {
             "source": str(values["source"]),
             "symmetric": not worse and not found.alone,
-            "mode": options.mode,
+            "mode": found.mode,
             "plane": options.plane,
             "plane_at": found.at,
             "better_plane": None
@@ -84,6 +86,7 @@ def _check(values: dict[str, Any], options: MirrorOptions) -> None:
         where = f" about --plane {found.plane} --plane-at {found.at:g}" if found.at else ""
         total = f"{counted(len(found.pairs), 'pair')}, {len(worse)} not symmetric{where}"
         total += f", {counted(len(found.alone), 'node')} without counterpart"
+        total += f"; axes compared as {found.mode}{'' if presumed else ', which most pairs keep'}"
         click.echo(total, err=True)
     if worse or found.alone:
         sys.exit(1)
@@ -103,7 +106,8 @@ _MORE = [
     click.Option(
         ["--check"],
         is_flag=True,
-        help="Write nothing: report what is not symmetric (exit code 1 where there is any).",
+        help="Write nothing: report what is not symmetric (exit code 1 where there is any). "
+        "Without --mode, by the convention that most pairs keep.",
     ),
     click.Option(
         ["--tolerance-distance"],

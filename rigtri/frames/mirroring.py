@@ -28,6 +28,16 @@ from rigtri.report import Report
 
 Mirror = Literal["behavior", "orientation", "blender"]
 MIRRORS: tuple[Mirror, ...] = get_args(Mirror)
+# What the axes of twins may be, besides: mirrored but for y or z, which is reversed, as both sides have them
+# where they follow one rule (orient-joints with the hinge on y or z; ``blender`` is that of x).
+Convention = Literal["behavior", "orientation", "blender", "y-reversed", "z-reversed"]
+CONVENTIONS: tuple[Convention, ...] = get_args(Convention)
+_SIGNS: Mapping[Convention, tuple[float, float, float]] = {
+    "behavior": (-1.0, -1.0, -1.0),
+    "blender": (-1.0, 1.0, 1.0),
+    "y-reversed": (1.0, -1.0, 1.0),
+    "z-reversed": (1.0, 1.0, -1.0),
+}
 Plane = Literal["yz", "xz", "xy"]
 PLANES: tuple[Plane, ...] = get_args(Plane)
 _BONE = {"left": "right", "right": "left"}
@@ -69,13 +79,11 @@ class Across:
         return np.concatenate([-self.directions(rotation[:3]), rotation[3:]])
 
 
-def mirrored_axes(axes: Floats, mirror: Mirror, across: Across) -> Floats:
+def mirrored_axes(axes: Floats, mirror: Convention, across: Across) -> Floats:
     """The axes (rows, (…, 3, 3)) of the twin of a frame with these axes."""
-    if mirror == "behavior":
-        return -across.directions(axes)
-    if mirror == "blender":
-        return np.asarray(np.array([[-1.0], [1.0], [1.0]]) * across.directions(axes))
-    return axes
+    if mirror == "orientation":
+        return axes
+    return np.asarray(np.array(_SIGNS[mirror])[:, np.newaxis] * across.directions(axes))
 
 
 def world_rotation(rig: Rig, node: int) -> Floats:

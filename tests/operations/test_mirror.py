@@ -11,6 +11,7 @@ import pytest
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
 from places import slow
+from posed_bodies import Pose, posed_body
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom
 
@@ -25,6 +26,7 @@ from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.mirror.mirror import MirrorOptions, mirror
 from rigtri.operations.mirror.symmetry_check import asymmetry
+from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -171,6 +173,45 @@ def test_check_reports_what_is_not_symmetric(samples: Path, tmp_path: Path) -> N
     cli("mirror", plain, "-o", out, code=0)
     after = cli("mirror", out, "--check", "--json", code=0)
     assert json.loads(after.stdout)["symmetric"]
+
+
+@pytest.mark.parametrize(
+    ("preset", "mode", "expected"),
+    [
+        ("article", None, "y-reversed"),
+        ("unreal-editor", None, "y-reversed"),
+        ("mgear", None, "z-reversed"),
+        ("blender", None, "blender"),
+        ("vrm", None, "orientation"),
+        ("article", "behavior", "behavior"),
+        ("article", "orientation", "orientation"),
+        ("mgear", "blender", "blender"),
+    ],
+)
+def test_check_finds_the_convention_of_a_symmetric_body(
+    preset: str, mode: Mirror | None, expected: str
+) -> None:
+    rig = orient_joints(posed_body(Pose(knee=5.0, elbow=5.0)).rig, preset=preset)
+    if mode is not None:
+        rig = mirror(rig, mode=mode)
+    found = asymmetry(rig)
+    assert found.mode == expected
+    assert len(found.pairs) > 20
+    assert found.worse() == []
+    other = "behavior" if expected != "behavior" else "orientation"
+    assert len(asymmetry(rig, mode=other).worse()) > 10
+
+
+def test_check_says_which_convention_it_found_or_was_given(samples: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    cli("orient-joints", samples / "biped.glb", "-o", out, "--preset", "article", code=0)
+    document = json.loads(cli("mirror", out, "--check", "--json").stdout)
+    assert document["mode"] == "y-reversed"
+    assert document["asymmetric"] == []
+    given = cli("mirror", out, "--check", "--mode", "behavior", "--json", code=1)
+    assert json.loads(given.stdout)["mode"] == "behavior"
+    words = cli("mirror", out, "--check").stderr
+    assert "axes compared as y-reversed, which most pairs keep" in words
 
 
 def test_a_run_reports_where_to_write_or_checks(samples: Path, tmp_path: Path) -> None:

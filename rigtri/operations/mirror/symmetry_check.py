@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rigtri.frames.mirroring import PLANES, TOLERANCE, Plane, mirrored_axes, parting
+from rigtri.frames.mirroring import CONVENTIONS, PLANES, TOLERANCE, Convention, Plane, mirrored_axes, parting
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes
@@ -53,7 +53,7 @@ class Asymmetry:
     """All pairs of joints and of nodes that rigtri made, and those without a twin.
 
     plane, at: the mirror, in the character's own space. better: another one that most pairs lie
-    about, where they do not about that.
+    about, where they do not about that. mode: what the axes of the pairs were compared by.
     """
 
     pairs: tuple[Pair, ...]
@@ -61,6 +61,7 @@ class Asymmetry:
     plane: Plane = "yz"
     at: float = 0.0
     better: tuple[Plane, float] | None = None
+    mode: Convention = "behavior"
 
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
         """The pairs that are not symmetric, worst place first."""
@@ -68,8 +69,11 @@ class Asymmetry:
         return sorted(found, key=lambda pair: (-pair.distance, -pair.degrees))
 
 
-def asymmetry(rig: Rig, *, options: MirrorOptions | None = None) -> Asymmetry:
+def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Convention | None = None) -> Asymmetry:
     """Compare each joint and node of ours on one side with the mirror image of its twin.
+
+    mode: the convention that its axes keep; None: the one that most pairs keep, of equals the first of
+    `CONVENTIONS`.
 
     In the pose of the options (the bind pose by default) for joints, at rest for other nodes.
     Ends of others that carry nothing are left out: they have no axes to speak of, and glTF does not
@@ -89,14 +93,24 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None) -> Asymmetry:
     alone += unpaired + _pairs(rig, rules, options)[1]
     turned = {node: there for node, there in standing.items() if kinds[node] in _WITH_AXES}
     placed = {node: there for node, there in standing.items() if node not in turned}
-    compared = [
-        *_compared(rig, found, ref.world, ref.extent, options),
-        *_compared(rig, turned, rest, ref.extent, options),
-        *_compared(rig, placed, rest, ref.extent, options, axes=False),
-    ]
+    by_mode = {
+        each: [
+            *_compared(rig, found, ref.world, ref.extent, options, each),
+            *_compared(rig, turned, rest, ref.extent, options, each),
+        ]
+        for each in ([mode] if mode else CONVENTIONS)
+    }
+    mode = max(by_mode, key=lambda each: _fit(by_mode[each]))
+    compared = [*by_mode[mode], *_compared(rig, placed, rest, ref.extent, options, None)]
     titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
     better = None if parted.fits else _better(tree, ref, options)
-    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better)
+    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better, mode)
+
+
+def _fit(pairs: Sequence[Pair]) -> tuple[int, float]:
+    """How well a convention fits: the pairs that keep it, and how far off most are."""
+    degrees = [pair.degrees for pair in pairs]
+    return sum(each <= DEGREES for each in degrees), -float(np.median(degrees or [0.0]))
 
 
 def _is_bone(tree: Skeleton, joint: int) -> bool:
@@ -128,16 +142,22 @@ def _twin(rig: Rig, node: int) -> int | None:
 
 
 def _compared(
-    rig: Rig, found: dict[int, int], world: Floats, size: float, options: MirrorOptions, *, axes: bool = True
+    rig: Rig,
+    found: dict[int, int],
+    world: Floats,
+    size: float,
+    options: MirrorOptions,
+    mode: Convention | None,
 ) -> list[Pair]:
+    """mode: None for nodes whose axes say nothing."""
     if not found:
         return []
     here, there = list(found), list(found.values())
     apart = length(options.across.points(world[here, 3, :3]) - world[there, 3, :3]) / (size or 1.0)
     angles = np.zeros(len(here))
-    if axes:
+    if mode is not None:
         mine, now = nearest_rotation(world[here]), from_axes(nearest_rotation(world[there]))
-        expected = from_axes(mirrored_axes(mine, options.mode, options.across))
+        expected = from_axes(mirrored_axes(mine, mode, options.across))
         angles = np.degrees(angle_between(expected, now))
     return [
         Pair(rig.title(a), rig.title(b), float(d), float(angle))
