@@ -11,6 +11,7 @@ import click
 
 from rigtri.errors import UsageError
 from rigtri.report import Report
+from rigtri.text import is_number
 
 from .parameters import check_streams
 from .printing import print_warnings
@@ -28,7 +29,7 @@ def size(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple
     if value is None:
         return None
     wide, mark, high = value.lower().partition("x")
-    if not (mark and wide.isdecimal() and high.isdecimal() and len(value) <= 20):
+    if not (mark and is_number(wide) and is_number(high)):
         raise click.BadParameter(
             f"'{value}' is not a valid size: use WIDTHxHEIGHT in pixels, e.g. 1200x900", ctx, param
         )

@@ -8,6 +8,8 @@ from textwrap import wrap
 
 # Longer names end in …: no row, nor any picture, is wider for the sake of one name.
 LONGEST_NAME = 60
+# Longer numbers count nothing.
+_DIGITS = 18
 # Characters that change the direction of what follows, as bidirectional classes.
 _TURNS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
 
@@ -24,6 +26,15 @@ def plain(text: str, *, one_line: bool = False) -> str:
     if text.isprintable():
         return text
     return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
+
+
+def is_number(word: str) -> bool:
+    """Whether a word is a whole number in ASCII digits that `int` reads, and that a file could count to.
+
+    >>> is_number("12"), is_number("\u2776"), is_number("\u0663"), is_number("9" * 4400)
+    (True, False, False, False)
+    """
+    return word.isascii() and word.isdigit() and len(word) <= _DIGITS
 
 
 def display_name(name: str) -> str:

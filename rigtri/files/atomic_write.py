@@ -12,6 +12,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
+from rigtri.text import is_number
+
 # While a large file is written, what is there is forced to disk this often, in seconds.
 PAUSE = 0.02
 
@@ -143,7 +145,7 @@ def stale_files(folder: Path, start: str, end: str = "", *, every: bool = False)
     for part in folder.glob(f"{glob.escape(start)}*{glob.escape(end)}"):
         owner = part.name[len(start) : len(part.name) - len(end)]
         # In a container numbers return soon: what bears ours was there before us.
-        if owner.isdigit() and (every or int(owner) == os.getpid() or not _runs(int(owner))):
+        if is_number(owner) and (every or int(owner) == os.getpid() or not _runs(int(owner))):
             found.append((part, int(owner)))
     return found
 

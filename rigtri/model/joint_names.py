@@ -9,9 +9,11 @@ from __future__ import annotations
 import re
 from typing import Literal
 
+from rigtri.text import is_number
+
 Side = Literal["left", "right", ""]
 
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W0-9_A-Za-z]+")
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
 SIDES = _LEFT | _RIGHT
@@ -73,7 +75,7 @@ def number(name: str) -> int | None:
     >>> number("leg_joint_L_5")
     5
     """
-    digits = [int(word) for word in words(name) if word.isdigit()]
+    digits = [int(word) for word in words(name) if is_number(word)]
     return digits[-1] if digits else None
 
 

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origi
 VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
 # What the script of export-blender puts below an IK end, as Blender numbers its names.
-SWITCH = re.compile(r"rigtri_ik([._]\d+)?")
+SWITCH = re.compile(r"rigtri_ik([._][0-9]+)?")
 
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -319,11 +319,10 @@ ADDED = frozenset(RECORDS) - {FrameRecord.type}
 def illegible(stored: Mapping[str, Any]) -> str:
     """Why this version cannot read a record, which stays as it is then; "" where it can."""
     if stored.get("v") != VERSION:
-        return f"its version is {stored.get('v')!r}, and this rigtri reads {VERSION}"
+        return f"its version is {stored.get('v')!r:.60}, and this rigtri reads {VERSION}"
     kind = stored.get("type")
-    return (
-        "" if isinstance(kind, str) and kind in RECORDS else f"its type {kind!r} is not known to this rigtri"
-    )
+    known = isinstance(kind, str) and kind in RECORDS
+    return "" if known else f"its type {kind!r:.60} is not known to this rigtri"
 
 
 def damage(stored: Mapping[str, Any]) -> str:

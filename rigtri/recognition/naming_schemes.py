@@ -21,6 +21,7 @@ from typing import Any, Literal
 from rigtri.errors import FileError, did_you_mean
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, MIDDLE, SIDED, LimbKind
+from rigtri.text import is_number
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
@@ -98,11 +99,11 @@ def parse_name(name: str) -> ParsedName:
     found = words(apart)
     kept = []
     for before, word in zip(["", *found], found, strict=False):
-        if word in SIDES or word in _SILENT or (word.isdigit() and before in _NUMBERED):
+        if word in SIDES or word in _SILENT or (is_number(word) and before in _NUMBERED):
             continue
         kept.append(word)
-    short = [str(int(word)) if word.isdigit() else word for word in kept]
-    letters = [word for word in kept if not word.isdigit()]
+    short = [str(int(word)) if is_number(word) else word for word in kept]
+    letters = [word for word in kept if not is_number(word)]
     return ParsedName(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from rigtri.formats.gltf.animation_reader import POINTER, pointer_of
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
+from rigtri.text import is_number
 
 
 def drop_channels(draft: CopyOnWrite, number: int, lost: Collection[int]) -> None:
@@ -64,7 +65,7 @@ def driven_attachment(channel: Any) -> int | None:
         ["extensions", "KHR_lights_punctual"],
         ["extensions", "EXT_mesh_gpu_instancing"],
     )
-    return int(pointer[2]) if pointer[1:2] == ["nodes"] and shown and pointer[2].isdecimal() else None
+    return int(pointer[2]) if pointer[1:2] == ["nodes"] and shown and is_number(pointer[2]) else None
 
 
 def drive_node(draft: CopyOnWrite, place: tuple[int, int], target: dict[str, Any], node: int) -> None:

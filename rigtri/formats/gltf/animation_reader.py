@@ -36,7 +36,7 @@ from rigtri.report import Notice
 POINTER = "KHR_animation_pointer"
 # Below this length float32 has too few digits left for a direction (2⁻¹²⁶, its smallest normal number).
 _LEAST = float(np.finfo(np.float32).tiny)
-_NODE_POINTER = re.compile(r"/nodes/(0|[1-9]\d{0,8})/(translation|rotation|scale|weights)")
+_NODE_POINTER = re.compile(r"/nodes/(0|[1-9][0-9]{0,8})/(translation|rotation|scale|weights)")
 
 
 def target_of(channel: dict[str, Any]) -> tuple[int, str] | None:

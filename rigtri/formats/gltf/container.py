@@ -224,5 +224,5 @@ def _check_version(path: Path, gltf: dict[str, Any]) -> None:
         raise FileError(f"{path}: 'asset.version' is missing, so this is no glTF 2.0")
     for key in ("version", "minVersion"):
         version = asset.get(key, "2.0")
-        if not isinstance(version, str) or not re.fullmatch(r"2\.\d+", version):
+        if not isinstance(version, str) or not re.fullmatch(r"2\.[0-9]+", version):
             raise FileError(f"{path}: asset.{key} is {version!r}, not 2.x; export the file anew as glTF 2.0")

@@ -140,7 +140,7 @@ def _member(key: str, item: Any, section: str, moved: Mapping[int, int]) -> Any:
         number = moved.get(item, item) if _refers(key, section) else item
         return item if number == item else number
     if key == "pointer" and isinstance(item, str):
-        pattern = rf"/{section}/(\d+)(?=/|$)"
+        pattern = rf"/{section}/([0-9]{1, 18})(?=/|$)"
         pointer = re.sub(pattern, lambda m: f"/{section}/{moved.get(int(m[1]), m[1])}", item)
         return item if pointer == item else pointer
     if isinstance(item, list) and item and type(item[0]) is int:

@@ -23,6 +23,7 @@ from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
 from rigtri.report import Report
+from rigtri.text import is_number
 
 _NAMED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)", re.S)
 
@@ -166,7 +167,7 @@ def _column(mesh: Mesh, name: str) -> int:
     """The column of a morph target, by its name or its number."""
     if name in mesh.morph_names:
         return mesh.morph_names.index(name)
-    if name.isdecimal() and int(name) < len(mesh.morphs):
+    if is_number(name) and int(name) < len(mesh.morphs):
         return int(name)
     if not mesh.morph_names:
         raise NameNotFoundError("morph target", name, map(str, range(len(mesh.morphs))))

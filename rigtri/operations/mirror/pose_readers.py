@@ -32,6 +32,7 @@ from rigtri.operations.mirror.counterparts import (
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
 from rigtri.report import Report
+from rigtri.text import is_number
 
 
 def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
@@ -128,7 +129,7 @@ def _morph(rig: Rig, mesh: int, output: OutputRecord, *, same: bool) -> str | No
     found = meshes_named(rig, rig.path(mesh))[0]
     if twin(name) != name and twin(name) in found.morph_names:
         return twin(name)
-    there = name in found.morph_names or (name.isdecimal() and int(name) < len(found.morphs))
+    there = name in found.morph_names or (is_number(name) and int(name) < len(found.morphs))
     return name if there and not same else None
 
 

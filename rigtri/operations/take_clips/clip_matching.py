@@ -22,7 +22,7 @@ from rigtri.operations.take_clips.generated_names import MadeNames, span
 from rigtri.operations.take_clips.node_matching import as_usd
 from rigtri.report import Report
 
-_NUMBER = re.compile(r"#\d+$")
+_NUMBER = re.compile(r"#[0-9]+$")
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from rigtri.maths.similarity_fit import SAME_SIZE
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
-_COPY = re.compile(r"\.\d{3}$")
+_COPY = re.compile(r"\.[0-9]{3}$")
 _ACTION = "Action"
 _ARMATURE = "Armature"
 _MERGED = ("Animation", "Scene")

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from pxr import Gf, Sdf, Tf, Vt
@@ -33,7 +34,10 @@ def api_name(kind: str) -> str:
 
 
 def read_prim(prim: Any) -> dict[str, Any]:
-    """The metadata that a prim's ``rigtri:*`` attributes hold; empty where there are none."""
+    """The metadata that a prim's ``rigtri:*`` attributes hold; empty where there are none.
+
+    Values of types that rigtri does not write are None, which no field of a record is.
+    """
     metadata: dict[str, Any] = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace("rigtri"):
         value = attribute.Get() if hasattr(attribute, "Get") else None
@@ -41,19 +45,21 @@ def read_prim(prim: Any) -> dict[str, Any]:
             *spaces, key = attribute.GetName().split(":")[1:]
             place = metadata
             for space in spaces:
-                place = place.setdefault(space, {})
+                if not isinstance(place.get(space), dict):
+                    place[space] = {}
+                place = place[space]
             place[key] = _plain(value)
     return {key: _unpacked(value) for key, value in metadata.items()}
 
 
 def read_joints(skeleton: Any) -> dict[str, dict[str, Any]]:
     """The metadata of a Skeleton's joints by their tokens; what is no JSON object is passed over."""
-    names, texts = (skeleton.GetAttribute(name).Get() or () for name in JOINT_NOTES)
+    names, texts = (_words(skeleton.GetAttribute(name).Get()) for name in JOINT_NOTES)
     found = {}
     for token, text in zip(names, texts, strict=False):
         try:
             metadata = json.loads(str(text))
-        except ValueError:
+        except (ValueError, RecursionError):
             continue
         if isinstance(metadata, dict):
             found[str(token)] = metadata
@@ -121,7 +127,9 @@ def _packed(value: Any) -> Any:
 def _unpacked(value: Any) -> Any:
     if isinstance(value, dict):
         if set(value) == {"json"} and isinstance(value["json"], str):
-            return json.loads(value["json"])
+            with suppress(ValueError, RecursionError):
+                return json.loads(value["json"])
+            return None
         return {key: _unpacked(item) for key, item in value.items()}
     return value
 
@@ -131,7 +139,14 @@ def _plain(value: Any) -> Any:
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, bool | int | float | str):
         return value
-    return list(value)
+    with suppress(TypeError):  # of a type without items
+        return [item if isinstance(item, bool | int | float | str) else None for item in value]
+    return None
+
+
+def _words(value: Any) -> Any:
+    """The items of an array of tokens or strings; none of a value of another type."""
+    return value if isinstance(value, Vt.TokenArray | Vt.StringArray) else ()
 
 
 def _all(value: Any, kind: Any) -> bool:

@@ -11,6 +11,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.structure import unknown_required
 from rigtri.formats.gltf.uris import absent
 from rigtri.formats.json_values import short_repr
+from rigtri.text import is_number
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.cycle_check import WAITING, check_cycles
 from rigtri.verification.checks.findings import Findings
@@ -137,7 +138,7 @@ def _waits(view: View) -> bool:
 def _address(view: View, name: str) -> bool:
     """Whether NAME#INDEX is a node of that name, or a path ends in a name, or #INDEX of a nameless node."""
     word, _, number = name.rpartition("#")
-    if number.isdecimal() and int(number) < len(view.nodes):
+    if is_number(number) and int(number) < len(view.nodes):
         own = view.nodes[int(number)].get("name")
         if not word or own == word or (not own and name.startswith("/") and word.endswith("/")):
             return True

@@ -18,7 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.text import and_more
 from rigtri.verification.checks.gltf.tolerant_reader import FOREIGN, Item, View
 
-_SET = re.compile(r"(JOINTS|WEIGHTS)_(\d+)")
+_SET = re.compile(r"(JOINTS|WEIGHTS)_([0-9]{1,18})")
 _UNSIGNED = (5121, 5123)
 # Weights in 32 bits do not sum to 1 exactly; each of n may be off by this.
 OFF_EACH = 2e-7

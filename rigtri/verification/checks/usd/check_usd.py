@@ -145,7 +145,7 @@ def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
             why = metadata_check.broken(note, is_joint)
             if newer := metadata_check.unknown(note):
                 scene.add("usd.note.unknown", prim, JOINT_NOTES[1], f"joint '{token}': {newer}")
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             why = f"its note is no JSON: {error}"
         if token not in own:
             why = why or "there is no such joint"

@@ -1,0 +1,93 @@
+"""What rigtri has stored may be damaged, of another version, or about nodes that are gone: it is reported."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from program import cli
+from pxr import Gf, Sdf, Vt
+from usd_files import MESH, animation, scene, skeleton
+
+TYPES = Sdf.ValueTypeNames
+VALUES: list[tuple[Any, Any]] = [
+    (TYPES.TimeCode, Sdf.TimeCode(3)),
+    (TYPES.Asset, Sdf.AssetPath("x.png")),
+    (TYPES.Quatf, Gf.Quatf(1)),
+    (TYPES.Matrix4d, Gf.Matrix4d(1)),
+    (TYPES.Point3fArray, Vt.Vec3fArray([(1, 2, 3)])),
+    (TYPES.Int, 2),
+    (TYPES.Int64, 2**40),
+    (TYPES.Double, float("nan")),
+    (TYPES.String, "\u2776"),
+]
+READING = ("inspect", "check", "strip", "mirror", "bake", "view", "export-blender")
+
+
+@pytest.fixture
+def rigged(tmp_path: Path) -> Path:
+    (path := tmp_path / "scene.usda").write_text(scene(skeleton(), animation(), MESH), "utf-8")
+    out = tmp_path / "rigged.usda"
+    assert cli("add-controls", path, "-o", out, "--ik", "a", "b", "c").exit_code == 0
+    limb = ["--joint", "a", "--to", "b"]
+    assert cli("add-twist", out, "-o", out, "--overwrite", *limb).exit_code == 0
+    return out
+
+
+def use(path: Path) -> None:
+    """Run each command that reads metadata: it ends with an exit code of its own, not in a traceback."""
+    for command in READING:
+        suffix = {"view": ".html", "export-blender": ".py"}.get(command, path.suffix)
+        target = ["-o", path.with_name(f"{command}{suffix}"), "--overwrite"]
+        done = cli(command, path, *([] if command in ("inspect", "check") else target))
+        assert done.exit_code in (0, 1, 3, 4, 5, 6), (command, done.stderr)
+
+
+@pytest.mark.parametrize(("kind", "value"), VALUES, ids=lambda value: str(value)[:20])
+def test_metadata_of_types_that_rigtri_does_not_write_are_reported(
+    kind: Any, value: Any, rigged: Path
+) -> None:
+    layer = Sdf.Layer.FindOrOpen(str(rigged))
+    changed = _replace(
+        layer, lambda name: name in ("rigtri:joint", "rigtri:chain", "rigtri:size"), kind, value
+    )
+    assert changed
+    layer.Export(str(broken := rigged.with_name("broken.usda")))
+    assert "is damaged and is not used: its " in cli("inspect", broken).stderr
+    use(broken)
+
+
+@pytest.mark.parametrize("text", ["[" * 3000, "1" * 4400, "{", "[]", '{"v": 1, "type": "twist"}'])
+def test_notes_of_joints_that_are_no_records_are_passed_over(text: str, rigged: Path) -> None:
+    layer = Sdf.Layer.FindOrOpen(str(rigged))
+    spec = layer.GetAttributeAtPath("/Root/Skel.rigtri:jointNotes")
+    spec.default = Vt.StringArray([text] * len(spec.default))
+    layer.Export(str(broken := rigged.with_name("broken.usda")))
+    use(broken)
+
+
+@pytest.mark.parametrize("kind", [TYPES.Int, TYPES.String, TYPES.DoubleArray], ids=str)
+def test_notes_of_joints_may_be_of_another_type(kind: Any, rigged: Path) -> None:
+    layer = Sdf.Layer.FindOrOpen(str(rigged))
+    assert _replace(
+        layer, lambda name: name in ("rigtri:joints", "rigtri:jointNotes"), kind, kind.defaultValue
+    )
+    layer.Export(str(broken := rigged.with_name("broken.usda")))
+    use(broken)
+
+
+def _replace(layer: Any, named: Any, kind: Any, value: Any) -> int:
+    """Give attributes by their names another type and value; how many there were."""
+    found: list[Any] = []
+
+    def visit(path: Any) -> None:
+        if path.IsPropertyPath() and named(path.name):
+            found.append(layer.GetAttributeAtPath(path))
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    for spec in found:
+        owner, name = spec.owner, spec.name
+        owner.RemoveProperty(spec)
+        Sdf.AttributeSpec(owner, name, kind).default = value
+    return len(found)

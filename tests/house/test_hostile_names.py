@@ -1,0 +1,44 @@
+"""Names whose digits are not ASCII, or thousands: they are names, and nothing counts by them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from gltf_files import character
+from program import cli
+
+from rigtri.model.joint_names import number, words
+from rigtri.recognition.naming_schemes import parse_name
+from rigtri.text import is_number
+
+ODD = ["hand\u2776", "\u2776", "spine\u00b2", "\u0663", "arm_\U0001d7d9", "finger" + "7" * 4400]
+
+
+@pytest.mark.parametrize("name", ODD, ids=lambda name: ascii(name)[:12])
+def test_a_name_with_odd_digits_is_read_as_words(name: str) -> None:
+    parse_name(name)
+    assert all(word.isascii() or not is_number(word) for word in words(name))
+    assert number(name) is None
+
+
+@pytest.mark.parametrize("name", ODD, ids=lambda name: ascii(name)[:12])
+@pytest.mark.parametrize("command", ["recognise", "orient-joints", "mirror", "add-controls"])
+def test_a_joint_may_have_such_a_name(command: str, name: str, tmp_path: Path) -> None:
+    builder = character()
+    for node in builder.gltf["nodes"]:
+        if "mesh" not in node:
+            node["name"] = name + str(node.get("name", ""))
+    builder.glb(path := tmp_path / "in.glb")
+    more = {"recognise": [], "add-controls": ["--joints", "*"]}.get(command, [])
+    target = [] if command == "recognise" else ["-o", tmp_path / "out.glb"]
+    done = cli(command, path, *target, *more)
+    assert done.exit_code in (0, 4, 5), done.stderr
+
+
+@pytest.mark.parametrize("name", ODD, ids=lambda name: ascii(name)[:12])
+def test_such_a_number_is_no_morph_target_and_no_size(name: str, tmp_path: Path) -> None:
+    character().glb(path := tmp_path / "in.glb")
+    options = ["--driver", "leg", "--target", "up=0,1,0", "--morph", "up", "body", name]
+    assert cli("add-posereader", path, "-o", tmp_path / "out.glb", *options).exit_code in (4, 5)
+    assert cli("draw", path, "-o", tmp_path / "out.svg", "--size", f"\u0663x{name}").exit_code == 2
