@@ -100,11 +100,11 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
         ]
         for each in ([mode] if mode else CONVENTIONS)
     }
-    mode = max(by_mode, key=lambda each: _fit(by_mode[each]))
-    compared = [*by_mode[mode], *_compared(rig, placed, rest, ref.extent, options, None)]
+    kept = max(by_mode, key=lambda each: _fit(by_mode[each]))
+    compared = [*by_mode[kept], *_compared(rig, placed, rest, ref.extent, options, None)]
     titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
     better = None if parted.fits else _better(tree, ref, options)
-    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better, mode)
+    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better, kept)
 
 
 def _fit(pairs: Sequence[Pair]) -> tuple[int, float]:
