@@ -19,12 +19,13 @@ from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_sine
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, length, normalise
+from rigtri.maths.vectors import angle, length, normalise, triple
 from rigtri.model.animation import Clip
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.recognition.limbs import facing
+from rigtri.recognition.output import direction_text
 from rigtri.text import columns, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.
@@ -156,7 +157,7 @@ def _heading(rig: Rig) -> str:
         _count(len(rig.shown_clips), "clip"),
     ]
     ahead = facing(rig)
-    looks = "" if ahead is None else f", facing {_direction(ahead)}"
+    looks = "" if ahead is None else f", facing {direction_text(triple(ahead))}"
     frozen = f"; {rig.rules.orient_locked}" if rig.rules.orient_locked else ""
     return f"{', '.join(counts)}; up {_direction(np.array(rig.rules.up))}{looks}{frozen}"
 

@@ -23,6 +23,9 @@ from rigtri.recognition.naming_schemes import limb_kind_in_name
 from rigtri.recognition.recognise import recognise as layout_of
 from rigtri.recognition.recognise import sure_limbs
 
+# Who looks less far from up or down than this (a sine) looks nowhere in a picture.
+_LEVEL = 0.1
+
 
 def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     """The limb of three named nodes; its kind and side are read from the names where they say.
@@ -125,7 +128,7 @@ def forward(rig: Rig) -> Floats:
     usual = cross([1.0, 0.0, 0.0], up)
     ahead = facing(rig)
     level = usual if ahead is None else ahead - up * float(dot(ahead, up))
-    if not np.abs(level).max() > 0:  # it looks up or down
+    if not np.abs(level).max() > _LEVEL:  # it looks up or down
         level = usual
     axis = int(np.argmax(np.abs(level)))
     return np.where(np.arange(3) == axis, np.sign(level[axis]), 0.0)

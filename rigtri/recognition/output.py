@@ -38,14 +38,16 @@ def text(rig: Rig, layout: Layout, *, joints: bool = False, width: int | None = 
 def _head(rig: Rig, character: Character) -> list[str]:
     where = f"below {rig.title(character.root)}" if character.root >= 0 else "of several roots"
     hips = f", hips {rig.title(character.hips)}" if character.hips >= 0 else ""
-    stands = f"faces {_axis(character.facing)}, up {_axis(character.up)}, left {_axis(character.normal)}"
+    directions = (character.facing, character.up, character.normal)
+    stands = "faces {}, up {}, left {}".format(*map(direction_text, directions))
     return [
         f"{character.form}, {character.confidence:.2f} sure: {where}{hips}",
         f"{stands}; in the {character.pose} pose",
     ]
 
 
-def _axis(direction: Direction) -> str:
+def direction_text(direction: Direction) -> str:
+    """``+z`` where it is that, within about a degree, else numbers as options take them."""
     if not any(direction):
         return "unknown"
     for axis, name in _AXES.items():

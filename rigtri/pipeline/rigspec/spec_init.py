@@ -8,16 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
+from rigtri.recognition.output import direction_text
 from rigtri.recognition.recognise import recognise
 from rigtri.text import a
-from rigtri.verification.diff.axis_diff import axis_words
 
 # So many joints are shown as a comment; inspect shows all.
 MOST_SHOWN = 200
@@ -94,9 +92,9 @@ def plain_values(text: str) -> Any:
 def recognised_lines(layout: Layout) -> Iterator[str]:
     """What was recognised, a line for each character, and for what was not."""
     for one in layout.characters:
-        looks = axis_words(np.array(one.facing)) if any(one.facing) else ""
+        faces = f" that faces {direction_text(one.facing)}" if any(one.facing) else ""
         limbs = ", ".join(chain.name for chain in one.limbs if chain.is_sure)
-        yield f"{one.form}{f' that looks to {looks}' if looks else ''}: {limbs or 'no limb that bends'}"
+        yield f"{one.form}{faces}: {limbs or 'no limb that bends'}"
     if further := [f"{chain.name} ({chain.confidence:.2f})" for chain in left_out(layout)]:
         yield f"not sure, and left out: {', '.join(further)}"
     if (count := len(layout.characters)) > 1:
