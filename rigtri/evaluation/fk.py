@@ -95,6 +95,15 @@ class Fk:
         return None if np.abs(axes - IDENTITY).max() <= _SAME_AXES else axes
 
     @cached_property
+    def _shares(self) -> Floats:
+        """How much each axis of the control is along each of its joint's, (3, 3): squares of cosines.
+
+        Where axes are axes again all is exact; other axes do not share a scale that is not uniform.
+        """
+        axes = to_axes(IDENTITY if self._axes is None else self._axes)
+        return np.asarray(axes * axes)
+
+    @cached_property
     def _moves(self) -> Floats:
         """What takes a move along the control's axes into the space of the joint's carrier, (4, 4)."""
         carrier = self.reference.world[self._carrier] if self._carrier >= 0 else np.eye(4)
@@ -122,11 +131,12 @@ class Fk:
 
     def moved(self, rest: Parts, channels: Parts, moves: Floats | None = None) -> Parts:
         """Local parts of the joint, of those at ``rest`` and the channels of its control."""
-        turn = channels.rotation
+        turn, size = channels.rotation, channels.scale
         if self._axes is not None:
             turn = product(product(self._axes, turn), conjugate(self._axes))
+            size = _shared(size, self._shares)
         move = transform_directions(channels.translation, self._moves if moves is None else moves)
-        return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * channels.scale)
+        return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * size)
 
     def riding(self, posed: PoseCache) -> Parts:
         """Local parts of the offset where it rides on the joint of the control above, as that is posed."""
@@ -169,7 +179,17 @@ class Fk:
         move = transform_directions(target.translation - rest.translation, back)
         with np.errstate(divide="ignore", invalid="ignore"):
             size = np.where(rest.scale == 0, 1.0, target.scale / rest.scale)
+        if self._axes is not None:
+            size = _shared(size, self._shares.T)
         return Parts(move, turn, size)
+
+
+def _shared(scale: Floats, shares: Floats) -> Floats:
+    """Scales along other axes, (f, 3): those of each axis by how much they are along it."""
+    uniform = scale[:, :1] == scale[:, 1:]
+    if bool(uniform.all()):
+        return scale
+    return np.asarray(sum(scale[:, k, np.newaxis] * shares[k] for k in range(3)))
 
 
 def _still(matrices: Floats) -> Floats:

@@ -14,10 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, orthonormal_axes
-from rigtri.maths.quaternions import from_axes
+from rigtri.maths.quaternions import from_axes, to_axes
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord
+from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Quaternion
 from rigtri.model.rig import Rig
 
 # Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
@@ -27,12 +28,16 @@ _WORLD = np.eye(4)
 
 @dataclass(frozen=True, eq=False)
 class FkControl:
-    """A control over one joint. above: the control that its offset is a child of, −1 for none."""
+    """A control over one joint. above: the control that its offset is a child of, −1 for none.
+
+    axes: how the joint is turned seen from the offset, where it is not turned as that.
+    """
 
     control: int
     offset: int
     joint: int
     above: int
+    axes: Quaternion | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +59,7 @@ class ControlsAtZero:
         self.fk: dict[int, FkControl] = {}  # by joint
         self.limbs: list[IkLimb] = []
         self.roots: list[FkControl] = []
+        offsets = rig.records(OffsetRecord)
         poles = {_chain(rig, record.chain): node for node, record in rig.records(PoleVectorRecord).items()}
         for node, record in sorted(rig.records(ControlRecord).items()):
             joint = rig.known(record.joint)
@@ -66,7 +72,8 @@ class ControlsAtZero:
                     pole = poles.get(chain, -1)
                     self.limbs.append(IkLimb(chain, node, pole, record.soft or 0.0, bool(record.stretch)))
             elif offset >= 0:
-                own = FkControl(node, offset, joint, int(rig.parents[offset]))
+                axes = offsets[offset].axes if offset in offsets else None
+                own = FkControl(node, offset, joint, int(rig.parents[offset]), axes)
                 if record.kind == "fk":
                     self.fk[joint] = own
                 else:
@@ -108,6 +115,8 @@ class ControlsAtZero:
             here = rig.world[joint]
             axes = nearest_rotation(here)
             turned = orthonormal_axes(there)
+            if own.axes is not None:
+                turned = to_axes(product(from_axes(turned), np.array(own.axes)))
             apart = float(length(there[3, :3] - here[3, :3])) > SAME_PLACE * size
             if apart or np.abs(turned - axes).max() > 4.0 * SAME_PLACE:
                 stretch = multiply(here, inverse(from_frame(axes, here[3, :3])))

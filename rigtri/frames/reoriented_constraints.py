@@ -33,6 +33,7 @@ from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Constraint, constraint_record, constraints_of
 from rigtri.model.metadata import (
     ConstraintRecord,
+    OffsetRecord,
     PoseReaderRecord,
     Quaternion,
     Record,
@@ -130,6 +131,11 @@ def reoriented_metadata(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, An
         joint = rig.known(twist.joint)
         if twist.axis is not None and joint is not None:
             found[node] = replace(twist, axis=_seen(twist.axis, _of(delta, joint)))
+    for node, offset in rig.records(OffsetRecord).items():
+        joint = rig.known(offset.joint)
+        if offset.kind != "root" and joint is not None and (_of(delta, joint) != IDENTITY).any():
+            x, y, z, w = multiply(np.array(offset.axes or IDENTITY), _of(delta, joint)).tolist()
+            found[node] = replace(offset, axes=(x, y, z, w))
     return {**rig.metadata, **{node: record.to_dict() for node, record in found.items()}}
 
 

@@ -175,11 +175,15 @@ class LimbRecord(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class OffsetRecord(Record):
-    """The node above a control that has its joint's place."""
+    """The node above a control that has its joint's place.
+
+    axes: how the joint is turned seen from this node, where edits have given the joint other axes since.
+    """
 
     type: ClassVar[str] = "offset"
     kind: ControlKind
     joint: str
+    axes: Quaternion | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

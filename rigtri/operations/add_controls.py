@@ -17,6 +17,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.quaternions import conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.control_shapes import COLORS, Kind
@@ -153,9 +154,29 @@ class _Builder:
         offset = int(self.rig.parents[control])
         if int(self.rig.parents[offset]) != parent:
             self._report_kept(control)
+        axes = self._offset_axes(control, axes)
         self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
         self.made.append((control, kind, joint))
         return control
+
+    def _offset_axes(self, control: int, axes: Floats) -> Floats:
+        """The axes of a control's offset, (3, 3): the joint's, or those in which the control has been moved.
+
+        A control that is at zero and has no keys takes the axes of its joint as they are now.
+        """
+        offset = int(self.rig.parents[control])
+        record = self.rig.records(OffsetRecord).get(offset)
+        if record is None or record.axes is None:
+            return axes
+        if self._moved(control):
+            return to_axes(multiply(from_axes(axes), conjugate(np.array(record.axes))))
+        self.rig = with_record(self.rig, offset, replace(record, axes=None))
+        return axes
+
+    def _moved(self, control: int) -> bool:
+        if not np.array_equal(self.rig.local[control], np.eye(4)):
+            return True
+        return any(track.node == control for clip in self.rig.clips for track in clip.tracks)
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
