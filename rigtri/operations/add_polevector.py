@@ -299,7 +299,10 @@ def _placed(
 
 def _called(rig: Rig, limb: Limb) -> str:
     """What a limb's pole vector is named after: its middle joint, or what it was recognised as."""
-    return rig.names[limb.middle] or "_".join(filter(None, (limb.side, limb.kind))) or "limb"
+    name = rig.names[limb.middle]
+    if any(letter.isascii() and letter.isalnum() for letter in name):
+        return name
+    return "_".join(filter(None, (limb.side, limb.kind))) or "limb"
 
 
 def _axes(points: Floats, found: Bend, options: AddPolevectorOptions) -> Floats:

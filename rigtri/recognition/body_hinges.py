@@ -10,16 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from rigtri.errors import UsageError
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotate, rotation_angle
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
-from rigtri.recognition.layout import Chain, Character
+from rigtri.recognition.hands_feet import BY_PLACE
+from rigtri.recognition.layout import CONFIDENT, Chain, Character
+from rigtri.recognition.pose_samples import bind_pose
 
 # Fingers that bend by more than this at rest (radians, 20°) say themselves about which axis they close.
 CURLED = 0.3490658503988659
@@ -29,15 +33,37 @@ LATERAL = 0.7071067811865476
 THUMB_BENT = 0.17453292519943295
 # Hips that rotate by no more than this (radians) stand as they did.
 SAME_POSE = 1e-3
+# A direction nearer to the up direction than this sine says nothing about where a body looks.
+ALONG_UP = 0.1
+# A thumb points by more than this to the side of the fingers (the cosine of 20°).
+THUMB_APART = 0.9396926207859084
+# Fingers that all bend to one side by more than this (radians, 2°) say which side the palm is on.
+SHOWN = 0.03490658503988659
 _TRUNK = ("spine", "neck", "head")
+
+
+class Hinge(NamedTuple):
+    """What a body says of a joint: the rule, and a direction of the world, (3,), not yet square to the bone.
+
+    ahead: the direction is where the bone's end moves as the joint flexes, else it is the hinge.
+    """
+
+    rule: str
+    direction: Floats
+    ahead: bool = False
+
+    def of(self, bone: Floats) -> Floats:
+        """The hinge of a bone, unit, (3,) each; NaN where the bone runs along the direction."""
+        across = cross(bone, self.direction) if self.ahead else perpendicular(self.direction, bone)
+        return normalise(across)
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
     """A character as it stands in a pose: unit directions of the world, (3,) each.
 
-    nodes: all joints of the character. hinges: what it says of joints, by node: the rule, and a direction,
-    (3,), that is not yet square to the bone; None where it is across bone and facing direction.
+    nodes: all joints of the character. limbs: those whose limbs say it. unsure: joints of what may be limbs.
+    hinges: what it says of the others.
     """
 
     facing: Floats
@@ -45,34 +71,32 @@ class Body:
     left: Floats
     nodes: frozenset[int]
     limbs: frozenset[int]
-    hinges: Mapping[int, tuple[str, Floats | None]]
-
-    def across(self, bone: Floats) -> Floats:
-        """The hinge of a bone, unit (3,), about which its end moves where the body faces; NaN along that."""
-        return normalise(cross(bone, self.facing))
+    unsure: frozenset[int]
+    hinges: Mapping[int, Hinge]
 
     def default(self, bone: Floats) -> Floats:
         """The hinge of a bone of which nothing else is known: lateral, or for lateral bones across them."""
         lateral = abs(float(dot(bone, self.left))) > LATERAL
-        return self.across(bone) if lateral else normalise(perpendicular(self.left, bone))
+        return normalise(cross(bone, self.facing)) if lateral else normalise(perpendicular(self.left, bone))
 
 
 def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Floats | None) -> list[Body]:
     """What the characters say of their joints in a pose, world (n, 4, 4).
 
-    facing: where they look by the user's word, (3,), instead of what was recognised. Characters whose
-    facing direction nothing tells are left out.
+    facing: where they look by the user's word, (3,), instead of what was recognised. Characters that are not
+    sure, or whose facing direction nothing tells, are left out.
     """
     found = []
-    for character in characters:
+    for character in (character for character in characters if character.confidence >= CONFIDENT):
         frame = _frame(rig, character, world, facing)
         if frame is not None:
-            ahead, up = frame
+            ahead, up, mirrored = frame
             left = cross(up, ahead)
             nodes = frozenset(part.joint for part in character.parts)
             limbs = frozenset(k for chain in character.limbs if chain.is_sure for k in chain.bend[:2])
-            hinges = dict(_hinges(character, world[:, 3, :3], left))
-            found.append(Body(ahead, up, left, nodes, limbs, hinges))
+            unsure = frozenset(k for chain in character.limbs if not chain.is_sure for k in chain.joints)
+            hinges = dict(_hinges(character, world[:, 3, :3], left, up, mirrored=mirrored))
+            found.append(Body(ahead, up, left, nodes, limbs, unsure, hinges))
     return found
 
 
@@ -104,36 +128,46 @@ def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
 
 def _frame(
     rig: Rig, character: Character, world: Floats, facing: Floats | None
-) -> tuple[Floats, Floats] | None:
-    """Where a character looks in a pose, and where its up is; None where nothing tells."""
-    up = np.array(character.up)
-    ahead = np.array(character.facing) if facing is None else normalise(facing)
-    if not up.any() or not ahead.any():
+) -> tuple[Floats, Floats, bool] | None:
+    """Where a character looks in a pose and where its up is, (3,) each; None where nothing tells.
+
+    And whether its names say left where it has its right.
+    """
+    up, ahead, normal = (np.array(k) for k in (character.up, character.facing, character.normal))
+    if not up.any() or not (ahead.any() or facing is not None):
         return None
-    if facing is None:
-        ahead, up = _in_pose(rig, character, world, ahead, up)
+    ahead, up, normal = _in_pose(rig, character, world, ahead, up, normal)
+    if facing is not None:
+        ahead = normalise(facing)
     ahead = perpendicular(ahead, up)
-    return (normalise(ahead), up) if length(ahead) > 0.1 else None
+    if not length(ahead) > ALONG_UP:
+        if facing is not None:
+            raise UsageError("--facing runs along the character; give the direction in which it looks")
+        return None
+    ahead = normalise(ahead)
+    return ahead, up, float(dot(normal, cross(up, ahead))) < 0
 
 
 def _in_pose(
-    rig: Rig, character: Character, world: Floats, ahead: Floats, up: Floats
-) -> tuple[Floats, Floats]:
-    """Facing and up directions taken from the rest pose to another, by the hips."""
+    rig: Rig, character: Character, world: Floats, ahead: Floats, up: Floats, normal: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Directions of a character taken from the pose that they were recognised in to another, by the hips."""
     hips = character.hips
-    if character.pose != "rest" or hips < 0:
-        return ahead, up
-    there, here = (from_axes(nearest_rotation(each[hips])) for each in (rig.world, world))
+    if hips < 0:
+        return ahead, up, normal
+    bind = bind_pose(rig) if character.pose == "bind" else None
+    posed = rig.world if bind is None else bind
+    there, here = (from_axes(nearest_rotation(each[hips])) for each in (posed, world))
     turned = multiply(here, conjugate(there))
-    if rotation_angle(turned) < SAME_POSE:
-        return ahead, up
-    ahead, up = rotate(turned, ahead), rotate(turned, up)
+    if rotation_angle(turned) < SAME_POSE or not np.isfinite(turned).all():
+        return ahead, up, normal
+    ahead, up, normal = (rotate(turned, k) for k in (ahead, up, normal))
     lateral = _lateral(character, world[:, 3, :3])
     if lateral is None:
-        return ahead, up
+        return ahead, up, normal
     lateral = lateral if dot(lateral, cross(up, ahead)) >= 0 else -lateral
     ahead = normalise(perpendicular(ahead, lateral))
-    return ahead, cross(ahead, lateral)
+    return ahead, cross(ahead, lateral), normal
 
 
 def _lateral(character: Character, at: Floats) -> Floats | None:
@@ -147,48 +181,57 @@ def _lateral(character: Character, at: Floats) -> Floats | None:
 
 
 def _hinges(
-    character: Character, at: Floats, left: Floats
-) -> Iterator[tuple[int, tuple[str, Floats | None]]]:
+    character: Character, at: Floats, left: Floats, up: Floats, *, mirrored: bool
+) -> Iterator[tuple[int, Hinge]]:
     """What a character says of its joints; later ones count."""
     chains = [chain for chain in character.chains if chain.is_sure]
     if character.hips >= 0:
-        yield character.hips, ("lateral axis of the body", left)
+        yield character.hips, Hinge("lateral axis of the body", left)
     for chain in chains:
         if chain.kind in (*_TRUNK, "tail") or (chain.kind == "foot" and character.form == "biped"):
             for joint in chain.joints:
-                yield joint, ("lateral axis of the body", left)
+                yield joint, Hinge("lateral axis of the body", left)
     bones = character.bones
+    chest = cross(left, _up_of_chest(chains, at, up))
     for side in ("left", "right"):
         if f"{side}Shoulder" in bones:
-            yield bones[f"{side}Shoulder"], ("facing direction of the body", None)
+            yield bones[f"{side}Shoulder"], Hinge("facing direction of the chest", chest, ahead=True)
         # Of a body whose names say left where it faces right, the place says which hand it is.
-        mirrored = float(dot(np.array(character.normal), left)) < 0
-        yield from _hand(chains, side, at, is_left=(side == "left") != mirrored)
+        yield from _hand(chains, side, at, up, is_left=(side == "left") != mirrored)
+
+
+def _up_of_chest(chains: Sequence[Chain], at: Floats, up: Floats) -> Floats:
+    """The direction of the trunk where the arms begin, unit, (3,); the body's up for a spine of one joint."""
+    spine = next((k.joints for k in chains if k.kind == "spine"), ())
+    above = next((k.joints[0] for kind in ("neck", "head") for k in chains if k.kind == kind), None)
+    line = [*spine, *([] if above is None else [above])]
+    return normalise(at[line[-1]] - at[line[-2]]) if len(line) > 1 else up
 
 
 def _hand(
-    chains: Sequence[Chain], side: str, at: Floats, *, is_left: bool
-) -> Iterator[tuple[int, tuple[str, Floats | None]]]:
+    chains: Sequence[Chain], side: str, at: Floats, up: Floats, *, is_left: bool
+) -> Iterator[tuple[int, Hinge]]:
     """The hinge that the fingers of a hand and its wrist share, and the thumb's own."""
     fingers = [k for k in chains if k.kind == "finger" and k.side == side]
     thumb = next((k for k in fingers if "thumb" in k.name), None)
     named = {name: k for k in fingers for name in ("index", "middle", "ring", "little") if name in k.name}
     four = list(named.values())
     wrist = next((k.joints[-1] for k in chains if k.kind == "hand" and k.side == side), -1)
-    palm = _palm(four, at, is_left=is_left)
+    palm = _palm(four, thumb, at, up, is_left=is_left)
     if palm is None:
         return
-    rule, hinge = palm
     for joint in (wrist, *(joint for finger in four for joint in finger.joints)):
         if joint >= 0:
-            yield joint, (rule, hinge)
+            yield joint, palm
     if thumb is not None and len(thumb.joints) > 1:
-        own = _thumb(thumb.joints, four, at, hinge)
+        own = _thumb(thumb.joints, four, at, palm.direction)
         for joint in thumb.joints:
             yield joint, own
 
 
-def _palm(fingers: Sequence[Chain], at: Floats, *, is_left: bool) -> tuple[str, Floats] | None:
+def _palm(
+    fingers: Sequence[Chain], thumb: Chain | None, at: Floats, up: Floats, *, is_left: bool
+) -> Hinge | None:
     """About which axis a hand closes, unit, (3,); None for a hand of one finger or none."""
     if len(fingers) < 2:
         return None
@@ -198,10 +241,38 @@ def _palm(fingers: Sequence[Chain], at: Floats, *, is_left: bool) -> tuple[str, 
     across = across if is_left else -across
     curl = _curl(fingers, at)
     if curl is not None:
-        return "plane of the bent fingers", curl
+        return Hinge("plane of the bent fingers", curl)
     if not np.isfinite(across).all():
         return None
-    return "palm of the hand", across
+    along = normalise(np.array([at[k.joints[-1]] - at[k.joints[0]] for k in fingers]).cumsum(axis=0)[-1])
+    if not _is_apart(thumb, along, at) and all(k.evidence[0] == BY_PLACE for k in fingers):
+        # Which finger is the first is a guess then: a bend of all shows the palm, else it faces down.
+        shown = _shown(fingers, at)
+        away = dot(shown, across) if shown is not None else -dot(cross(across, along), up)
+        across = -across if away < 0 else across
+    return Hinge("palm of the hand", across)
+
+
+def _is_apart(thumb: Chain | None, along: Floats, at: Floats) -> bool:
+    """Whether a thumb points elsewhere than the fingers do, so that it surely is one."""
+    if thumb is None or len(thumb.joints) < 2:
+        return False
+    own = normalise(at[thumb.joints[-1]] - at[thumb.joints[0]])
+    return float(dot(own, along)) < THUMB_APART
+
+
+def _shown(fingers: Sequence[Chain], at: Floats) -> Floats | None:
+    """The hinge about which all fingers bend a little, unit, (3,); None where they do not agree."""
+    found = []
+    for finger in fingers:
+        if len(finger.joints) < 3:
+            return None
+        a, b, c = (at[joint] for joint in finger.joints[:3])
+        if float(bend_angle(a, b, c)) < SHOWN:
+            return None
+        found.append(normalise(cross(b - a, c - b)))
+    common = np.array(found).cumsum(axis=0)[-1]
+    return normalise(common) if length(common) > 0.9 * len(found) else None
 
 
 def _curl(fingers: Sequence[Chain], at: Floats) -> Floats | None:
@@ -219,9 +290,7 @@ def _curl(fingers: Sequence[Chain], at: Floats) -> Floats | None:
     return normalise(common) if length(common) > 0.7 * len(normals) else None
 
 
-def _thumb(
-    thumb: Sequence[int], fingers: Sequence[Chain], at: Floats, palm: Floats
-) -> tuple[str, Floats | None]:
+def _thumb(thumb: Sequence[int], fingers: Sequence[Chain], at: Floats, palm: Floats) -> Hinge:
     """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
     bone = at[thumb[-1]] - at[thumb[0]]
     towards = at[fingers[-1].joints[0]] - at[thumb[0]]
@@ -233,5 +302,5 @@ def _thumb(
         a, b, c = (at[joint] for joint in thumb[:3])
         own = normalise(cross(b - a, c - b))
         if float(bend_angle(a, b, c)) > THUMB_BENT and dot(own, closing) > 0:
-            return "plane of the thumb", own
-    return "palm of the hand", closing if np.isfinite(closing).all() else palm
+            return Hinge("plane of the thumb", own)
+    return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)

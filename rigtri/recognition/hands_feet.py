@@ -13,6 +13,7 @@ from rigtri.recognition.layout import NAMES, Kind
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 from rigtri.recognition.shape_analysis import MOST
 
+BY_PLACE = "by its place in the hand"
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 _CALLED = {finger: frozenset([finger.lower()]) for finger in FINGERS}
 _CALLED |= {"Middle": frozenset(["middle", "mid"]), "Little": frozenset(["little", "pinky"])}
@@ -129,7 +130,7 @@ def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, su
         _finger(draft, left[0], "", side, 0.95 * sure, NAMES, alone=True)
         return
     for which, chain in _in_order(draft, hand, left):
-        _finger(draft, chain, which, side, 0.8 * sure, "by its place in the hand")
+        _finger(draft, chain, which, side, 0.8 * sure, BY_PLACE)
 
 
 def finger_in_name(name: str) -> str:

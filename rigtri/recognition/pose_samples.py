@@ -33,11 +33,8 @@ class Poses:
     @cached_property
     def bind(self) -> Floats | None:
         """The bind pose of the skin with most joints; None where there is none or it is no pose."""
-        skins = [skin for skin in self.rig.skins if skin.stored and len(skin.joints) > 1]
-        if not skins:
-            return None
-        places = bind_worlds(self.rig, max(skins, key=lambda skin: len(skin.joints)))[:, 3, :3]
-        return places if bool(np.isfinite(places).all()) else None
+        world = bind_pose(self.rig)
+        return None if world is None else world[:, 3, :3]
 
     @cached_property
     def moving(self) -> Floats:
@@ -70,6 +67,15 @@ class Poses:
 
     def named(self, pose: Literal["rest", "bind"]) -> Floats:
         return self.bind if pose == "bind" and self.bind is not None else self.rest
+
+
+def bind_pose(rig: Rig) -> Floats | None:
+    """World matrices, (n, 4, 4), in the bind pose of the skin with most joints; None where it is no pose."""
+    skins = [skin for skin in rig.skins if skin.stored and len(skin.joints) > 1]
+    if not skins:
+        return None
+    world = bind_worlds(rig, max(skins, key=lambda skin: len(skin.joints)))
+    return world if bool(np.isfinite(world[:, 3, :3]).all()) else None
 
 
 def _rotations(clip: Clip) -> int:

@@ -9,9 +9,9 @@ import pytest
 from posed_bodies import Pose, PosedBody, posed_body, poses
 
 from rigtri import add_polevector, orient_joints
+from rigtri.errors import UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.axis_presets import PRESETS
 from rigtri.report import Report
 
 # The axis that is the hinge n, with its sign, as docs/presets.md has it.
@@ -34,8 +34,12 @@ SHAKY_LIMB = 60.0
 
 
 def hinge_axes(rig: Rig, hinge: str) -> Floats:
-    """The world direction of each node's hinge axis, unit, (n, 3)."""
+    """The world direction about which a positive turn of each node's hinge axis goes, unit, (n, 3).
+
+    In left-handed axes a positive turn goes the other way round.
+    """
     axes = rig.world[:, "xyz".index(hinge[1]), :3] * (-1.0 if hinge[0] == "-" else 1.0)
+    axes = axes * np.sign(np.linalg.det(rig.world[:, :3, :3]))[:, np.newaxis]
     return np.asarray(axes / np.linalg.norm(axes, axis=1)[:, np.newaxis])
 
 
@@ -78,9 +82,6 @@ FEW = EVERY[2:18:5] + EVERY[19:56:6]
 def test_every_preset_closes_hands_and_bends_trunks_and_limbs_about_one_axis(pose: Pose) -> None:
     body = posed_body(pose)
     for preset, hinge in HINGES.items():
-        # Left-handed frames keep their handedness, so an axis towards the bend leaves the hinge reversed.
-        if pose.flip and PRESETS[preset].up_from == "pole":
-            continue
         out = orient_joints(body.rig, preset=preset)
         assert broken_laws(body, pose, out, hinge) == [], preset
         for socket in body.sockets:
@@ -93,7 +94,7 @@ def test_a_report_names_the_rule_that_each_joint_follows() -> None:
     rules = {entry["joint"].removeprefix("mixamorig:"): entry.get("up") for entry in report.joints}
     assert rules["Spine1"] == "lateral axis of the body"
     assert rules["LeftHandIndex1"] == "palm of the hand"
-    assert rules["LeftShoulder"] == "facing direction of the body"
+    assert rules["LeftShoulder"] == "facing direction of the chest"
 
 
 def test_fingers_that_are_clearly_bent_share_their_own_plane() -> None:
@@ -157,3 +158,31 @@ def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
 def test_a_pole_of_nameless_joints_is_called_after_its_limb() -> None:
     names = add_polevector(posed_body(Pose("none", elbow=15.0)).rig, limbs="auto").names
     assert {"left_arm_pole", "right_leg_pole"} <= set(names)
+
+
+def test_hands_close_where_the_nodes_are_turned_away_from_the_bind_pose() -> None:
+    body = posed_body(Pose(arms=80.0))
+    bind = orient_joints(body.rig).world
+    for degrees in (90.0, 180.0):
+        half = np.radians(degrees) / 2
+        rotation = body.rig.rotation.copy()
+        rotation[0] = (0, np.sin(half), 0, np.cos(half))
+        turned = orient_joints(replace(body.rig, rotation=rotation))
+        back = np.array(
+            [[np.cos(2 * half), 0, np.sin(2 * half)], [0, 1, 0], [-np.sin(2 * half), 0, np.cos(2 * half)]]
+        )
+        np.testing.assert_allclose(turned.world[:, :3, :3] @ back, bind[:, :3, :3], atol=1e-5)
+
+
+def test_a_character_that_is_not_sure_is_reported_and_no_body_is_presumed() -> None:
+    lean, report = posed_body(Pose("none", arms=10.0, hunch=60.0, noise=4.0, seed=3)), Report()
+    from rigtri.recognition.recognise import recognise
+
+    unsure = [k for k in recognise(lean.rig).characters if k.confidence < 0.75]
+    orient_joints(lean.rig, report=report)
+    assert ("unsure-character" in [notice.code for notice in report.warnings]) == bool(unsure)
+
+
+def test_a_facing_direction_along_the_body_is_refused() -> None:
+    with pytest.raises(UsageError, match="along the character"):
+        orient_joints(posed_body(Pose()).rig, facing="+y")

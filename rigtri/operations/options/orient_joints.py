@@ -33,6 +33,8 @@ from rigtri.operations.declaration import (
 Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 End = Literal["tip", "parent", "incoming", "keep", "world"]
+# What is said of bones and limbs, which axes parallel to the world do not look at.
+_OF_BONES = ("aim_at", "branch", "end", "per_joint_plane", "facing")
 # Options that say where axes go, which frames from elsewhere have said already.
 _GEOMETRY = ("preset", *AXES, "aim_at", "branch", "end", "per_joint_plane", "facing", "world")
 
@@ -156,7 +158,7 @@ class OrientJointsOptions:
         if self.like is not None:
             refuse(given, _GEOMETRY, "does not go with --like")
         if self.world or self.preset == "vrm":
-            refuse(given, AXES, "does not go with axes parallel to the world")
+            refuse(given, [*AXES, *_OF_BONES], "does not go with axes parallel to the world")
         if self.world and self.preset not in (None, "vrm"):
             raise UsageError("give --preset or --world, not both")
         if sum(word in BRANCHES for word in self.branch) > 1:

@@ -15,7 +15,7 @@ from rigtri.frames.skeleton import ZERO_LENGTH
 from rigtri.maths.arrays import Integers
 from rigtri.maths.triangle import STRAIGHT_SINE
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length, normalise, perpendicular
+from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import chain_child, limb_path
 from rigtri.operations.orient_joints.targets import Targets
@@ -92,6 +92,8 @@ def bend_planes(
     taken: set[int] = set()
     for limb, posed in zip(targets.limbs, in_pose(targets.limbs, targets.ref.world), strict=True):
         members = _members(targets, limb)
+        if not members:
+            continue
         taken.update(members)
         _set_limb(planes, targets, limb, members, posed, body_of(bodies, limb.start), facing, report)
         known |= dict.fromkeys(members)
@@ -147,19 +149,18 @@ def _set_limb(
 def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body]) -> None:
     """What bodies say of trunk, hands, feet and clavicles, instead of what single triples say."""
     for body in bodies:
-        for joint, (rule, direction) in body.hinges.items():
+        for joint, known in body.hinges.items():
             if joint not in targets.aims or joint in body.limbs:
                 continue
-            bone = targets.bone[joint]
-            hinge = body.across(bone) if direction is None else normalise(perpendicular(direction, bone))
+            hinge = known.of(targets.bone[joint])
             if np.isfinite(hinge).all():
-                planes.normals.set([joint], hinge, 2, rule, BODY_SINE)
+                planes.normals.set([joint], hinge, 2, known.rule, BODY_SINE)
                 planes.straight.pop(joint, None)
 
 
 def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int], body: Body | None) -> None:
     """One plane for a chain that is no limb (tail, ear, hair), on the side on which the body's would be."""
-    if body is None:
+    if body is None or not body.unsure.isdisjoint(chain):
         return
     normals = planes.normals
     shown = all(normals.step[joint] for joint in chain) and float(normals.sine[chain[0]]) >= BENT_SINE

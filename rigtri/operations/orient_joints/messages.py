@@ -22,6 +22,8 @@ from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, first_uneven
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
+from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import and_more, listed
 
@@ -72,6 +74,23 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
             reasons.setdefault(reason, []).append(rig.title(joint))
     for reason, names in reasons.items():
         report.warn("fixed", f"skipped: {and_more(names, 3)}: {reason}")
+
+
+def warn_unsure(targets: Targets, report: Report) -> None:
+    """Warn of characters that are not recognised surely: nothing is known then of hands and trunk."""
+    for character in recognise(targets.tree.rig).characters:
+        joints = {part.joint for part in character.parts}
+        if character.form not in ("biped", "quadruped") or character.confidence >= CONFIDENT:
+            continue
+        if joints.isdisjoint(targets.joints) or all(targets.styles[k].world for k in targets.joints):
+            continue
+        report.warn(
+            "unsure-character",
+            f"A {character.form} is recognised, but not surely ({character.confidence:.2f}; sure from "
+            f"{CONFIDENT}): joints take the planes of their own bones, not those of a body. Name limbs with "
+            "--limb; see: rigtri recognise FILE",
+            geometry=True,
+        )
 
 
 def warn_straight(outcome: Outcome, report: Report) -> None:
@@ -183,7 +202,9 @@ def _records(outcome: Outcome, mirrored: Booleans) -> list[dict[str, Any]]:
             entry["aim"] = aim.how
             if aim.node is not None:
                 entry["aims_at"] = rig.title(aim.node)
-        if step:
+        if aim is not None and aim.how == "parent":
+            entry["up"] = "axes of the parent joint"
+        elif step:
             entry |= {"up": ups.source[joint], "step": step, "invented": step >= 7}
         entry["pose"] = targets.ref.kind[joint]
         if mirrored[joint]:

@@ -10,7 +10,8 @@ import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton, reference, skeleton
-from rigtri.maths.matrices import transform_directions
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import determinant, transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise
 from rigtri.model.rig import Rig
@@ -56,6 +57,11 @@ class Targets:
         aimed = np.flatnonzero(~np.isnan(found[:, 0]))
         found[aimed] = normalise(transform_directions(found[aimed], self.ref.world[aimed]))
         return found
+
+    @cached_property
+    def mirrored(self) -> Booleans:
+        """Which nodes have left-handed axes, (n,)."""
+        return np.asarray(determinant(self.ref.world) < 0)
 
     def by_style(self, joints: Iterable[int]) -> dict[AxisStyle, list[int]]:
         """Joints of one style together, for what is computed of many at once."""

@@ -80,6 +80,9 @@ class UpLadder:
             up_from = targets.styles[joint].up_from
             if up_from == "pole":
                 self._take_pole(joint)
+            elif targets.mirrored[joint] and self.normals.step[joint] != 8:
+                # A positive rotation about an axis of a left-handed frame turns the other way.
+                self.ups.vector[joint] = -self.ups.vector[joint]
             elif joint in stated:
                 name, source = targets.tree.rig.title(joint), up_text(self.normals.source[joint])
                 self._report.warn(
@@ -98,7 +101,7 @@ class UpLadder:
             if hinges.step[joint] and crossing(hinges.vector[joint], bone):
                 self.normals.copy_from(hinges, [joint])
                 self.ups.copy_from(hinges, [joint])
-                self.ups.vector[joint] = -hinges.vector[joint]
+                self.ups.vector[joint] = hinges.vector[joint] * (1.0 if targets.mirrored[joint] else -1.0)
                 continue
             goes_on = above in targets.aims and targets.aims[above].node == joint and self.ups.step[above]
             up: Floats | None
