@@ -227,10 +227,26 @@ class OutputRecord(Stored):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ReplacedKeysRecord(Stored):
+    """Keys of morph targets in a clip, from before a pose reader drove them.
+
+    times: None where nothing drove the mesh. unlisted: those of the morphs that the clip had no word for.
+    """
+
+    clip: str
+    mesh: str
+    morphs: tuple[int, ...]
+    interpolation: Literal["LINEAR", "STEP"] | None = None
+    times: tuple[float, ...] | None = None
+    values: tuple[tuple[float, ...], ...] | None = None
+    unlisted: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class PoseReaderRecord(Record):
     """A pose-space driver: how much a joint is in each of some poses. inner, outer: in degrees.
 
-    before: the keys that it has replaced, see `rigtri.operations.add_posereader.replaced_keys`.
+    before: the keys that it has replaced, which strip restores.
     """
 
     type: ClassVar[str] = "poseReader"
@@ -248,7 +264,7 @@ class PoseReaderRecord(Record):
     outputs: tuple[OutputRecord, ...]
     within: float
     fps: float | None = None
-    before: tuple[Mapping[str, Any], ...] = ()
+    before: tuple[ReplacedKeysRecord, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

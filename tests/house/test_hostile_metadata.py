@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from gltf_files import character, glb_json
 from program import cli
 from pxr import Gf, Sdf, Vt
 from usd_files import MESH, animation, scene, skeleton
@@ -91,3 +92,56 @@ def _replace(layer: Any, named: Any, kind: Any, value: Any) -> int:
         owner.RemoveProperty(spec)
         Sdf.AttributeSpec(owner, name, kind).default = value
     return len(found)
+
+
+RECORD = {"v": 1, "type": "poseReader", "name": "r", "driver": "leg", "frame": "hips", "axis": [1, 0, 0]}
+READER = RECORD | {"reader": "dot", "targets": [], "outputs": [], "within": 0.1}
+BEFORE = {"clip": "walk", "mesh": "body", "morphs": [0], "interpolation": "LINEAR", "times": [0.0, 1.0]}
+
+
+@pytest.mark.parametrize(
+    "stored",
+    [
+        RECORD,
+        READER | {"before": [{}]},
+        READER | {"before": [{"clip": "walk", "mesh": "body"}]},
+        READER | {"before": [BEFORE]},
+        READER | {"before": [BEFORE | {"values": [[1.0]]}]},
+        READER | {"before": [BEFORE | {"values": [[1.0], []]}]},
+        READER | {"before": [BEFORE | {"values": [[1.0], [2.0]], "morphs": [99]}]},
+        READER | {"before": [BEFORE | {"values": [[1.0], [2.0]], "times": [1.0, 1.0]}]},
+        {"v": 1, "type": "rivet", "name": "x"},
+        {"v": 1, "type": "control"},
+        {"v": 1, "type": "twist", "joint": "leg", "to": "foot"},
+        {"v": 1, "type": "limb", "limb": "l"},
+        {"v": 1, "type": "constraint", "kind": "aim", "child": "prop", "drivers": ["hand"]},
+        {"v": 1, "type": "poleVector"},
+        {"v": 1, "type": "offset"},
+        {"v": 1, "type": "frame", "joint": "nobody"},
+        {"v": 1, "type": "control", "kind": "fk", "joint": "nobody", "chain": ["nobody"]},
+        {"v": 1, "type": "twist", "joint": "gone", "to": "gone", "driver": "gone", "number": 1, "count": 1}
+        | {"at": 0.5, "weight": 1.0},
+        {"v": 0, "type": "control", "kind": "fk", "joint": "leg"},
+        {"v": 2, "type": "control", "kind": "fk", "joint": "leg"},
+        {"v": "1", "type": "control", "kind": "fk", "joint": "leg"},
+        {"type": "control", "kind": "fk", "joint": "leg"},
+        {"v": 1, "type": "unheardOf"},
+        {"v": 1, "type": ["control"]},
+        {"v": 1},
+        {},
+    ],
+    ids=lambda stored: str(stored)[:60],
+)
+def test_any_record_in_gltf_is_used_or_reported(stored: dict[str, Any], tmp_path: Path) -> None:
+    builder = character()
+    node = next(n for n in builder.gltf["nodes"] if n.get("name") == "prop")
+    node["extras"] = {"rigtri": stored}
+    builder.glb(path := tmp_path / "in.glb")
+    use(path)
+    newer = stored.get("v") != 1 or not isinstance(stored.get("type"), str) or stored["type"] == "unheardOf"
+    if newer:
+        assert "What rigtri stored on node 9 stays as it is: " in cli("inspect", path).stderr
+        out = tmp_path / "out.glb"
+        assert cli("orient-joints", path, "-o", out).exit_code == 0
+        kept = next(n for n in glb_json(out)["nodes"] if n.get("name") == "prop")
+        assert kept["extras"]["rigtri"] == stored

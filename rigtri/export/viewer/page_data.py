@@ -135,7 +135,7 @@ def _kind(rig: Rig, node: int) -> str:
     kind = note.get("type")
     if kind in (None, "frame", "group", "offset"):
         return ""
-    return f"{note['kind']} control" if kind == "control" else str(kind)
+    return f"{note.get('kind', '')} control".lstrip() if kind == "control" else str(kind)
 
 
 def _shapes(rig: Rig, place: dict[int, int]) -> Iterator[dict[str, Any]]:

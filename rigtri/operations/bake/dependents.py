@@ -8,7 +8,7 @@ from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageErro
 from rigtri.evaluation.dependency_graph import dependencies, find_cycle
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import RivetRecord
+from rigtri.model.metadata import PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
@@ -17,13 +17,13 @@ from rigtri.report import Report
 
 def rivets_and_readers(rig: Rig) -> list[int]:
     """The nodes of pose readers and then of rivets: morph weights move the points that hold rivets."""
-    return sorted(rig.nodes_of("poseReader")) + sorted(rig.nodes_of("rivet"))
+    return sorted(rig.records(PoseReaderRecord)) + sorted(rig.records(RivetRecord))
 
 
 def rivets_of_constraints(rig: Rig) -> frozenset[int]:
     """The rivets that a constraint looks at, or that hold what it looks at."""
     sources = rig.with_ancestors(node for rule in constraints_of(rig).values() for node in rule.sources)
-    return frozenset(node for node in sources if rig.type_of(node) == "rivet")
+    return frozenset(node for node in sources if node in rig.records(RivetRecord))
 
 
 def refuse_cycles(rig: Rig) -> None:

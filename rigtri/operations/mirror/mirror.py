@@ -17,6 +17,7 @@ from rigtri.errors import GeometryError
 from rigtri.frames.mirroring import MIRRORS, parting, side_of, twin_of, warn_plane
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.quaternions import normalise_for_storage
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import NOT_VRM
 from rigtri.operations.declaration import Selection
@@ -104,7 +105,15 @@ def _as_written(rig: Rig, before: Rig) -> Rig:
 
     A second run reads the written ones, and must find everything where it is.
     """
-    turned = (rig.rotation != before.rotation).any(axis=1, keepdims=True)
+    # By key, as nodes may have come between others, to hold axes or attachments; new ones have none.
+    was: dict[object, list[Floats]] = {}
+    for key, rotation in zip(before.keys, before.rotation, strict=True):
+        was.setdefault(key, []).append(rotation)
+    same = [
+        any((old == own).all() for old in was.get(key, ()))
+        for key, own in zip(rig.keys, rig.rotation, strict=True)
+    ]
+    turned = ~np.array(same, dtype=bool)[:, np.newaxis]
     return replace(rig, rotation=np.where(turned, normalise_for_storage(rig.rotation), rig.rotation))
 
 

@@ -33,6 +33,7 @@ from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.control_shapes import Shape
+from rigtri.model.metadata import PoseWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -129,8 +130,9 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             idle = [name for name in OPS.values() if name not in used]
             prim = source.stage.GetPrimAtPath(path)
             found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]
-            if "attribute" in metadata:
-                found += _values(rig, node, rig.labels[rig.find(str(metadata["control"]), "node")])
+            record = rig.record(node)
+            if isinstance(record, PoseWeightRecord) and record.attribute:
+                found += _values(rig, node, rig.labels[rig.find(record.control, "node")])
     return found
 
 
