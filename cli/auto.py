@@ -41,7 +41,7 @@ SUFFIX = ".rig.yaml"
 @click.command("auto")
 @source_argument
 @target_option
-@preset_option("Axes of the joints. [maya; vrm where a file allows no others]")
+@preset_option("Axes of the joints. [article; vrm where a file allows no others]")
 @click.option(
     "--spec-out",
     metavar="FILE.yaml",

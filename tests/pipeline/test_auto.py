@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from places import SAMPLES, slow
 from recognition_bodies.bodies import Body
@@ -20,6 +21,7 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
+from rigtri.verification.checks import check
 from rigtri.verification.compare.compare import verify
 
 from write_gltf import glb  # isort: skip - recognition.bodies has put the samples on the path
@@ -240,3 +242,15 @@ def test_a_scheme_of_ones_own_names_limbs_for_auto(tmp_path: Path) -> None:
     assert "Our studio" in run(*words, "--scheme", scheme).output
     refused = run(*words, "--scheme", tmp_path / "no.toml", code=3)
     assert "no.toml" in refused.stderr
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "tpose.glb"])
+def test_the_axes_by_default_are_those_of_orient_joints_and_make_sense(name: str, tmp_path: Path) -> None:
+    out, plain = tmp_path / "out.glb", tmp_path / "plain.glb"
+    run("auto", SAMPLES / name, "-o", out)
+    run("orient-joints", SAMPLES / name, "-o", plain)
+    assert not [item.message for item in check(out) if item.id.startswith("axes.")]
+    built, oriented = read(out), read(plain)
+    for joint in (name for name in oriented.names if name.startswith(("thigh", "shin", "forearm"))):
+        axes = [rig.world[rig.find(joint), :3, :3] for rig in (built, oriented)]
+        assert np.abs(axes[0] - axes[1]).max() < 1e-5

@@ -64,7 +64,7 @@ def starter(
         "  # New axes for all joints that carry weight; nothing that can be seen moves. Other presets:",
         "  # maya, unreal-editor, mgear, cmt, blender, rigify, talk, article, openxr, three-ik, vrm.",
         "  - do: orient-joints",
-        f"    preset: {preset or ('vrm' if rig.rules.orient_locked else 'maya')}",
+        f"    preset: {preset or ('vrm' if rig.rules.orient_locked else 'article')}",
         *limbs.steps(),
         *_fingers(rig, layout),
         *_joints(rig, tree),
