@@ -32,6 +32,7 @@ from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
+from rigtri.formats.gltf.removal_check import check_before_removal
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
 from rigtri.formats.gltf.skin_weight_writer import WeightWriter
@@ -194,6 +195,8 @@ class GltfDocument:
     def _apply(self, rig: Rig, draft: CopyOnWrite, storage: Storage) -> None:
         """Put what of ``rig`` differs into the JSON and the buffers."""
         refuse_early(self._rig, rig)
+        if rig.pending.removed:
+            check_before_removal(Value(self.container.gltf, f"{self.container.path}:"))
         nodes = NodeWriter(draft, self._rig, rig)
         clips = ClipWriter(draft, storage, self.accessors, self._rig, rig, nodes.index, nodes.moved)
         nodes.write()
