@@ -37,6 +37,11 @@ _DRAWING = "shape"
 _EXACT = 1e-6
 
 
+# Records by the id of what is stored, with that itself, which rigs made of one another share.
+_parsed: dict[int, tuple[Mapping[str, Any], Record]] = {}
+_MOST_PARSED = 10_000
+
+
 @dataclass(frozen=True, eq=False)
 class Rig(NodeNames):
     """Nodes, their rest pose as stored, and all that is bound to them.
@@ -73,8 +78,6 @@ class Rig(NodeNames):
     pending: PendingEdits = field(default_factory=PendingEdits)
     content: Content = field(default_factory=Content)
     source: RigSource | None = None
-    # By the id of what is stored; rigs that are made of one another share it.
-    _parsed: dict[int, tuple[Mapping[str, Any], Record]] = field(default_factory=dict, repr=False)
 
     @property
     def meshes(self) -> Sequence[Mesh]:
@@ -143,9 +146,12 @@ class Rig(NodeNames):
         if kind is None:
             return None
         stored = self.metadata[node]
-        if id(stored) not in self._parsed:
-            self._parsed[id(stored)] = stored, kind.from_dict(stored)
-        record = self._parsed[id(stored)][1]
+        known = _parsed.get(id(stored))
+        if known is None or known[0] is not stored:
+            if len(_parsed) >= _MOST_PARSED:
+                _parsed.clear()
+            known = _parsed[id(stored)] = stored, kind.from_dict(stored)
+        record = known[1]
         return None if record.problems else record
 
     def records(self, kind: type[R]) -> dict[int, R]:

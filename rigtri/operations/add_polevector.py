@@ -156,14 +156,14 @@ def _bend(
     facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
     body = body_of(known, limb.start)
     facing = facing if body is None else body.facing
-    format_says = None if rig.rules.facing is None else np.array(rig.rules.facing)
+    prescribed = None if rig.rules.facing is None else np.array(rig.rules.facing)
     found = bend(
         rig,
         limb,
         ref.world,
         least_sine=NO_PLANE,
         others=others,
-        facing=format_says if facing is None else facing,
+        facing=prescribed if facing is None else facing,
         given=given,
         other_pose=ref.other,
     )
