@@ -40,8 +40,8 @@ from rigtri.formats.gltf.structure import (
     check_extensions,
     check_lists,
     check_references,
+    extension_in_axes,
     shows,
-    unknown_extension,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
 from rigtri.formats.json_values import Value
@@ -311,15 +311,15 @@ class GltfDocument:
             if rig.is_joint[node]:
                 fixed.setdefault(node, "its matrix is sheared or flat, which glTF forbids")
         for node, raw in enumerate(ordered):
-            name = unknown_extension(raw)
-            if name is None or self.options.unknown_node_ext == "ignore":
+            name, why = extension_in_axes(raw)
+            if not name or self.options.unknown_node_ext == "ignore":
                 continue
             if self.options.unknown_node_ext == "error":
                 raise FileError(
-                    f"{self.container.path}: node '{rig.title(node)}' has the extension {name}, whose "
-                    "directions rigtri does not know. Choose --unknown-node-ext freeze or ignore."
+                    f"{self.container.path}: node '{rig.title(node)}' cannot get new axes: {why}. "
+                    "Choose --unknown-node-ext freeze or ignore."
                 )
-            fixed.setdefault(node, f"its extension {name} may hold directions in its axes")
+            fixed.setdefault(node, why)
 
 
 def _place(place: list[int], node: int) -> int:

@@ -5,11 +5,13 @@ Source: glTF 2.0 §3.2 (JSON encoding), §3.12 (extensions).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from rigtri.formats.json_values import Value
-from rigtri.formats.vrm.bindings import CONSTRAINT
 from rigtri.report import Notice
 
 LISTS = (
@@ -27,19 +29,6 @@ LISTS = (
 # What a node shows and hands over when its axes turn.
 LIGHT, INSTANCING = "KHR_lights_punctual", "EXT_mesh_gpu_instancing"
 SHOWN_EXTENSIONS = (LIGHT, INSTANCING)
-# Node extensions that hold nothing in the node's own axes, or that are looked after elsewhere.
-HARMLESS = frozenset(
-    {
-        *SHOWN_EXTENSIONS,
-        CONSTRAINT,
-        "KHR_node_visibility",
-        "KHR_node_hoverability",
-        "KHR_node_selectability",
-        "KHR_xmp",
-        "KHR_xmp_json_ld",
-        "MSFT_lod",
-    }
-)
 # Required extensions that change how things look or are stored, never how joints move.
 _HARMLESS_REQUIRED = (
     "EXT_lights",
@@ -109,11 +98,30 @@ def unknown_required(names: Iterable[str]) -> list[str]:
     return sorted(name for name in names if not name.startswith(_HARMLESS_REQUIRED))
 
 
-def unknown_extension(node: Mapping[str, Any]) -> str | None:
-    """A node extension whose vectors may lie in the node's own axes, for all that rigtri knows."""
-    used = node.get("extensions")
-    unknown = [name for name in used or () if name not in HARMLESS]
-    return unknown[0] if unknown else None
+@cache
+def _node_extensions() -> Mapping[str, Mapping[str, Any]]:
+    """What node_extensions.toml says of each extension that rigtri knows."""
+    return tomllib.loads((files("rigtri.formats.gltf") / "node_extensions.toml").read_text("utf-8"))
+
+
+def extension_in_axes(node: Mapping[str, Any]) -> tuple[str, str]:
+    """An extension whose vectors lie in the node's own axes, or may, and why; two empty texts for none."""
+    for name, content in (node.get("extensions") or {}).items():
+        known = _node_extensions().get(name)
+        if known is None:
+            return name, f"its extension {name} may hold directions in its axes; rigtri does not know it"
+        held = next((path for path in known["axes"] if _has(content, path.split("."))), "")
+        if held:
+            return name, f"its extension {name} holds '{held}' in its axes"
+    return "", ""
+
+
+def _has(content: object, path: Sequence[str]) -> bool:
+    """Whether an object has a member, by the keys that lead there."""
+    first, *rest = path
+    if not isinstance(content, dict) or first not in content:
+        return False
+    return not rest or _has(content[first], rest)
 
 
 def shows(node: Mapping[str, Any]) -> bool:

@@ -1,0 +1,69 @@
+"""Extensions of nodes: those that hold nothing in the axes of a joint let it get new ones."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from gltf_files import small
+from program import cli
+
+from rigtri.formats.gltf.structure import _node_extensions, extension_in_axes
+
+BODY = "KHR_physics_rigid_bodies"
+FREE = [
+    ("KHR_skeleton_bone", {}),
+    ("KHR_skeleton_bone", {"connected": True, "mass": 2}),
+    (BODY, {"motion": {"mass": 1, "isKinematic": True}}),
+    ("OMI_physics_body", {"motion": {"type": "dynamic", "mass": 1}}),
+    ("OMI_physics_body", {"type": "kinematic"}),
+    ("OMI_link", {"uri": "https://example.org"}),
+    ("KHR_node_visibility", {"visible": False}),
+]
+FROZEN = [
+    ("KHR_skeleton_bone", {"length": 0.3}, "holds 'length' in its axes"),
+    (BODY, {"motion": {"mass": 1, "centerOfMass": [0, 1, 0]}}, "holds 'motion.centerOfMass' in its axes"),
+    (BODY, {"collider": {"geometry": {"shape": 0}}}, "holds 'collider' in its axes"),
+    ("OMI_physics_body", {"trigger": {"shape": 0}}, "holds 'trigger' in its axes"),
+    ("OMI_physics_shape", {"shape": 0}, "holds 'shape' in its axes"),
+    ("EXT_unheard_of", {}, "may hold directions in its axes; rigtri does not know it"),
+]
+
+
+def oriented(name: str, content: Any, folder: Path) -> dict[str, Any]:
+    """What orient-joints reports of the root joint, which has an extension."""
+    builder = small()
+    builder.gltf["nodes"][0]["extensions"] = {name: content}
+    builder.gltf["extensionsUsed"] = [name]
+    builder.glb(path := folder / "in.glb")
+    done = cli("orient-joints", path, "-o", folder / "out.glb", "--aim", "z", "--up", "x", "--json")
+    assert done.exit_code == 0, done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.parametrize(("name", "content"), FREE, ids=str)
+def test_a_joint_gets_new_axes_where_its_extension_holds_no_direction(
+    name: str, content: Any, tmp_path: Path
+) -> None:
+    assert name not in json.dumps(oriented(name, content, tmp_path))
+
+
+@pytest.mark.parametrize(("name", "content", "why"), FROZEN, ids=str)
+def test_a_joint_keeps_its_axes_where_its_extension_holds_one_or_may(
+    name: str, content: Any, why: str, tmp_path: Path
+) -> None:
+    assert f"its extension {name} {why}" in json.dumps(oriented(name, content, tmp_path))
+
+
+@pytest.mark.parametrize("content", [None, 5, [], {"motion": 3}, {"motion": None}, "x"], ids=str)
+def test_what_an_extension_holds_may_be_of_any_type(content: Any) -> None:
+    assert extension_in_axes({"extensions": {BODY: content}}) == ("", "")
+
+
+def test_every_known_extension_has_its_source() -> None:
+    for name, known in _node_extensions().items():
+        assert all(known[key] for key in ("keeps", "source")), name
+        assert all(isinstance(path, str) for path in known["axes"])
