@@ -186,3 +186,9 @@ def test_a_character_that_is_not_sure_is_reported_and_no_body_is_presumed() -> N
 def test_a_facing_direction_along_the_body_is_refused() -> None:
     with pytest.raises(UsageError, match="along the character"):
         orient_joints(posed_body(Pose()).rig, facing="+y")
+
+
+def test_axes_along_the_world_need_no_body() -> None:
+    report = Report()
+    orient_joints(posed_body(Pose(elbow=-4.0, knee=-4.0)).rig, preset="vrm", report=report)
+    assert [notice.code for notice in report.warnings if notice.code == "bends-otherwise"] == []

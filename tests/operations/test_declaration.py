@@ -93,8 +93,8 @@ def test_specs_have_it_with_the_same_words(monkeypatch: pytest.MonkeyPatch) -> N
         "title": "Times",
         "type": "integer",
     }
-    values = model.model_validate({"do": "wave", "hand": "h", "towards": "-z", "as": "child"}).values()
-    assert (values["towards"], values["as_"], values["times"]) == ((0.0, 0.0, -1.0), "child", 3)
+    options = model.model_validate({"do": "wave", "hand": "h", "towards": "-z", "as": "child"}).options({})
+    assert (options.towards, options.as_, options.times) == ((0.0, 0.0, -1.0), "child", 3)
     with pytest.raises(ValidationError):
         model.model_validate({"do": "wave", "hand": "h", "times": 0})
 

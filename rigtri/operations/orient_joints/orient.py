@@ -221,7 +221,9 @@ def requested_frames(
         band = like_dead_band(len(rig))
     elif not options.keep:
         facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
-        known = bodies(rig, recognise(rig).characters, targets.ref.world, facing)
+        along_world = all(targets.styles[joint].world for joint in targets.joints)
+        characters = () if along_world else recognise(rig).characters
+        known = bodies(rig, characters, targets.ref.world, facing)
         messages.warn_unsure(targets, report)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
