@@ -22,9 +22,11 @@ from fuzz import cases, corpus, usd
 from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import GLTF_SUFFIXES
 
+# The program imports nothing from its working folder; the children of a run need this package there.
+sys.path.append(str(Path(__file__).resolve().parents[1]))
 SECONDS, MEMORY = 20.0, 1 << 30
 # Raised where a change gives other cases to the same seed and number.
-VERSION = 2
+VERSION = 3
 # A verified output for so many of the cases, or the mutations are too wild to say anything.
 SHARE = 0.3
 
@@ -65,7 +67,7 @@ def main() -> int:
         [options.only] if options.only is not None else range(options.start, options.start + options.cases)
     )
     with tempfile.TemporaryDirectory(prefix="fuzz-corpus-") as place:
-        names = corpus.build(Path(place))
+        names = corpus.build(Path(place), with_rigged=options.rigged)
         print(
             f"harness {VERSION}, corpus {corpus.fingerprint(Path(place), names)} of {len(names)} files, "
             f"seed {options.seed}",
@@ -117,6 +119,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--format", choices=["gltf", "usd", "both"], default="both")
+    parser.add_argument("--rigged", action="store_true", help="mutate rigged files, too")
     parser.add_argument("--reasons", action="store_true", help="list why files were refused")
     parser.add_argument("--log", metavar="FILE", help="append findings and crashes as JSON lines")
     options = parser.parse_args()

@@ -12,11 +12,13 @@ from places import GLTF, USD, asset_files, sample_files
 from usd_files import MESH, animation, scene, skeleton
 from vrm_files import vrm_1
 
+from fuzz import rigged
+
 # Larger files say little more and take much longer.
 LARGEST = 48_000
 
 
-def build(folder: Path) -> list[str]:
+def build(folder: Path, *, with_rigged: bool = False) -> list[str]:
     """Copy the corpus to ``folder``, with the files that its files refer to; the names of its files."""
     for path in [*sample_files(), *asset_files()]:
         if path.stat().st_size > LARGEST or _outside(path):
@@ -33,6 +35,8 @@ def build(folder: Path) -> list[str]:
     small(12).glb(own / "long.glb")
     vrm_1().glb(own / "person.vrm")
     (own / "scene.usda").write_text(scene(skeleton(), animation(), MESH), "utf-8")
+    if with_rigged:
+        rigged.build(folder / "rigged")
     return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.suffix in (*GLTF, *USD))
 
 

@@ -34,6 +34,10 @@ NAMES = [
     "a\nb",
     "*",
     "=",
+    "hand\u2776",
+    "spine\u00b2",
+    "\u0663",
+    "_" + "7" * 4400,
 ]
 NUMBERS = [0, -0.0, 1, -1, 0.5, 1e-9, 1e-30, 1e-45, 2e-5, 1e9, 1e20, 3.4e38, 1e39, 1e300, -1e-300]
 WRONG: list[Any] = [None, True, -1, 1.5, 1e30, "x", [], {}, [None], [-1], {"a": None}, 99, [[]], 2**31, 2**63]
@@ -488,6 +492,39 @@ def _dangling(a: Asset, r: Random) -> None:
     _at(a.gltf, path[:-1])[path[-1]] = r.choice([one_past, one_past, 999, -1, 2**31])
 
 
+def _record(a: Asset, r: Random) -> None:
+    """What rigtri has stored on a node lacks a field, or has one that is another, or stands elsewhere."""
+    holders = [n for n in a.listed("nodes") if isinstance((n.get("extras") or {}).get("rigtri"), dict)]
+    stored = r.choice(holders)["extras"]["rigtri"]
+    key = r.choice([*sorted(stored), "v", "type"])
+    what = r.randrange(6)
+    if what == 0:
+        stored.pop(key, None)
+    elif what == 1:
+        stored[key] = r.choice([*WRONG, *NUMBERS, *NAMES])
+    elif what == 2:
+        other = r.choice(holders)["extras"]["rigtri"]
+        stored[key] = copy.deepcopy(other.get(key, r.choice(sorted(other.values(), key=repr))))
+    elif what == 3:
+        a.any_of("nodes", r).setdefault("extras", {})["rigtri"] = copy.deepcopy(stored)
+    elif what == 4:
+        stored["v"] = r.choice([0, 2, 1.0, True, "1", None, -1, 10**30])
+    else:
+        inner = [value for value in stored.values() if isinstance(value, list) and value]
+        changed = r.choice(inner)
+        changed[r.randrange(len(changed))] = r.choice([*WRONG, *NUMBERS, *NAMES])
+
+
+def _vanished(a: Asset, r: Random) -> None:
+    """A node that metadata name has another name now."""
+    holders = [n for n in a.listed("nodes") if isinstance((n.get("extras") or {}).get("rigtri"), dict)]
+    words = [word for word in r.choice(holders)["extras"]["rigtri"].values() if isinstance(word, str)]
+    gone = r.choice(words)
+    for node in a.listed("nodes"):
+        if node.get("name") == gone:
+            node["name"] = "gone"
+
+
 ODD_WORDS = ["", "SPLINE", "linear", "STEP ", "visibility", "VEC5", "orthogonal", "OPAQU", "é", "a\nb"]
 
 
@@ -537,6 +574,10 @@ GENTLE: list[Callable[[Asset, Random], None]] = [
     _key,
     _bit,
     _bit,
+    _record,
+    _record,
+    _record,
+    _vanished,
 ]
 WILD: list[Callable[[Asset, Random], None]] = [
     _bad_float,

@@ -347,6 +347,45 @@ def _odd_token(layer: Any, r: Random) -> None:
         r.choice(animated).SetInfo("interpolation", odd)
 
 
+def _record(layer: Any, r: Random) -> None:
+    """What rigtri has stored lacks a value, or has another, also of another type."""
+    stored = [a for prim in _specs(layer) for a in prim.attributes if a.name.startswith("rigtri:")]
+    chosen = r.choice(stored)
+    prim, name = chosen.owner, chosen.name
+    what = r.randrange(4)
+    if what == 0:
+        prim.RemoveProperty(chosen)
+    elif what == 1:
+        chosen.default = r.choice([a for a in stored if a.typeName == chosen.typeName]).default
+    elif what == 2:
+        prim.RemoveProperty(chosen)
+        kind, value = r.choice(VALUES)
+        Sdf.AttributeSpec(prim, name, kind).default = value
+    else:
+        value = r.choice([0, 2, -1])
+        prim.attributes["rigtri:v"].default = value
+
+
+TYPES = Sdf.ValueTypeNames
+VALUES = [
+    (TYPES.Int, 5),
+    (TYPES.Int64, 2**40),
+    (TYPES.Double, float("nan")),
+    (TYPES.Float, 1e30),
+    (TYPES.String, "\u2776"),
+    (TYPES.String, "[" * 3000),
+    (TYPES.String, "1" * 4400),
+    (TYPES.Token, "constraint"),
+    (TYPES.Asset, Sdf.AssetPath("x.png")),
+    (TYPES.TimeCode, Sdf.TimeCode(3)),
+    (TYPES.Matrix4d, Gf.Matrix4d(1)),
+    (TYPES.Quatf, Gf.Quatf(1)),
+    (TYPES.Bool, True),
+    (TYPES.TokenArray, Vt.TokenArray(["a", "b"])),
+    (TYPES.StringArray, Vt.StringArray(["{}", "[]", "1"])),
+    (TYPES.DoubleArray, Vt.DoubleArray([1.0])),
+    (TYPES.Double3, Gf.Vec3d(1, 2, 3)),
+]
 LAYER: list[Callable[[Any, Random], None]] = [
     _length,
     _sample,
@@ -367,6 +406,9 @@ LAYER: list[Callable[[Any, Random], None]] = [
     _tokens,
     _dangling,
     _odd_token,
+    _record,
+    _record,
+    _record,
 ]
 
 
@@ -397,6 +439,14 @@ def joints(source: Path) -> list[str]:
     layer = Sdf.Layer.FindOrOpen(str(source))
     found = [prim.attributes.get("joints") for prim in _specs(layer, "Skeleton")]
     return [str(token) for attribute in found if attribute is not None for token in attribute.default or ()]
+
+
+def names(source: Path) -> tuple[list[str], list[str], list[str]]:
+    """What a file has: joints and prims, meshes, and clips."""
+    layer = Sdf.Layer.FindOrOpen(str(source))
+    prims = {kind: [str(prim.path) for prim in _specs(layer, kind)] for kind in ("", "Mesh", "SkelAnimation")}
+    clips = [path.rsplit("/", 1)[1] for path in prims["SkelAnimation"]]
+    return [*joints(source), *prims[""]], prims["Mesh"], clips
 
 
 def mutate(source: Path, folder: Path, random: Random) -> tuple[Path, list[str]]:
