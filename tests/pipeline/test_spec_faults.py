@@ -192,7 +192,7 @@ steps:
         ((5, 25), " there is no option 'cont'."),
         ((5, 48), " No joint is named 'foream_"),
         ((7, 37), " No joint is named 'chst'. "),
-        ((7, 52), " No joint is named 'hnd_L'."),
+        ((7, 52), " No node is named 'hnd_L'. "),
         ((8, 29), " No skin is named 'no'. The"),
     ]
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import determinant, transform_directions
@@ -60,8 +61,16 @@ class Targets:
 
     @cached_property
     def mirrored(self) -> Booleans:
-        """Which nodes have left-handed axes, (n,)."""
-        return np.asarray(determinant(self.ref.world) < 0)
+        """Which nodes rotate the other way, for their axes are left-handed, (n,).
+
+        A scale of its own that is not uniform, which may go to a node apart, does not count.
+        """
+        rig, mirrored = self.tree.rig, determinant(self.ref.world) < 0
+        if not mirrored.any():
+            return np.asarray(mirrored)
+        uneven = ScaleTable.of(rig).uneven & ~np.isin(np.arange(len(rig)), list(rig.frame_of))
+        above = np.where(rig.parents >= 0, mirrored[rig.parents], False)
+        return np.where(uneven, above, mirrored)
 
     def by_style(self, joints: Iterable[int]) -> dict[AxisStyle, list[int]]:
         """Joints of one style together, for what is computed of many at once."""
