@@ -39,6 +39,7 @@ ALONG_UP = 0.1
 THUMB_APART = 0.9396926207859084
 # Fingers that all bend to one side by more than this (radians, 2°) say which side the palm is on.
 SHOWN = 0.03490658503988659
+FOUR = ("index", "middle", "ring", "little")
 _TRUNK = ("spine", "neck", "head")
 
 
@@ -214,8 +215,8 @@ def _hand(
     """The hinge that the fingers of a hand and its wrist share, and the thumb's own."""
     fingers = [k for k in chains if k.kind == "finger" and k.side == side]
     thumb = next((k for k in fingers if "thumb" in k.name), None)
-    named = {name: k for k in fingers for name in ("index", "middle", "ring", "little") if name in k.name}
-    four = list(named.values())
+    # From the index finger to the little one, in whatever order the file has them.
+    four = list({name: k for name in FOUR for k in fingers if name in k.name}.values())
     wrist = next((k.joints[-1] for k in chains if k.kind == "hand" and k.side == side), -1)
     palm = _palm(four, thumb, at, up, is_left=is_left)
     if palm is None:

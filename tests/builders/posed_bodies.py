@@ -104,6 +104,7 @@ class Pose:
     all places, seeded. forward: of the arms. hunch: of the spine. palm: 0 faces down in a level arm, 90
     ahead. fingers: of each hand besides the thumb; 0 for a hand without any. unit: of the file in metres.
     yaw: of the root. flip: the root mirrors all. legs: how much of the height. slots: for weapons, in hands.
+    little_first: the fingers stand in the file from the little one.
     """
 
     names: str = "mixamo"
@@ -123,6 +124,7 @@ class Pose:
     flip: bool = False
     legs: float = 0.5
     slots: bool = False
+    little_first: bool = False
 
     @property
     def title(self) -> str:
@@ -211,7 +213,7 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
         put(f"{side} slot", f"{side} hand", wrist + lower * 0.06 + inside * 0.03)
     if not pose.fingers:
         return
-    for k in range(pose.fingers):
+    for k in sorted(range(pose.fingers), reverse=pose.little_first):
         across = thumbs * (0.03 - 0.06 * k / max(pose.fingers - 1, 1))
         place, along = wrist + lower * (0.09 - 0.006 * abs(k - 1)) + across, lower
         parent = f"{side} hand"
@@ -305,5 +307,6 @@ def poses() -> Iterator[Pose]:
     yield from (Pose(fingers=fingers) for fingers in (0, 3))
     yield from (Pose(flip=True), Pose(flip=True, names="blender", arms=80.0))
     yield from (Pose(stride=20.0), Pose(forward=30.0, arms=70.0), Pose(legs=0.38), Pose(legs=0.58))
+    yield from (Pose(little_first=True), Pose("blender", arms=80.0, little_first=True))
     yield from (Pose(slots=True), Pose("unreal", slots=True, arms=60.0))
     yield from (Pose("none"), Pose("none", arms=90.0), Pose("none", curl=6.0, noise=1.0))
