@@ -170,8 +170,8 @@ def _refuse_broken(rig: Rig, delta: Floats) -> None:
     if lost := broken(rig, delta):
         names = ", ".join(f"'{rig.title(constraint.node)}'" for constraint in lost[:6])
         raise GeometryError(
-            f"the constraints of {names} compare axes that would differ after this, for scales forbid the same "
-            f"for both; leave the joint out with --exclude '{rig.title(lost[0].node)}'"
+            f"the constraints of {names} compare axes that would differ after this, for scales forbid the "
+            f"same for both; leave the joint out with --exclude '{rig.title(lost[0].node)}'"
         )
 
 
