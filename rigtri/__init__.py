@@ -51,7 +51,46 @@ _WHERE = {
     "RigtriError": "rigtri.errors",
 }
 
-__all__ = list(_WHERE)
+# Written out, for tools that read the source and do not run it.
+__all__ = [
+    "ReadOptions",
+    "Report",
+    "Rig",
+    "RigtriError",
+    "add_controls",
+    "add_polevector",
+    "add_posereader",
+    "add_rivet",
+    "add_twist",
+    "as_described",
+    "auto",
+    "bake",
+    "build",
+    "check",
+    "constrain",
+    "describe",
+    "diff",
+    "draw",
+    "edit",
+    "explain",
+    "export_blender",
+    "from_pygltflib",
+    "make_limb",
+    "mirror",
+    "orient_joints",
+    "read",
+    "recognise",
+    "register_usd_schemas",
+    "snap",
+    "spec_init",
+    "strip",
+    "take_clips",
+    "take_pose",
+    "to_pygltflib",
+    "verify",
+    "view",
+    "write",
+]
 
 if TYPE_CHECKING:
     from rigtri.errors import RigtriError as RigtriError

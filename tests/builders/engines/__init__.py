@@ -141,10 +141,20 @@ def _run(command: list[str], paths: tuple[Path, ...], targets: list[Path], folde
     _call(command, [[str(a), str(b)] for a, b in zip(paths, targets, strict=True)], folder)
 
 
+# What Blender says of a compressed file where its wheel came without the library for it.
+NO_MESHOPT = "Meshopt decoder library not found"
+
+
 def _call(command: list[str], work: Any, folder: Path) -> None:
     jobs = folder / "jobs.json"
     jobs.write_text(json.dumps(work), "utf-8")
-    run = subprocess.run([*command, str(jobs)], check=False, capture_output=True, text=True, timeout=600)
+    # The scripts of engines import what stands beside them.
+    own = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"}
+    run = subprocess.run(
+        [*command, str(jobs)], check=False, capture_output=True, text=True, timeout=600, env=own
+    )
+    if NO_MESHOPT in run.stderr:
+        pytest.skip("this build of Blender has no meshopt decoder, so it reads neither source nor result")
     assert run.returncode == 0, run.stderr[-2000:]
 
 
