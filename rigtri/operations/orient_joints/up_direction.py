@@ -80,10 +80,11 @@ class UpLadder:
             up_from = targets.styles[joint].up_from
             if up_from == "pole":
                 self._take_pole(joint)
-            elif targets.mirrored[joint] and self.normals.step[joint] != 8:
+                continue
+            if targets.mirrored[joint] and self.normals.step[joint] != 8:
                 # A positive rotation about an axis of a left-handed frame turns the other way.
                 self.ups.vector[joint] = -self.ups.vector[joint]
-            elif joint in stated:
+            if joint in stated:
                 name, source = targets.tree.rig.title(joint), up_text(self.normals.source[joint])
                 self._report.warn(
                     "up-parallel",
