@@ -323,13 +323,19 @@ def point(text: str) -> Vector:
         raise ValueError(f"'{text}' is not a valid point: use x,y,z") from None
 
 
+def _assignment(flag: str, text: str, usage: str) -> tuple[str, str]:
+    """What stands before and after the last ``=`` of a text; a name may hold others."""
+    name, mark, value = text.rpartition("=")
+    if not mark or not name:
+        raise UsageError(f"{flag} {text}: give {usage}")
+    return name, value
+
+
 def _bends(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
     """By the name of a joint its direction: ``JOINT=X,Y,Z``, where the name may hold ``=`` itself."""
     found = {}
     for text in texts:
-        joint, mark, towards = text.rpartition("=")
-        if not mark or not joint:
-            raise UsageError(f"{flag} {text}: give JOINT=X,Y,Z")
+        joint, towards = _assignment(flag, text, "JOINT=X,Y,Z")
         try:
             found[joint] = vector(towards)
         except ValueError as error:
@@ -339,13 +345,8 @@ def _bends(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
 
 def _clip_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
     """By the name of a clip, or its glob, the clip of the rig: ``NAME=CLIP``."""
-    names = {}
-    for text in texts:
-        name, mark, clip = text.rpartition("=")
-        if not mark or not name:
-            raise UsageError(f"{flag} {text}: give NAME=CLIP, a clip and what it is called in the rig")
-        names[name] = clip
-    return names
+    usage = "NAME=CLIP, a clip and what it is called in the rig"
+    return dict(_assignment(flag, text, usage) for text in texts)
 
 
 # Names of nodes, joints mostly: specs look for them in the rig.
