@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -15,7 +16,7 @@ from rigtri.model.hierarchy import Hierarchy
 DEEPEST_PATH = 256
 
 
-class NodeNames(Hierarchy):
+class NodeNames(Hierarchy, ABC):
     """Nodes with names: what `rigtri.model.rig.Rig` finds its nodes by."""
 
     names: tuple[str, ...]
@@ -23,14 +24,14 @@ class NodeNames(Hierarchy):
     humanoid: Mapping[str, int]
 
     @property
+    @abstractmethod
     def is_joint(self) -> Booleans:
         """Which nodes are joints, (n,)."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def holders(self) -> frozenset[int]:
         """Nodes that are no step of a path."""
-        raise NotImplementedError
 
     def path(self, node: int) -> str:
         """The names from the root down to a node, ``/root/hips/spine``; ``#index`` for a nameless one.
