@@ -40,10 +40,10 @@ def command(source: str, output: str, **values: Any) -> None:
         rigtri spec-init hero.glb -o rig.yaml
         rigtri build hero.glb --spec rig.yaml -o out.glb
     """
-    from rigtri.pipeline.rigspec.load import need_extra
+    from rigtri.pipeline.rigspec.load import need_libraries
     from rigtri.pipeline.rigspec.spec_init import plain_values, spec_init
 
-    need_extra()
+    need_libraries()
     suffix = Path(output).suffix.lower()
     if output != "-" and suffix not in (".yaml", ".yml", ".json"):
         raise UsageError(f"{output}: the spec is YAML or JSON; give it the suffix .yaml or .json")

@@ -16,7 +16,7 @@ from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest
 from rigtri.pipeline.rigspec.build import Built, build_file
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
-from rigtri.pipeline.rigspec.load import load, need_extra
+from rigtri.pipeline.rigspec.load import load, need_libraries
 from rigtri.pipeline.rigspec.spec_init import starter, unsure
 from rigtri.recognition.layout import Chain, Layout
 from rigtri.recognition.naming_schemes import Scheme
@@ -66,7 +66,7 @@ class Proposal:
 
 
 def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: ReadOptions) -> Proposal:
-    need_extra()
+    need_libraries()
     rig = read(at, options).rig
     layout = recognise(rig, own=own)
     found = Proposal(source, rig, layout, "")

@@ -116,7 +116,7 @@ def load(
     the spec is wrong. Raises FileError for a file that cannot be read, SpecError, a UsageError,
     with all that is wrong in it.
     """
-    need_extra()
+    need_libraries()
     from rigtri.pipeline.rigspec.expand import merged, plain
 
     path, given = Path(path), dict.fromkeys(variables or (), Path()) | dict(folders or {})
@@ -181,12 +181,11 @@ def _files_of(do: str) -> list[str]:
     return [name for name, one in options_of(declared).items() if one.is_file]
 
 
-def need_extra() -> None:
-    """UsageError where what reads specs is not installed."""
+def need_libraries() -> None:
+    """UsageError where what reads specs is missing, as in a DCC that has rigtri's folder alone."""
     missing = [name for name in ("pydantic", "ruamel.yaml") if not _has(name)]
     if missing:
-        words = " and ".join(missing)
-        raise UsageError(f"specs need {words}; install them with: pip install 'rigtri[spec]'")
+        raise UsageError(f"specs need {' and '.join(missing)}; pip install {' '.join(missing)}")
 
 
 def _has(name: str) -> bool:
