@@ -3,7 +3,9 @@
 The solver turns the rest pose of the limb, moved by the node above the limb, from the triangle
 that its joints make there to the one that reaches the target. A control that rounding has put
 beside its joint is taken to be on it, so that a hard limb's rest pose stays as it is. FK controls
-of the limb's joints work below the solver: their channels come on top of what it has found.
+of the limb's joints work below the solver: their channels come on top of what it has found. An end joint
+that is no descendant of the mid joint (a flat rig) stands where the control is, whether the limb reaches
+it or not.
 """
 
 from __future__ import annotations
@@ -74,7 +76,7 @@ class Ik:
     def paths(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """The nodes below the root down to the mid joint, and below that down to the end."""
         a, b, c = self.limb.chain
-        return self._path(a, b), self._path(b, c)
+        return self._path(a, b), (c,) if self.limb.detached else self._path(b, c)
 
     def _path(self, start: int, end: int) -> tuple[int, ...]:
         path = [end]
@@ -101,7 +103,9 @@ class Ik:
 
     @property
     def needs(self) -> tuple[int, ...]:
-        nodes = (self.above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ()))
+        nodes = [self.above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ())]
+        if self.limb.detached:
+            nodes.append(int(self.rig.parents[self.limb.chain[2]]))
         return tuple(node for node in nodes if node >= 0)
 
     @property
@@ -217,16 +221,21 @@ class Ik:
         upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
         fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
         bent = product(product(conjugate(rest.between), product(rest.upper, fold)), rest.between)
-        below = product(product(found.lower, conjugate(rest.lower)), rest.last)
         parts = {node: self._own(node) for node in (start, mid, end)}
-        turned = {
-            start: product(upper, parts[start].rotation),
-            mid: product(bent, parts[mid].rotation),
-            end: product(conjugate(below), hand),
+        result = {
+            start: parts[start]._replace(rotation=product(upper, parts[start].rotation)),
+            mid: parts[mid]._replace(rotation=product(bent, parts[mid].rotation)),
         }
-        result = {node: parts[node]._replace(rotation=turned[node]) for node in turned}
+        if self.limb.detached:
+            parent = int(self.rig.parents[end])
+            place = transform_points(target, inverse(posed.world(parent)))
+            turned = product(conjugate(_rotation_of(posed, parent)), hand)
+            result[end] = parts[end]._replace(translation=place, rotation=turned)
+        else:
+            below = product(product(found.lower, conjugate(rest.lower)), rest.last)
+            result[end] = parts[end]._replace(rotation=product(conjugate(below), hand))
         if self.limb.stretch:
-            for node in (*self.paths[0], *self.paths[1]):
+            for node in (*self.paths[0], *(() if self.limb.detached else self.paths[1])):
                 own = result.get(node) or self._own(node)
                 grown = own.translation * found.stretch[:, np.newaxis]
                 result[node] = own._replace(translation=grown)
@@ -290,7 +299,7 @@ class Ik:
         parent = _rotation_of(source, int(self.rig.parents[end]))
         turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
         place = source.world(end)[:, 3, :3]
-        if self.limb.soft > 0 and not self.limb.stretch:
+        if self.limb.soft > 0 and not self.limb.stretch and not self.limb.detached:
             first, second = self.lengths(built)
             away = place - transform_points(self.start, built.world(self.above))
             reach = length(away)

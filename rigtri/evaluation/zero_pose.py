@@ -42,13 +42,18 @@ class FkControl:
 
 @dataclass(frozen=True, eq=False)
 class IkLimb:
-    """A limb with an IK end. chain: root, mid and end joint. pole: −1 where there is none."""
+    """A limb with an IK end. chain: root, mid and end joint. pole: −1 where there is none.
+
+    detached: the end joint is no descendant of the mid joint, as the foot of a flat rig; it stands where
+    its control does, and the lower bone aims at it.
+    """
 
     chain: tuple[int, int, int]
     control: int
     pole: int
     soft: float = 0.0
     stretch: bool = False
+    detached: bool = False
 
 
 class ControlsAtZero:
@@ -68,9 +73,10 @@ class ControlsAtZero:
             offset = int(rig.parents[node])
             if record.kind == "ik":
                 chain = _chain(rig, record.chain)
-                if chain is not None and self._bends(chain):
-                    pole = poles.get(chain, -1)
-                    self.limbs.append(IkLimb(chain, node, pole, record.soft or 0.0, bool(record.stretch)))
+                if chain is not None and not ik_obstacle(rig, chain):
+                    pole, soft, stretch = poles.get(chain, -1), record.soft or 0.0, bool(record.stretch)
+                    detached = not rig.is_below(chain[2], chain[1])
+                    self.limbs.append(IkLimb(chain, node, pole, soft, stretch, detached))
             elif offset >= 0:
                 axes = offsets[offset].axes if offset in offsets else None
                 own = FkControl(node, offset, joint, int(rig.parents[offset]), axes)
@@ -78,10 +84,6 @@ class ControlsAtZero:
                     self.fk[joint] = own
                 else:
                     self.roots.append(own)
-
-    def _bends(self, chain: tuple[int, int, int]) -> bool:
-        a, b, c = chain
-        return self.rig.is_below(b, a) and self.rig.is_below(c, b) and len({a, b, c}) == 3
 
     @cached_property
     def control_of(self) -> Mapping[int, int]:
@@ -147,6 +149,25 @@ def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:
             world = multiply(world, rig.local[node])
         node = int(rig.parents[node])
     return world
+
+
+def ik_obstacle(rig: Rig, chain: tuple[int, int, int]) -> str:
+    """Why IK cannot move a limb, in words that name its joints; "" where it can.
+
+    The mid joint has to be a descendant of the root. The end may be a child of any joint that the limb does
+    not move itself: it is put where its control is.
+    """
+    a, b, c = chain
+    start, mid, end = map(rig.title, chain)
+    if len({a, b, c}) < 3:
+        return f"'{start}', '{mid}' and '{end}' are not three joints"
+    if not rig.is_below(b, a):
+        return f"'{mid}' is not a descendant of '{start}', so it does not follow it"
+    if rig.is_below(a, c):
+        return f"'{start}' is a descendant of '{end}', so the limb would move its own root"
+    if rig.is_below(c, a) and not rig.is_below(c, b):
+        return f"'{end}' is a descendant of '{start}', but not of '{mid}', so it does not follow the bend"
+    return ""
 
 
 def _chain(rig: Rig, names: Sequence[str]) -> tuple[int, int, int] | None:

@@ -7,7 +7,7 @@ under the control.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
+from rigtri.evaluation.zero_pose import ik_obstacle
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, to_axes
@@ -68,7 +69,7 @@ class _Builder:
         self.ref: ReferencePose = reference(self.tree, "nodes")
         self.world = rig.world
         named = tuple(named_limbs(rig, options.ik))
-        self.limbs = with_recognised(rig, named) if self._all_limbs else named
+        self.limbs = (*named, *self._recognised(named)) if self._all_limbs else named
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
         self.aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
@@ -81,6 +82,15 @@ class _Builder:
     @property
     def _all_limbs(self) -> bool:
         return self.options.whole_character or self.options.limbs is not None
+
+    def _recognised(self, named: tuple[Limb, ...]) -> Iterator[Limb]:
+        """The recognised limbs beside those that are named; a warning for each that IK cannot move."""
+        for limb in with_recognised(self.rig, named)[len(named) :]:
+            if obstacle := ik_obstacle(self.rig, limb.triple):
+                title = self.rig.title(limb.end)
+                self.report.warn("no-ik", f"No IK end for '{title}': {obstacle}", joint=title)
+            else:
+                yield limb
 
     def build(self) -> Rig:
         options = self.options
@@ -180,6 +190,8 @@ class _Builder:
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
+        if obstacle := ik_obstacle(self.rig, limb.triple):
+            raise GeometryError(f"IK cannot move this limb: {obstacle}. Name other joints, or leave it out")
         known, kind = self._find("ik", about), self.options.as_
         if kind == "joint" if known is None else is_joint_kind(self.rig, known, kind):
             self._ik_joint(limb, known, about)

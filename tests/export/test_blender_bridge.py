@@ -170,6 +170,26 @@ def test_bones_follow_controls_in_blender_as_in_rigtri(
     assert max(ik) <= IK
 
 
+def test_a_flat_leg_follows_its_control_in_blender_as_in_rigtri(tmp_path: Path) -> None:
+    path = tmp_path / "flat.glb"
+    limb = ("--ik", "thigh", "shin", "foot")
+    cli("add-controls", SAMPLES / "flat_ik.glb", "-o", path, "--whole-character", *limb, "-q", code=0)
+    near = ONE | {"translation": [0.05, 0.2, 0.1], "rotation": turn("x", 30)}
+    poses: list[dict[str, Any]] = [
+        {"thigh_ctl": ONE | {"rotation": turn("x", 30)}, "foot_ctl": ONE | {"rotation": turn("y", 20)}},
+        {"foot_ik_ctl": near, "root_ctl": ONE | {"translation": [0.1, 0.0, 0.2], "rotation": turn("y", 20)}},
+        {"foot_ik_ctl": near, "foot_ctl": ONE | {"rotation": turn("z", 25)}},
+    ]
+    rig, script = read(path).rig, str(script_for(path, tmp_path))
+    (found,) = blender_setup(
+        {"source": str(path), "script": script, "poses": poses, "only_fk": [0]}, folder=tmp_path
+    )
+    checked(found)
+    fk, *ik = (apart(rig, found, k, pose, only_fk=not k) for k, pose in enumerate(poses))
+    assert fk <= FK
+    assert max(ik) <= 2 * IK  # the leg is all of the size
+
+
 RULES = """
 add-twist --limb upper_arm_L forearm_L hand_L
 constrain --type aim --child head --driver hand_R_ik_ctl

@@ -63,11 +63,15 @@ def _limb(plan: Plan, ik: Ik, pole: str | None) -> None:
         seat = plan.ride("seat", plan.node(int(plan.rig.parents[joint])), stands)
         holder = plan.node(stands) if own else plan.ride("hold", "", stands)
         plan.constrain(holder, "COPY_TRANSFORMS", seat)
-        zero, turned = (plan.ride(word, bone, stands) for word, bone in (("zero", before), ("ik", after)))
-        if joint == end:
-            grip = plan.ride("grip", plan.node(ik.limb.control), stands)
-            plan.constrain(turned, "COPY_ROTATION", grip)
-        plan.constrain(holder, "COPY_TRANSFORMS", turned, space=zero, limb=number)
+        grip = plan.ride("grip", plan.node(ik.limb.control), stands) if joint == end else ""
+        if grip and ik.limb.detached:
+            for kind in ("COPY_LOCATION", "COPY_ROTATION"):
+                plan.constrain(holder, kind, grip, limb=number)
+        else:
+            zero, turned = (plan.ride(word, bone, stands) for word, bone in (("zero", before), ("ik", after)))
+            if grip:
+                plan.constrain(turned, "COPY_ROTATION", grip)
+            plan.constrain(holder, "COPY_TRANSFORMS", turned, space=zero, limb=number)
         _copy(plan, joint, plan.node(own.own.control) if own else holder)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rigtri.evaluation.zero_pose import ik_obstacle
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
@@ -145,7 +146,11 @@ class _Limbs:
     def steps(self) -> Iterator[str]:
         """All lines behind the preset of orient-joints."""
         open_limbs = unsure(self.layout) if self.open_places else []
-        sure = [chain for chain in _reaching(self.layout) if chain.is_sure]
+        every = [chain for chain in _reaching(self.layout) if chain.is_sure]
+        sure = [chain for chain in every if not ik_obstacle(self.rig, _triple(chain))]
+        for chain in every:
+            if obstacle := ik_obstacle(self.rig, _triple(chain)):
+                yield f"    # No IK for the {chain.name}: {_visible(obstacle)}."
         if sure or open_limbs:
             if lacking := self._lacking([*sure, *open_limbs]):
                 words = ", ".join(lacking)
@@ -241,6 +246,11 @@ class _Limbs:
             for part in one.parts:
                 if part.role in ("twist", "helper") and part.confidence >= CONFIDENT:
                     yield part
+
+
+def _triple(chain: Chain) -> tuple[int, int, int]:
+    start, middle, end = chain.bend
+    return start, middle, end
 
 
 def _names(rig: Rig, nodes: Iterable[int]) -> str:
