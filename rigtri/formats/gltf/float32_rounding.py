@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.formats.half_turn_keys import HALF_TURN, keep_way_round
+from rigtri.formats.half_turn_keys import half_turns, keep_way_round
 from rigtri.maths.quaternions import dot, norm, normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
@@ -83,8 +83,7 @@ def _keep_ways_round(before: Sequence[Track], rows: Singles) -> None:
 
     rows: the rotations of all tracks, one after the other; changed in place.
     """
-    exact = rows.astype(np.float64)
-    near = np.flatnonzero(np.abs(dot(exact[:-1], exact[1:])) < HALF_TURN)
+    near = np.flatnonzero(half_turns(rows.astype(np.float64)))
     if not len(near):
         return
     ends = np.cumsum([len(track.values) for track in before])

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Sdf
 
 from rigtri.errors import FileError
-from rigtri.formats.half_turn_keys import HALF_TURN, keep_way_round
+from rigtri.formats.half_turn_keys import half_turns, keep_way_round
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, bind_animation, define, set_value
@@ -164,7 +164,7 @@ def _keep_ways_round(rows: np.ndarray, before: Floats, changed: np.ndarray) -> N
 
     USD takes the shorter arc, which the sign of a dot product decides; rows change in place.
     """
-    near = np.abs(dot(rows[:-1].astype(np.float64), rows[1:].astype(np.float64))) < HALF_TURN
+    near = half_turns(rows.astype(np.float64))
     negative = dot(before[:-1], before[1:]) < 0
     for k in np.flatnonzero(near & changed[1:]).tolist():
         keep_way_round(rows, k, negative=bool(negative[k]))
