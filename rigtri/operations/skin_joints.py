@@ -102,13 +102,20 @@ def move_joint(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
     moved = stand(rig, node, position, axes)
     if not _stands(rig, moved, node, position):
         rig = _still_in_clips(moved, rig, node)
-    skins = []
-    for skin in rig.skins:
-        row = _row(skin, node)
-        if row is not None and skin.stored:
-            skin = _set_row(skin, row, _bind(rig, skin, node))
-        skins.append(skin)
-    return replace(rig, skins=tuple(skins))
+    return bind_joint(rig, node, [skin for skin in rig.skins if skin.stored])
+
+
+def bind_joint(rig: Rig, node: int, skins: Sequence[Skin]) -> Rig:
+    """Bind a joint of ours where it stands in those of ``skins`` that hold it.
+
+    In skins without inverse binds, too, where they are named: there a joint without weight needs none.
+    """
+    rows = {id(skin): row for skin in skins if (row := _row(skin, node)) is not None}
+
+    def bound(skin: Skin) -> Skin:
+        return _set_row(skin, rows[id(skin)], _bind(rig, skin, node)) if id(skin) in rows else skin
+
+    return replace(rig, skins=tuple(map(bound, rig.skins)))
 
 
 def _still_in_clips(rig: Rig, before: Rig, node: int) -> Rig:

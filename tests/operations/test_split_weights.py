@@ -15,6 +15,7 @@ from places import slow
 from program import cli
 from second_opinions import khronos_errors, validator
 
+from rigtri import verify
 from rigtri.errors import FileError
 from rigtri.formats import Document, read
 from rigtri.model.rig import Rig
@@ -25,6 +26,7 @@ from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
+from rigtri.verification.compare.compare import TOLERANCE
 
 # A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
 POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]
@@ -258,3 +260,23 @@ def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_pat
     )
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-6
+
+
+@pytest.mark.parametrize("before", [False, True], ids=["at once", "later"])
+def test_a_skin_without_inverse_binds_gets_them_where_twist_joints_get_weight(
+    before: bool, tmp_path: Path
+) -> None:
+    """Without, a matrix is the identity, so the first twist joint with weight would move its vertices."""
+    builder = bone([[0.5, 0.5, 0, 0]] * 3)
+    builder.gltf["skins"][0].pop("inverseBindMatrices")
+    source, target = builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    if before:
+        rigged = tmp_path / "rigged.glb"
+        edit(source, rigged, lambda r, report: add_twist(r, options=replace(SPLIT, split_weights=False)))
+        assert "inverseBindMatrices" not in glb_json(rigged)["skins"][0]
+        source = rigged
+    edit(source, target, split)
+    assert any("twist" in name for row in named(read(target)) for name in row)
+    assert read(target).rig.skins[0].stored
+    edit(target, tmp_path / "bare.glb", lambda rig, report: strip(rig))
+    assert verify(source, tmp_path / "bare.glb").deviation <= TOLERANCE

@@ -149,7 +149,9 @@ class ClipWriter:
         """New joints behind the last, so that the indices of meshes keep their meaning."""
         count = len(before.joints)
         self._draft.edit("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
-        if before.stored or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
+        spreads = self._rig.pending.weight_redistributions
+        weighted = any(self._rig.skins[spread.skin] is skin for spread in spreads)
+        if before.stored or weighted or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
             like = self._draft.gltf["skins"][number].get("inverseBindMatrices")
             self._draft.edit("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)
 

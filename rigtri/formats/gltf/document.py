@@ -32,6 +32,7 @@ from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
+from rigtri.formats.gltf.references import check_added
 from rigtri.formats.gltf.removal_check import check_before_removal
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
@@ -180,6 +181,7 @@ class GltfDocument:
             except OverflowError as error:
                 raise FileError(f"{container.path}: {error}; scale the file down") from None
         binary, companions = storage.finish(target.stem)
+        check_added(container.gltf, draft.gltf, container.path)
         if not draft.changed and binary is None:
             _write(part, [container.source])
         else:

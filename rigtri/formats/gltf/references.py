@@ -9,8 +9,10 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
+from rigtri.errors import FileError
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 
 # Sections of the file that hold indices of a list, and the words that they stand at there.
@@ -54,6 +56,28 @@ def used_views(gltf: dict[str, Any]) -> set[int]:
             others.update(_named(value, "bufferViews"))
     unnamed = set(range(len(gltf.get("bufferViews", [])))) - of_accessors
     return others | unnamed
+
+
+def check_added(gltf: dict[str, Any], written: dict[str, Any], path: Path) -> None:
+    """FileError where an index of ``gltf`` that leads nowhere would lead to an entry that is added."""
+    for section in ("meshes", "materials", "accessors", "bufferViews"):
+        before, count = len(gltf.get(section, [])), len(written.get(section, []))
+        taken = [k for k in _referred(gltf, section) if before <= k < count] if count > before else []
+        if taken:
+            raise FileError(
+                f"{path}: {section}[{taken[0]}] is referred to, but is not in the file, and what is added "
+                "would take its place. Take that reference out first; rigtri check lists it"
+            )
+
+
+def _referred(gltf: dict[str, Any], section: str) -> Collection[int]:
+    """The indices of a list that are referred to anywhere."""
+    if section == "accessors":
+        return used_accessors(gltf)
+    if section == "bufferViews":
+        named = {accessor.get("bufferView") for accessor in gltf.get("accessors", [])}
+        return used_views(gltf) | {index for index in named if type(index) is int}
+    return {k for place in _WORDS[section][0] for k in _named(gltf.get(place), section)}
 
 
 def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:
@@ -140,7 +164,7 @@ def _member(key: str, item: Any, section: str, moved: Mapping[int, int]) -> Any:
         number = moved.get(item, item) if _refers(key, section) else item
         return item if number == item else number
     if key == "pointer" and isinstance(item, str):
-        pattern = rf"/{section}/([0-9]{1, 18})(?=/|$)"
+        pattern = rf"/{section}/([0-9]{{1,18}})(?=/|$)"
         pointer = re.sub(pattern, lambda m: f"/{section}/{moved.get(int(m[1]), m[1])}", item)
         return item if pointer == item else pointer
     if isinstance(item, list) and item and type(item[0]) is int:

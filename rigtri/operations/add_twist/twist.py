@@ -27,7 +27,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
 from rigtri.operations.rigtri_nodes import find, find_all, plain_name, refuse_taken, with_record
-from rigtri.operations.skin_joints import add_joint, move_joint
+from rigtri.operations.skin_joints import add_joint, bind_joint, move_joint
 from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report
 
@@ -123,6 +123,8 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
         rig, node = _joint(rig, of, number, line, options, report)
         made.append(node)
     if options.split_weights:
+        for node in made:  # they are about to get weight
+            rig = bind_joint(rig, node, rig.skins)
         found = _spreads(rig, of, line, options, report)
         every = (*rig.pending.weight_redistributions, *found)
         pending = replace(rig.pending, weight_redistributions=every)
