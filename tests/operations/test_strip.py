@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
 from places import USD, files_of_all_kinds, leave_out_refused
 from second_opinions import khronos_errors
 
 from rigtri import diff, verify
-from rigtri.errors import FileError, GeometryError
+from rigtri.errors import DeviationError, FileError, GeometryError
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -117,6 +119,30 @@ def test_nodes_that_another_tool_has_moved_go_too(samples: Path, tmp_path: Path)
     assert not found.lost
     before, after = khronos_errors(tmp_path / "built.glb", bare)
     assert not after - before
+
+
+@pytest.mark.parametrize("ours", [True, False])
+def test_rotations_of_what_goes_may_be_of_any_length_and_those_of_what_stays_may_not(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, ours: bool
+) -> None:
+    """Another tool may have rounded the rotation of a control; it takes nothing along."""
+    built, bare = tmp_path / "built.glb", tmp_path / "bare.glb"
+    edit(samples / "hand.glb", built, controls)
+    if ours:
+        gltf, binary = glb_parts(built)
+        node = next(node for node in gltf["nodes"] if node.get("name", "").endswith("_ctl"))
+        node["rotation"] = [0.0, 0.0, 0.0, 1.01]
+        built.write_bytes(glb_bytes(gltf, binary))
+        edit(built, bare, stripped)
+        return
+
+    def longer(rig: Rig, report: Report) -> Rig:
+        left = strip(rig, report=report)
+        staying = np.isin(np.arange(len(rig)), list(left.pending.removed), invert=True)[:, np.newaxis]
+        return replace(left, rotation=np.where(staying, left.rotation * 1.01, left.rotation))
+
+    with pytest.raises(DeviationError, match="unit rotations"):
+        edit(built, bare, longer)
 
 
 def test_an_extension_that_may_count_nodes_is_named(samples: Path, tmp_path: Path) -> None:

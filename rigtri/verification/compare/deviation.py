@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rigtri.evaluation import sampling
-from rigtri.maths.arrays import Integers
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.quaternions import norm
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -95,15 +95,13 @@ def compared(
 ) -> Comparison:
     """What all probes find in two rigs `side_by_side`, as a `Comparison`."""
     before, after = side_by_side(before, after, correspondence, added=added)
-    was, now = denormalisation(before), denormalisation(after)
+    # Of any two files, what only the second has can have lost nothing.
+    nodes = np.isin(np.arange(len(after)), correspondence.node) if added else np.ones(len(after), dtype=bool)
+    was, now = denormalisation(before), denormalisation(after, nodes)
     found = measure(before, after, probes)
     raw = found.largest
     if max(was, now) > (UNIT_AS_SHOWN if before.rules.raw_quaternions else UNIT):
         raw = measure(before, after, probes, normalised=False).largest
-    lost = correspondence.lost
-    # Normalising hides it, but a renderer that does not normalise would show it.
-    if now > 2.0 * was + UNIT:
-        lost = (*lost, f"unit rotations: |q| is off 1 by {now:.2g}, was {was:.2g}")
     return Comparison(
         deviation=found.largest / diagonal,
         absolute=found.largest,
@@ -113,7 +111,7 @@ def compared(
         worst=found.worst,
         per_mesh={name: value / diagonal for name, value in found.owners.items()},
         per_clip={name: value / diagonal for name, value in found.clips.items()},
-        lost=lost,
+        lost=(*correspondence.lost, *lost_unit_rotations(was, now)),
         added=correspondence.added,
         changed=correspondence.changed,
         different=tuple(different),
@@ -122,12 +120,22 @@ def compared(
     )
 
 
-def denormalisation(rig: Rig) -> float:
-    """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count."""
-    tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "rotation"]
+def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
+    """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
+    some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
+    tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "rotation" and some[t.node]]
     keys = [t.values[:, 1] if t.interpolation == "CUBICSPLINE" else t.values for t in tracks]
-    off = np.abs(norm(np.concatenate([rig.rotation[~rig.has_matrix], *keys])) - 1.0)
+    off = np.abs(norm(np.concatenate([rig.rotation[~rig.has_matrix & some], *keys])) - 1.0)
     return float(off[np.isfinite(off)].max(initial=0.0))
+
+
+def lost_unit_rotations(was: float, now: float) -> tuple[str, ...]:
+    """What to say where rotations are farther from unit than they were.
+
+    Normalising hides it, but a renderer that does not normalise would show it.
+    """
+    off = f"unit rotations: |q| is off 1 by {now:.2g}, was {was:.2g}"
+    return (off,) if now > 2.0 * was + UNIT else ()
 
 
 def _times_at_once(rig: Rig) -> int:

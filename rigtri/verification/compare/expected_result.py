@@ -20,6 +20,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import DocumentView, Source, motion_between, self_check, verify
 from rigtri.verification.compare.correspondence import same_track
+from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
 from rigtri.verification.compare.morph_changes import MorphChanges, morph_movement, without_changes
 from rigtri.verification.compare.scene_facts import Scenery
 from rigtri.verification.compare.verdict import Comparison, Motion
@@ -179,7 +180,9 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     lost += [
         f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in written.meshes())).elements()
     ]
-    return replace(result, different=(*result.different, *(f"{name} was removed, too" for name in lost)))
+    different = (*result.different, *(f"{name} was removed, too" for name in lost))
+    unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
+    return replace(result, different=different, lost=(*result.lost, *unit))
 
 
 def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
