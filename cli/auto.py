@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -149,14 +150,21 @@ class _Job:
         found, whole = self.proposal, self.values["dry_run"] or self.values["verbose"]
         lines = [text(found.rig, found.layout) + "\n"] if whole else list(recognised_lines(found.layout))
         lines.append(step_lines(self.built))
+        tried = f"{len(found.checked)} controls and pole vectors tried"
+        lines.append(f"{tried}: each moves its joint and the mesh, and nothing else")
         if self.values["spec_out"] is not None and not self.values["dry_run"]:
             lines.append(f"Wrote {self.values['spec_out']}")
         return "\n".join(lines)
 
     def more(self) -> dict[str, Any]:
-        """For the report: what was recognised, the spec, and the steps of the build."""
+        """For the report: what was recognised, the spec, the steps of the build, and what controls move."""
         from rigtri.recognition.output import as_json
 
         found = self.proposal
         characters = as_json(found.rig, found.layout)["characters"]
-        return {"recognised": characters, "spec": found.text, "steps": steps_of(self.built, places=False)}
+        return {
+            "recognised": characters,
+            "spec": found.text,
+            "steps": steps_of(self.built, places=False),
+            "controls": [asdict(each) for each in found.checked],
+        }

@@ -163,6 +163,9 @@ def ik_obstacle(rig: Rig, chain: tuple[int, int, int]) -> str:
         return f"'{start}', '{mid}' and '{end}' are not three joints"
     if not rig.is_below(b, a):
         return f"'{mid}' is not a descendant of '{start}', so it does not follow it"
+    holder = rig.rules.group_parent
+    if holder >= 0 and rig.is_below(holder, a):
+        return f"'{start}' holds the controls, so it cannot follow one"
     if rig.is_below(a, c):
         return f"'{start}' is a descendant of '{end}', so the limb would move its own root"
     if rig.is_below(c, a) and not rig.is_below(c, b):

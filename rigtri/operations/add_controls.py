@@ -17,6 +17,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
 from rigtri.evaluation.zero_pose import ik_obstacle
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
@@ -48,6 +49,13 @@ SHORTEST = 0.5
 GIRTH = 1.25
 
 
+def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
+    """Why an IK end of a limb would move nothing; "" where it would. carries: as `Skeleton` has it."""
+    if carries[chain[0]]:
+        return ik_obstacle(rig, chain)
+    return f"no mesh follows '{rig.title(chain[0])}'"
+
+
 @operation(AddControlsOptions)
 def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Rig:
     """Put controls over joints; a second run finds its controls and sets their offsets anew.
@@ -76,6 +84,7 @@ class _Builder:
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
         self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
         self.controls: dict[int, int] = {}
+        self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
         self.made: list[tuple[int, ControlKind, int]] = []
 
@@ -84,17 +93,18 @@ class _Builder:
         return self.options.whole_character or self.options.limbs is not None
 
     def _recognised(self, named: tuple[Limb, ...]) -> Iterator[Limb]:
-        """The recognised limbs beside those that are named; a warning for each that IK cannot move."""
+        """The recognised limbs beside those that are named, but those where IK has nothing to move."""
         for limb in with_recognised(self.rig, named)[len(named) :]:
-            if obstacle := ik_obstacle(self.rig, limb.triple):
+            if why := idle_ik(self.rig, limb.triple, self.tree.carries):
                 title = self.rig.title(limb.end)
-                self.report.warn("no-ik", f"No IK end for '{title}': {obstacle}", joint=title)
+                self.report.warn("no-ik", f"No IK end for '{title}': {why}", joint=title)
             else:
                 yield limb
 
     def build(self) -> Rig:
         options = self.options
-        self.rig, _ = group(self.rig)
+        self.rig, holder = group(self.rig)
+        self.above_controls = self.rig.with_ancestors([holder])
         if options.root_control or options.whole_character:
             self._root()
         for joint in self._joints():
@@ -124,13 +134,16 @@ class _Builder:
         if options.selection.named or options.whole_character:
             found = [k for k in chosen(self.tree, options.selection) if self.rig.type_of(k) != "twist"]
             if not options.selection.named:
-                found = [joint for joint in found if self.tree.carries[joint]]
+                idle = self.above_controls.union(np.flatnonzero(~self.tree.carries).tolist())
+                found = [joint for joint in found if joint not in idle]
         missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
         return sorted({*found, *missing}) if missing else found
 
     def _root(self) -> None:
         """The control over all: below the first root joint, as low as the lowest joint, along the world."""
-        top = self.tree.roots[0]
+        # A prim that holds the controls, as with --root, cannot follow one of them.
+        free = (joint for joint in self.tree.joints if joint not in self.above_controls)
+        top = next(free, self.tree.roots[0])
         points = self.ref.world[list(self.tree.joints), 3, :3]
         up = np.asarray(self.rig.rules.up, dtype=np.float64)
         place = self.ref.position(top).copy()

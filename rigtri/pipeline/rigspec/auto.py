@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest
 from rigtri.pipeline.rigspec.build import Built, build_file
+from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import load, need_libraries
 from rigtri.pipeline.rigspec.spec_init import starter, unsure
@@ -29,12 +30,17 @@ SUFFIX = ".rig.yaml"
 
 @dataclass(frozen=True)
 class Proposal:
-    """What was recognised in a file, and the spec that belongs to it, as YAML with open places."""
+    """What was recognised in a file, and the spec that belongs to it, as YAML with open places.
+
+    root: below which its joints are. checked: what the controls move, once they are built.
+    """
 
     source: Path
     rig: Rig
     layout: Layout
     text: str
+    root: str | None = None
+    checked: list[CheckedControl] = field(default_factory=list)
 
     @property
     def is_character(self) -> bool:
@@ -55,6 +61,11 @@ class Proposal:
         names = ", ".join(f"'{self.rig.title(node)}'" for node in chain.bend)
         return f"the {chain.name} is not sure ({chain.confidence:.2f}): perhaps {names}"
 
+    def check(self, rig: Rig) -> None:
+        """GeometryError where a control that was built does not do what it is for."""
+        self.checked[:] = check_controls(rig, self.root)
+        refuse_idle_controls(self.checked)
+
     def missing(self) -> str:
         """What there is instead of a character."""
         guesses = (f"perhaps {a(chain.name)} ({chain.confidence:.2f})" for chain in self.layout.chains)
@@ -69,7 +80,7 @@ def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], option
     need_libraries()
     rig = read(at, options).rig
     layout = recognise(rig, own=own)
-    found = Proposal(source, rig, layout, "")
+    found = Proposal(source, rig, layout, "", options.root)
     if not found.is_character:
         return found
     text = starter(rig, title(source), layout, preset=preset, open_places=True, options=options)
@@ -109,7 +120,8 @@ def auto_file(
     own: naming schemes that are tried first. spec_out: where the spec goes by which it was built, None for
     nowhere. seen: is called with what is proposed, before anything is built.
     Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
-    places in the spec then; else as `build_file`. Where a step fails the spec is written all the same.
+    places in the spec then; else as `build_file`, with the last step for controls that do not do what they
+    are for. Where a step fails the spec is written all the same.
     """
     place = None if spec_out is None or request.dry_run else Path(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
@@ -127,7 +139,7 @@ def auto_file(
         try:
             with called({str(spec): str(spec_out or "the spec")}):
                 limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
-                built = build_file(inner, limited, report)
+                built = build_file(inner, limited, report, found.check)
         except SpecError as error:
             _write(place, _not_built(error) + found.text)
             raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -55,18 +56,21 @@ def build(
     return build_file(EditRequest(source, target, **request), spec, Report() if report is None else report)
 
 
-def build_file(request: EditRequest, spec: Spec, report: Report) -> Built:
+def build_file(
+    request: EditRequest, spec: Spec, report: Report, check: Callable[[Rig], None] = lambda rig: None
+) -> Built:
     """Give a character the rig that a spec describes; the output appears whole or not at all.
 
-    The spec says how files are read, and the tolerance. Raises SpecError for a spec that names joints the
-    character does not have, all of them at once; else as `rigtri.pipeline.edit.edit_file`, with the step that
-    it happened in. ``ready`` of the request is called as there, with what is to be said of the whole.
+    The spec says how files are read, and the tolerance. check: is given the rig that the last step makes; a
+    GeometryError of its is one of that step. Raises SpecError for a spec that names joints the character does
+    not have, all of them at once; else as `rigtri.pipeline.edit.edit_file`, with the step that it happened
+    in. ``ready`` of the request is called as there, with what is to be said of the whole.
     """
     spared = tuple(Path(place) for place in (request.target, *request.side_files) if str(place) != "-")
     for place in spared:
         if not (request.dry_run and same_file(place, Path(request.source))):
             check_not_an_input(place, spec.needed())
-    work = _Work(spec, request, report, spared)
+    work = _Work(spec, request, report, spared, check)
     with (
         opened(request.source) as work.at,  # a stream, which is read only once, is on disk for all steps
         temp_dirs.folder() if len(spec.steps) > 1 else nullcontext("") as folder,
@@ -102,6 +106,7 @@ class _Work:
     request: EditRequest
     report: Report
     spared: tuple[Path, ...]
+    check: Callable[[Rig], None]
     source: Path = Path()
     at: Path = Path()
     done: list[Done] = field(default_factory=list)
@@ -115,6 +120,8 @@ class _Work:
         def looking_on(rig: Rig, report: Report) -> Rig:
             seen.append(rig)
             seen.append(made(rig, report))
+            if place is None:
+                self.check(seen[-1])
             return seen[-1]
 
         try:

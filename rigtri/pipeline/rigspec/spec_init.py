@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rigtri.evaluation.zero_pose import ik_obstacle
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
+from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
+from rigtri.operations.add_controls import idle_ik
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.recognition.output import direction_text
 from rigtri.recognition.recognise import recognise
@@ -52,7 +53,7 @@ def starter(
     options = options or ReadOptions()
     tree = skeleton(rig, options.root)
     layout = recognise(rig) if layout is None else layout
-    limbs = _Limbs(rig, layout, open_places)
+    limbs = _Limbs(rig, layout, open_places, tree.carries)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
         *(f"# {_visible(line)}" for line in recognised_lines(layout)),
@@ -142,15 +143,17 @@ class _Limbs:
     rig: Rig
     layout: Layout
     open_places: bool
+    carries: Booleans
 
     def steps(self) -> Iterator[str]:
         """All lines behind the preset of orient-joints."""
         open_limbs = unsure(self.layout) if self.open_places else []
         every = [chain for chain in _reaching(self.layout) if chain.is_sure]
-        sure = [chain for chain in every if not ik_obstacle(self.rig, _triple(chain))]
-        for chain in every:
-            if obstacle := ik_obstacle(self.rig, _triple(chain)):
-                yield f"    # No IK for the {chain.name}: {_visible(obstacle)}."
+        idle = [idle_ik(self.rig, _triple(chain), self.carries) for chain in every]
+        sure = [chain for chain, why in zip(every, idle, strict=True) if not why]
+        for chain, why in zip(every, idle, strict=True):
+            if why:
+                yield f"    # No IK for the {chain.name}: {_visible(why)}."
         if sure or open_limbs:
             if lacking := self._lacking([*sure, *open_limbs]):
                 words = ", ".join(lacking)

@@ -1,0 +1,239 @@
+"""Whether the controls of a rig do what they are for: each is moved, and what follows it is measured.
+
+All are moved at once, each in a row of its own. What each has to move:
+
+* an FK control: its joint by the same rotation, and what is below that;
+* the root control: all joints with weight, rigidly;
+* an IK control: the end joint to its place, in its rotation, and the limb;
+* a pole vector: the limb, while the end joint stays.
+
+And the mesh, but no other joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
+from rigtri.frames.skeleton import Skeleton, skeleton
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import inverse, transform_directions
+from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotation_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, length, normalise
+from rigtri.model.constraints import constraints_of
+from rigtri.model.metadata import ControlRecord
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.messages import list_names
+
+# Radians by which controls are rotated, about no axis of their own; shares of the limb by which an IK
+# control is moved towards the root, where the limb can follow, and a pole vector to the side.
+_TURN = 0.35
+_AXIS = normalise(np.array([0.5, 0.6, 0.7]))
+_NEARER, _ASIDE = 0.1, 0.5
+# How far off may be what follows: radians, and shares of the size. Scales that are not quite uniform, as
+# exporters write them, turn by 1e-4; soft limbs end short of their control. What does nothing is off by all.
+_ANGLE, _PLACE = 0.02, 0.01
+# What moves less, as a share of the size and in the axes of a joint, stands still: float32, some nodes deep.
+_STILL, _STILL_AXES = 1e-5, 1e-4
+
+
+@dataclass(frozen=True)
+class CheckedControl:
+    """A control, the joint that it is for, how many joints it moves, and what is wrong; "" for nothing."""
+
+    control: str
+    kind: str
+    joint: str
+    moves: int
+    fault: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A control that is moved in a row of its own. joint: what it is for. limb: of an IK end or a pole."""
+
+    control: int
+    kind: str
+    joint: int
+    parts: Parts
+    limb: IkLimb | None = None
+
+
+def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, ...]:
+    """Move each control and pole vector of a rig, and say what follows; not those that constraints move.
+
+    root: the node below which joints are, as `skeleton` has it. Raises ControlCycleError.
+    """
+    records = rig.records(ControlRecord)
+    fk = {node for node, record in records.items() if record.kind != "ik"}
+    found: dict[int, CheckedControl] = {}
+    reference, tree = ControlsAtZero(rig), skeleton(rig, root)
+    # FK controls while IK is off, all others while it is on.
+    for only_fk, solver in ((True, Solver(rig, fk, reference)), (False, Solver(rig, None, reference))):
+        run = _Run(solver, [each for each in _trials(solver) if (each.kind == "fk") is only_fk], tree)
+        found |= {each.control: run.checked(row + 1, each) for row, each in enumerate(run.trials)}
+    for node, record in sorted(records.items()):
+        if node not in found and not _is_ruled(solver, node):
+            why = "its limb is not solved" if record.kind == "ik" else "its joint is not in the file"
+            found[node] = CheckedControl(rig.title(node), record.kind, record.joint, 0, why)
+    return tuple(found[node] for node in sorted(found))
+
+
+def refuse_idle_controls(checked: Iterable[CheckedControl]) -> None:
+    """GeometryError where controls do not do what they are for, with what is wrong with each."""
+    wrong = [each for each in checked if each.fault]
+    if wrong:
+        each = "; ".join(f"'{one.control}': {one.fault}" for one in wrong[:8])
+        more = f"; and {len(wrong) - 8} more" if len(wrong) > 8 else ""
+        one = len(wrong) == 1
+        count = (
+            "1 control does not do what it is" if one else f"{len(wrong)} controls do not do what they are"
+        )
+        raise GeometryError(f"{count} for. {each}{more}")
+
+
+def _is_added(rig: Rig, node: int) -> bool:
+    """Whether a node is one that rigtri has put beside the joints."""
+    return node in rig.metadata and rig.type_of(node) not in ("twist", "frame")
+
+
+def _is_ruled(solver: Solver, *nodes: int) -> bool:
+    """Whether a constraint moves some of the nodes, or a node above them."""
+    return not solver.rig.with_ancestors(nodes).isdisjoint(solver.rules)
+
+
+def _trials(solver: Solver) -> Iterator[_Trial]:
+    """All controls and poles that no constraint moves, each moved from where it is."""
+    return (each for each in _every_trial(solver) if not _is_ruled(solver, each.control, each.joint))
+
+
+def _every_trial(solver: Solver) -> Iterator[_Trial]:
+    reference, still = solver.reference, PoseCache(solver.rig)
+    turn = from_axis_angle(_AXIS, np.float64(_TURN))
+    for own in (*reference.fk.values(), *reference.roots):
+        parts = still.part(own.control)
+        kind = "fk" if reference.fk.get(own.joint) is own else "root"
+        yield _Trial(own.control, kind, own.joint, parts._replace(rotation=multiply(parts.rotation, turn)))
+    for limb in reference.limbs:
+        start, mid, end = (reference.world[node, 3, :3] for node in limb.chain)
+        size = float(length(mid - start) + length(end - mid))
+        parts = _shifted(still, limb.control, _NEARER * size * _direction(start - end))
+        turned = parts._replace(rotation=multiply(parts.rotation, turn))
+        yield _Trial(limb.control, "ik", limb.chain[2], turned, limb)
+        if limb.pole >= 0:
+            line = _direction(end - start)
+            aside = _direction(cross(line, reference.world[limb.pole, 3, :3] - start))
+            parts = _shifted(still, limb.pole, _ASIDE * size * aside)
+            yield _Trial(limb.pole, "pole", limb.chain[1], parts, limb)
+
+
+def _direction(vector: Floats) -> Floats:
+    """The direction of a vector, (3,); any for one without length."""
+    return normalise(vector) if length(vector) > 0 else np.array([1.0, 0.0, 0.0])
+
+
+def _shifted(still: PoseCache, node: int, move: Floats) -> Parts:
+    """A node's local parts, moved by a vector, (3,), in the world."""
+    parts, above = still.part(node), still.world(int(still.rig.parents[node]))
+    return parts._replace(translation=parts.translation + transform_directions(move, inverse(above)))
+
+
+class _Run:
+    """The rig with each control moved in a row of its own; in row 0 none is."""
+
+    def __init__(self, solver: Solver, trials: Sequence[_Trial], tree: Skeleton) -> None:
+        rig = self.rig = solver.rig
+        self.solver, self.trials = solver, trials
+        self.size = size_of(rig)
+        # What holds the controls cannot follow them; --root may name a node that holds them and joints.
+        holding, self.carries = rig.with_ancestors(rig.nodes_of("control")), tree.carries
+        self.watched = [node for node in tree.joints if node not in holding and not _is_added(rig, node)]
+        rows, still = len(trials) + 1, PoseCache(rig)
+        parts = {}
+        for number, trial in enumerate(trials):
+            own = [np.repeat(each, rows, axis=0) for each in still.part(trial.control)]
+            for each, moved in zip(own, trial.parts, strict=True):
+                each[number + 1] = moved[0]
+            parts[trial.control] = Parts(*own)
+        self.posed = solver.run(parts)
+        self.moved = {node: self._moved(node) for node in self.watched}
+        self._angles: dict[int, Floats] = {}
+
+    def _moved(self, node: int) -> Booleans:
+        """In which rows a node is moved, (f,)."""
+        world = self.posed.world(node)
+        places = length(world[:, 3, :3] - world[:1, 3, :3]) > _STILL * self.size
+        axes = np.abs(world[:, :3, :3] - world[:1, :3, :3]).max(axis=(1, 2))
+        return np.asarray(places | (axes > _STILL_AXES * np.abs(world[0, :3, :3]).max()))
+
+    def checked(self, row: int, trial: _Trial) -> CheckedControl:
+        rig = self.rig
+        found = [node for node in self.watched if self.moved[node][min(row, len(self.moved[node]) - 1)]]
+        fault = self._unfollowed(row, trial) or self._unmoved(trial, found) or self._others(trial, found)
+        return CheckedControl(rig.title(trial.control), trial.kind, rig.title(trial.joint), len(found), fault)
+
+    def _unfollowed(self, row: int, trial: _Trial) -> str:
+        """What does not follow that has to."""
+        rig, joint = self.rig, trial.joint
+        if trial.limb is not None and trial.kind == "pole":
+            start, _, end = trial.limb.chain
+            if self._turned(start, row) < _ANGLE:
+                return f"'{rig.title(start)}' does not turn to it"
+            return f"'{rig.title(end)}' is moved by it" if self._off(end, row) > _PLACE * self.size else ""
+        joints = [node for node in self.watched if self.carries[node]] if trial.kind == "root" else [joint]
+        lazy = [node for node in joints if abs(self._turned(node, row) - _TURN) > _ANGLE]
+        if trial.kind == "ik":
+            goal = self.posed.world(trial.control)[:, 3, :3]
+            way = goal[row] - goal[0]
+            apart = float(length(self._at(joint, row) - self._at(joint, 0) - way))
+            lazy = lazy or ([joint] if apart > _PLACE * self.size else [])
+        if lazy:
+            follow = "does" if len(lazy) == 1 else "do"
+            return f"{list_names(rig.title(node) for node in lazy)} {follow} not follow it"
+        return ""
+
+    def _unmoved(self, trial: _Trial, moved: list[int]) -> str:
+        """Whether the mesh stands still. FK controls of a limb hold what its IK cannot, weight or not."""
+        limbs = [limb.chain for limb in self.solver.reference.limbs if trial.joint in limb.chain]
+        with_mesh = any(self.carries[node] for node in (*moved, *(chain[0] for chain in limbs)))
+        return "" if with_mesh else "the mesh does not move with it"
+
+    def _others(self, trial: _Trial, moved: list[int]) -> str:
+        """What moves that is no business of a control's."""
+        rig = self.rig
+        if trial.kind == "root":
+            return ""
+        top = trial.joint if trial.limb is None else trial.limb.chain[0]
+        mine = set(rig.below(top)) | set(rig.below(trial.joint))
+        for step in self.solver.steps:
+            if not mine.isdisjoint((*step.needs, *step.reads)) and len(step.sets) == 1:
+                mine.update(rig.below(step.sets[0]))
+        for rule in constraints_of(rig).values():
+            if not mine.isdisjoint(rule.sources):
+                mine.update(rig.below(rule.child))
+        others = [node for node in moved if node not in mine]
+        return f"it moves {list_names(rig.title(node) for node in others)}, too" if others else ""
+
+    def _at(self, node: int, row: int) -> Floats:
+        world = self.posed.world(node)
+        return np.asarray(world[min(row, len(world) - 1), 3, :3])
+
+    def _off(self, node: int, row: int) -> float:
+        return float(length(self._at(node, row) - self._at(node, 0)))
+
+    def _turned(self, node: int, row: int) -> float:
+        """The angle in radians by which a node is turned in a row."""
+        if node not in self._angles:
+            turns = self.posed.world_rotation(node)
+            self._angles[node] = rotation_angle(multiply(conjugate(turns[0]), turns))
+        angles = self._angles[node]
+        return float(angles[min(row, len(angles) - 1)])

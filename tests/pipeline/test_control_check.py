@@ -1,0 +1,116 @@
+"""Each control that auto builds is moved, and what it claims to move must follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import SAMPLES, asset_files
+from program import cli
+
+import rigtri
+from rigtri.errors import GeometryError
+from rigtri.formats import read
+from rigtri.model.metadata import ControlRecord
+from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.operations.rigtri_nodes import with_record
+from rigtri.pipeline.rigspec import auto
+from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
+
+
+def rigged(name: str = "biped.glb") -> Rig:
+    return rigtri.add_controls(read(SAMPLES / name).rig, whole_character=True)
+
+
+def faults(rig: Rig) -> dict[str, str]:
+    return {each.control: each.fault for each in check_controls(rig) if each.fault}
+
+
+@pytest.mark.parametrize(
+    "name", ["biped.glb", "biped.usda", "tpose.glb", "flat_ik.glb", "hand.glb", "tail.glb"]
+)
+def test_all_controls_of_a_whole_character_do_what_they_are_for(name: str) -> None:
+    found = check_controls(rigged(name))
+    assert [each for each in found if each.fault] == []
+    assert all(each.moves for each in found)
+
+
+def with_chain(rig: Rig, end: str, chain: tuple[str, ...]) -> Rig:
+    node = rig.find(f"{end}_ik_ctl")
+    return with_record(rig, node, replace(rig.records(ControlRecord)[node], chain=chain))
+
+
+def _lighter(skin: Skin, joints: list[int]) -> Skin:
+    return replace(skin, weigh=lambda: skin.weighted & ~np.isin(skin.joints, joints))
+
+
+def without_weights(rig: Rig, *names: str) -> Rig:
+    joints = [rig.find(name) for name in names]
+    skins = tuple(_lighter(s, joints) for s in rig.skins)
+    return replace(rig, skins=skins)
+
+
+@pytest.mark.parametrize(
+    ("broken", "control", "words"),
+    [
+        (
+            lambda rig: with_chain(rig, "hand_L", ("thigh_L", "forearm_L", "hand_L")),
+            "hand_L_ik_ctl",
+            "not solved",
+        ),
+        (lambda rig: with_chain(rig, "hand_L", ("a", "b", "c")), "hand_L_ik_ctl", "not solved"),
+        (lambda rig: without_weights(rig, "toe_L"), "toe_L_ctl", "mesh does not move"),
+    ],
+)
+def test_a_control_that_does_nothing_is_named(broken: Callable[[Rig], Rig], control: str, words: str) -> None:
+    rig = rigged()
+    assert words in faults(broken(rig))[control]
+
+
+def test_what_a_root_control_leaves_behind_is_named() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    top = rig.parents.copy()
+    top[rig.find("thigh_L")] = -1
+    rig = replace(rig, parents=top, clips=())
+    found = faults(rigtri.add_controls(rig, root_control=True, chain=[("spine", "head")]))
+    assert found == {"hips_root_ctl": "'thigh_L', 'shin_L', 'foot_L', 'toe_L' do not follow it"}
+
+
+def test_controls_that_do_nothing_are_refused_in_one_error() -> None:
+    fine = CheckedControl("a_ctl", "fk", "a", 3, "")
+    idle = CheckedControl("b_ik_ctl", "ik", "b", 0, "'b' does not follow it")
+    refuse_idle_controls([fine])
+    with pytest.raises(
+        GeometryError, match=r"1 control does not do what .* 'b_ik_ctl': 'b' does not follow it"
+    ):
+        refuse_idle_controls([fine, idle])
+
+
+def test_auto_leaves_no_output_and_marks_its_spec_where_a_control_does_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out.glb"
+    idle = (CheckedControl("hand_L_ik_ctl", "ik", "hand_L", 0, "'hand_L' does not follow it"),)
+    monkeypatch.setattr(auto, "check_controls", lambda rig, root: idle)
+    result = cli("auto", SAMPLES / "biped.glb", "-o", out, code=5)
+    assert "'hand_L_ik_ctl': 'hand_L' does not follow it" in result.stderr
+    assert not out.exists()
+    first, why, _ = out.with_suffix(".rig.yaml").read_text("utf-8").split("\n", 2)
+    assert first.startswith("# rigtri auto built nothing by this spec")
+    assert "hand_L_ik_ctl" in why
+
+
+def test_a_control_that_follows_a_constraint_is_not_tried() -> None:
+    rig = rigtri.constrain(rigged(), type="parent", child="hand_L_ik_ctl_offset", driver=["head_ctl"])
+    assert faults(rig) == {}
+    assert "hand_L_ik_ctl" not in {each.control for each in check_controls(rig)}
+
+
+@pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
+def test_what_auto_builds_of_a_real_character_does_what_it_is_for(path: Path, tmp_path: Path) -> None:
+    result = cli("auto", path, "-o", tmp_path / f"out{path.suffix}", "--no-spec", "--json")
+    assert result.exit_code == 0 or "no character was recognised" in result.stderr
