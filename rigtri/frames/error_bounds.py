@@ -6,7 +6,7 @@ more than e times its reach, in any pose that bends joints and does not stretch 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +18,7 @@ from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
-from rigtri.model.animation import Track, key_values
+from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -50,12 +50,22 @@ class LeverArm:
     @cached_property
     def exact(self) -> Floats:
         """As far as it gets, (n,)."""
-        rig, world, size = self._rig, self._world, size_of(self._rig, self._meshes, self._world)
-        own = self._own(size, self._of_points)
+        rig, world, size = self._rig, self._world, self._size
+        own = self.own * size
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
-        for posed in _stretched(rig):
+        stretching = [clip for clip in rig.clips if {t.path for t in clip.tracks} & {"translation", "scale"}]
+        for posed in posed_worlds(rig, stretching):
             reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
         return np.asarray(reach / size)
+
+    @cached_property
+    def own(self) -> Floats:
+        """How far the points and frames reach that a node moves itself, (n,), without what is below it."""
+        return self._own(self._size, self._of_points) / self._size
+
+    @cached_property
+    def _size(self) -> float:
+        return size_of(self._rig, self._meshes, self._world)
 
     @cached_property
     def at_most(self) -> Floats:
@@ -162,14 +172,13 @@ def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
     return reach
 
 
-def _stretched(rig: Rig) -> Iterator[Floats]:
-    """The worlds of the clips that move or scale nodes, (f, n, 4, 4), a block of times at once."""
+def posed_worlds(rig: Rig, clips: Iterable[Clip]) -> Iterator[Floats]:
+    """The worlds of clips at and between their keys, (f, n, 4, 4), a block of times at once."""
     many = max(1, _BLOCK // (16 * max(len(rig), 1)))
-    for clip in rig.clips:
-        if any(track.path in ("translation", "scale") for track in clip.tracks):
-            times, motion = between_keys(key_times(clip)), Motion(rig, clip)
-            for start in range(0, len(times), many):
-                yield worlds(rig, motion.locals_at(times[start : start + many]))
+    for clip in clips:
+        times, motion = between_keys(key_times(clip)), Motion(rig, clip)
+        for start in range(0, len(times), many):
+            yield worlds(rig, motion.locals_at(times[start : start + many]))
 
 
 def _stretch(rest: Floats, posed: Floats) -> Floats:
@@ -180,17 +189,17 @@ def _stretch(rest: Floats, posed: Floats) -> Floats:
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         change = multiply(inverse(rest), posed)[..., :3, :3]
-        most = _longest([change[..., i, :] for i in range(3)])
+        most = longest_stretch([change[..., i, :] for i in range(3)])
     return np.where(np.isfinite(most), most, 1.0)
 
 
-def _longest(rows: Sequence[Floats]) -> Floats:
+def longest_stretch(rows: Sequence[Floats]) -> Floats:
     """By how much a matrix stretches any direction at most, (...), from its three rows, (..., 3) each."""
     return _most(*_squares(rows))
 
 
 def _most(square: Sequence[Floats], aside: Sequence[Floats]) -> Floats:
-    """As `_longest`, from what `_squares` gives."""
+    """As `longest_stretch`, from what `_squares` gives."""
     return np.asarray(np.sqrt(np.maximum.reduce([a + b for a, b in zip(square, aside, strict=True)])))
 
 
@@ -238,7 +247,7 @@ def _own(rig: Rig, world: Floats, mesh: Mesh, reach: Floats) -> None:
             square += along * along
         far = np.sqrt(np.where(np.isfinite(square), square, 0.0))
         if morphed is not None:
-            longest = _longest([seen[k].T for k in range(3)])
+            longest = longest_stretch([seen[k].T for k in range(3)])
             far += np.where(np.isfinite(longest), longest, 0.0)[joints] * morphed[rows]
     if len(joints):
         starts = runs(joints)
@@ -260,7 +269,7 @@ def _raise(reach: Floats, node: Integers, points: Floats, world: Floats, more: F
         with np.errstate(invalid="ignore", over="ignore"):
             far = length(transform_directions(points, world[node]))
             if more is not None:
-                far += _longest([world[node, k, :3] for k in range(3)]) * more
+                far += longest_stretch([world[node, k, :3] for k in range(3)]) * more
         np.maximum.at(reach, node, np.where(np.isfinite(far), far, 0.0))
 
 

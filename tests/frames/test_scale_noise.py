@@ -11,12 +11,14 @@ import pytest
 from flat_options import axes_of
 from gltf_files import glb_bytes, glb_parts
 from places import slow
-from scaled_limbs import NAMES, Limb, gltf
+from scaled_limbs import NAMES, Limb, gltf, usda
+from usd_files import save
 
 from rigtri.errors import DeviationError
 from rigtri.formats import read
 from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.rig_size import size_of
+from rigtri.maths.matrices import multiply
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -151,3 +153,96 @@ def test_noise_that_a_clip_makes_visible_counts_as_a_scale_that_is_not_uniform(
     for style in STYLES[:6]:
         oriented(source, out, policy, style)
         assert verify(read(source), read(out)).deviation < 0.95e-5
+
+
+# Of a limb of five joints: more than passes as uniform, and less than a scale that anybody means.
+# They bend by 50° and more in the clip.
+FROZEN = {
+    "elbow": (1.00002, 0.999995, 0.999996),
+    "wrist": (0.99998, 1.000005, 1.000006),
+    "finger": (1.0001, 1.00005, 1),
+}
+
+
+def noisy(folder: Path, **limb: Any) -> Path:
+    return gltf(folder / "in.glb", Limb(**{"rest": FROZEN} | limb))
+
+
+@pytest.mark.parametrize("style", SOME_STYLES, ids=lambda s: f"{s.aim} {s.up}")
+def test_joints_whose_scale_is_noise_are_re_oriented_as_asked(style: AxisStyle, tmp_path: Path) -> None:
+    source, out, again = noisy(tmp_path), tmp_path / "out.glb", tmp_path / "again.glb"
+    outcome = oriented(source, out, "snap", style)
+    rig = read(out).rig
+    assert (rig.scale == 1.0).all()
+    found = [entry["scale"]["policy"] for entry in outcome.report.joints if "scale" in entry]
+    assert found == ["uniform"] * 3
+    errors = [entry.get("aim_error_degrees", 0.0) for entry in outcome.report.joints]
+    assert max(errors) < 1e-3
+    assert [notice.code for notice in outcome.report.warnings if "scale" in notice.code] == ["scale-noise"]
+    assert verify(read(source), read(out)).deviation < 0.6e-5
+    oriented(out, again, "snap", style)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_what_is_not_rotated_below_noise_of_a_scale_stays_to_the_last_bits(tmp_path: Path) -> None:
+    rig = replace(read(noisy(tmp_path)).rig, clips=())
+    report = Report()
+    turned = orient_joints(rig, report=report)
+    (notice,) = [notice for notice in report.warnings if notice.code == "scale-noise"]
+    assert "3 joints" in notice.text
+    for before, after in zip(rig.skins, turned.skins, strict=True):
+        places = [
+            multiply(skin.inverse_bind, each.world[skin.joints])
+            for skin, each in ((before, rig), (after, turned))
+        ]
+        np.testing.assert_allclose(*places, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rest", "keys"),
+    [
+        (FROZEN | {"elbow": (1.0002, 1, 1)}, {}),  # more than noise
+        (FROZEN, {"elbow": [(1.00003, 1, 1), (1, 1.00003, 1), ONE, ONE, ONE]}),  # another in a clip
+    ],
+)
+def test_a_scale_that_is_meant_or_that_clips_change_is_no_noise(rest: Any, keys: Any, tmp_path: Path) -> None:
+    source, out = noisy(tmp_path, rest=rest, keys=keys), tmp_path / "out.glb"
+    outcome = oriented(source, out, "snap", AxisStyle())
+    refused = [n.joint for n in outcome.report.warnings if n.code == "nonuniform-scale"]
+    assert refused == ["elbow"]
+    assert read(out).rig.scale[NAMES.index("elbow")].max() > 1.00001
+    assert (read(out).rig.scale[NAMES.index("wrist")] == 1.0).all()
+    assert verify(read(source), read(out)).deviation < 1e-5
+
+
+def test_keys_that_say_the_same_noise_become_uniform_too(tmp_path: Path) -> None:
+    elbow = np.array(FROZEN["elbow"])
+    out, factors = tmp_path / "out.glb", (1, 2, 1, 0.5, 1)
+    source = noisy(tmp_path, rest={"elbow": elbow}, keys={"elbow": [elbow * factor for factor in factors]})
+    outcome = oriented(source, out, "snap", AxisStyle())
+    assert "nonuniform-scale" not in [notice.code for notice in outcome.report.warnings]
+    track = next(t for t in read(out).rig.clips[0].tracks if t.path == "scale")
+    np.testing.assert_allclose(track.values, [[factor] * 3 for factor in factors], rtol=3e-7)
+
+
+def test_noise_that_motion_would_show_is_left_and_reported(tmp_path: Path) -> None:
+    """The shoulder has a long arm that bends; and all of a line stays, or a second run would go on."""
+    source = noisy(tmp_path, rest={"shoulder": (1.00005, 1.0, 0.99995), "wrist": (1.00003, 1.0, 0.99998)})
+    out, again = tmp_path / "out.glb", tmp_path / "again.glb"
+    outcome = oriented(source, out, "snap", AxisStyle())
+    assert [n.joint for n in outcome.report.warnings if n.code == "nonuniform-scale"] == ["shoulder", "wrist"]
+    assert verify(read(source), read(out)).deviation < 1e-6
+    oriented(out, again, "snap", AxisStyle())
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_noise_of_a_skeleton_in_usd_is_frozen_where_no_animation_scales_it(tmp_path: Path) -> None:
+    text = usda(Limb(rest=FROZEN)).replace("rel skel:animationSource = </Root/Bend>", "")
+    text = text[: text.index("def SkelAnimation")] + text[text.index("def Mesh") :]
+    source, out = save(tmp_path, text, "in.usda"), tmp_path / "out.usda"
+    outcome = oriented(source, out, "snap", AxisStyle())
+    assert [notice.code for notice in outcome.report.warnings if "scale" in notice.code] == ["scale-noise"]
+    assert verify(read(source), read(out)).deviation < 1e-7
+    again = tmp_path / "again.usda"
+    oriented(out, again, "snap", AxisStyle())
+    assert again.read_bytes() == out.read_bytes()

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.scale_noise import NOISE, SAME_RATIO
 from rigtri.frames.skeleton import ReferencePose
 from rigtri.maths.matrices import transform_directions
 from rigtri.maths.quaternions import IDENTITY, from_axes, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of, frame
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, length, normalise
+from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy
@@ -75,13 +76,24 @@ class DeadBand:
 def dead_band(targets: Targets, scales: ScaleTable) -> DeadBand:
     """The dead band of every node before any up direction is known."""
     rig, ref = targets.tree.rig, targets.ref
-    scale_noise = scales.noise  # of each node and those above it
+    scale_noise = np.maximum(scales.noise, _strain(ref.world))  # of each node and those above it
     for level in rig.levels[1:]:
         scale_noise[level] = np.maximum(scale_noise[level], scale_noise[rig.parents[level]])
     bone = np.zeros(len(rig))
     bone[list(targets.aims)] = [aim.length for aim in targets.aims.values()]
     position = ref.rounding * ref.extent / np.maximum(np.maximum(bone, 1e-3 * ref.extent), 1e-30)
     return DeadBand(UNCHANGED + scale_noise, np.zeros(len(rig)), position)
+
+
+def _strain(world: Floats) -> Floats:
+    """By how much frames, (n, 4, 4), are no similarities, (n,), where that is noise; also of bind poses."""
+    rows = world[:, :3, :3]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        size = length(rows)
+        apart = size.max(axis=1) / size.min(axis=1) - 1.0
+        aside = [np.abs(dot(rows[:, k], rows[:, k - 1])) / (size[:, k] * size[:, k - 1]) for k in range(3)]
+        found = np.maximum.reduce([apart, *aside])
+    return np.where((found > SAME_RATIO) & (found <= NOISE), found, 0.0)
 
 
 def like_dead_band(count: int) -> DeadBand:

@@ -9,17 +9,18 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.frames.scale_noise import Frozen
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import angle_between, rotates, rotation_angle, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, length
+from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.rig import Rig
 from rigtri.operations.declaration import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
-from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, first_uneven
+from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven, first_uneven
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.recognition.layout import CONFIDENT
@@ -48,7 +49,7 @@ class Outcome:
 
     requested: before the policies. delta: what each joint takes, (n, 4). split: of these, the deltas
     that a node of their own takes. skipped: why joints keep their axes. follows: joints that take
-    the delta of another.
+    the delta of another. noise: the joints whose scales were made uniform, with those before, (3,).
     """
 
     targets: Targets
@@ -58,6 +59,7 @@ class Outcome:
     split: Mapping[int, Floats]
     skipped: Mapping[int, str]
     follows: Mapping[int, int]
+    noise: Mapping[int, Floats]
 
 
 def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
@@ -91,6 +93,19 @@ def warn_unsure(targets: Targets, report: Report) -> None:
             "--limb; see: rigtri recognise FILE",
             geometry=True,
         )
+
+
+def warn_noise(noise: Frozen, report: Report) -> None:
+    """Tell whose scales became uniform, and what that moves."""
+    names = [noise.rig.title(joint) for joint in noise.joints]
+    many = "The scale of 1 joint is" if len(names) == 1 else f"The scales of {len(names)} joints are"
+    report.warn(
+        "scale-noise",
+        f"{many} uniform but for noise (up to {noise.spread:.2g}), and made so to allow the new axes: "
+        f"{and_more(names, 6)}. Translations, keys and inverse bind matrices below make up for it: nothing "
+        f"moves by more than {noise.moved:.2g} of the size in the poses of this file, nor by more than "
+        f"{noise.elsewhere:.2g} in any other.",
+    )
 
 
 def warn_straight(outcome: Outcome, report: Report) -> None:
@@ -215,6 +230,8 @@ def _records(outcome: Outcome, mirrored: Booleans) -> list[dict[str, Any]]:
             entry["follows"] = rig.title(outcome.follows[joint])
         if uneven[joint] and requested[joint]:
             entry["scale"] = _scale_decision(outcome, joint)
+        elif joint in outcome.noise:
+            entry["scale"] = {"policy": "uniform"} | Uneven(triple(outcome.noise[joint])).as_json()
         if moves[joint]:
             taken = outcome.split.get(joint, delta[joint])
             entry |= {"degrees": round(degrees_of[joint], 6), "turn": taken.tolist()}

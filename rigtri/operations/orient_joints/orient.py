@@ -6,7 +6,8 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, "Aiming node A at node B";
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from rigtri.frames.mirroring import parting
 from rigtri.frames.nonuniform_scale import ScaleTable, same_scales, ties
 from rigtri.frames.reframe import reframe, split
 from rigtri.frames.reoriented_constraints import broken, lost_rules
+from rigtri.frames.scale_noise import Frozen, frozen, noisy_joints
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
@@ -41,6 +43,8 @@ from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
+# How much of the tolerance scale noise that is frozen may use up in the poses of the file.
+FROZEN_MAY = 0.5
 # What products of float64 quaternions leave of a rotation that is undone.
 LAST_BITS = 1e-12
 
@@ -58,9 +62,13 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; no axes may change).
     Not handled: poses stored as differences to rest (additive clips).
     """
-    targets = find_targets(rig, options)
-    policy, tied = _scale_policy(rig, targets, options)
-    requested = requested_frames(targets, options, policy, report)
+    plan = _plan(rig, options)
+    noise = _without_noise(rig, plan, options)
+    if noise is not None:
+        rig, plan = noise.rig, _plan(noise.rig, options)
+        messages.warn_noise(noise, report)
+    targets, policy, tied, requested = plan.targets, plan.policy, plan.tied, plan.requested
+    report.merge(plan.notes)
     splits = _find_splits(rig, requested, targets, policy, options)
     delta = _allowed(rig, requested, splits, targets, policy, report, exactly=options.frames is not None)
     constrained = apply_constraint_policy(
@@ -81,6 +89,7 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
         splits,
         constrained.skipped,
         constrained.follows,
+        {} if noise is None else noise.joints,
     )
     messages.warn_fixed(outcome, options.selection, report)
     messages.warn_straight(outcome, report)
@@ -92,16 +101,42 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     return split(_marked(out, outcome), splits)
 
 
-def _scale_policy(
-    rig: Rig, targets: Targets, options: OrientJointsOptions
-) -> tuple[ScalePolicy, tuple[NodeConstraint, ...]]:
-    """The policy for scales, and what ties joints to their parents, for their rotations are not unit."""
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """What is requested of which joints. tied: what ties joints to parents. notes: warnings so far."""
+
+    targets: Targets
+    policy: ScalePolicy
+    tied: tuple[NodeConstraint, ...]
+    requested: RequestedFrames
+    notes: Report
+
+
+def _plan(rig: Rig, options: OrientJointsOptions, uniform: Sequence[int] = ()) -> _Plan:
+    """uniform: joints whose scales are taken as uniform."""
+    targets, notes = find_targets(rig, options), Report()
     lever_arm, scales = LeverArm(rig), ScaleTable.of(rig)
+    scales.apart[list(uniform)] = 0.0
     same = same_scales(rig, targets.tree.joints, scales, lever_arm, options.tolerance)
     tied = ties(rig, lever_arm, options.tolerance)
     rotated = {k for c in rig.node_constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
     unsplittable = frozenset(rotated | {tie.node for tie in tied})
-    return ScalePolicy(options.on_nonuniform_scale, rig, replace(scales, same=same), unsplittable), tied
+    policy = ScalePolicy(options.on_nonuniform_scale, rig, replace(scales, same=same), unsplittable)
+    return _Plan(targets, policy, tied, requested_frames(targets, options, policy, notes), notes)
+
+
+def _without_noise(rig: Rig, plan: _Plan, options: OrientJointsOptions) -> Frozen | None:
+    """The rig with uniform scales where only noise of a scale stands against what is requested."""
+    policy = plan.policy
+    noisy = noisy_joints(rig, policy.scales)
+    if not noisy:
+        return None
+    # As if none were in the way: joints may copy the axes of others.
+    free = _plan(rig, options, noisy)
+    delta = _at_nodes(rig, free.requested.delta)
+    refused = policy.refused(delta, policy.nearest(delta, free.targets.styles))
+    noisy = [joint for joint in noisy if joint in refused]
+    return frozen(rig, noisy, policy.scales, FROZEN_MAY * options.tolerance) if noisy else None
 
 
 def _find_splits(

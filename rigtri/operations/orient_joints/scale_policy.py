@@ -103,11 +103,9 @@ class ScalePolicy:
         if self.policy != "split":
             return {}
         found = {}
-        for node in np.flatnonzero(rotates(delta) & self.scales.uneven).tolist():
+        for node in self.refused(delta, self.nearest(delta, styles)):
             axes = _axes_of(styles[node]) if node in styles else (0, 1)
-            exact = nearest_exact(delta[node], self.scales, node, axes[0])
-            if angle_between(exact, delta[node]) > EXACT:
-                found[node] = _unmirrored(delta[node], self.scales.sign[node], axes)
+            found[node] = _unmirrored(delta[node], self.scales.sign[node], axes)
         return found
 
     def allowed(self, delta: Floats, styles: Mapping[int, AxisStyle], report: Report) -> Floats:
@@ -116,23 +114,36 @@ class ScalePolicy:
         Raises GeometryError with the policy ``error``.
         """
         rig, scales = self.rig, self.scales
-        exact, refused = delta.copy(), []
-        for node in np.flatnonzero(rotates(delta) & scales.uneven).tolist():
-            aim = _axes_of(styles[node])[0] if node in styles else 0
-            exact[node] = nearest_exact(delta[node], scales, node, aim)
-            if angle_between(exact[node], delta[node]) > EXACT:
-                refused.append((node, aim))
+        exact, nearest = delta.copy(), self.nearest(delta, styles)
+        for node, allowed in nearest.items():
+            exact[node] = allowed
+        refused = self.refused(delta, nearest)
         if refused and self.policy == "error":
-            names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k, _ in refused[:6])
+            names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k in refused[:6])
             raise GeometryError(
                 f"{len(refused)} joints have a scale that is not uniform and cannot take their new axes "
                 f"exactly: {names}. Choose --on-nonuniform-scale snap, split or skip."
             )
-        for node, aim in refused:
+        for node in refused:
             if self.in_place == "skip":
                 exact[node] = IDENTITY
+            aim = _axes_of(styles[node])[0] if node in styles else 0
             self._warn(node, delta[node], exact[node], aim, report)
         return exact
+
+    def nearest(self, delta: Floats, styles: Mapping[int, AxisStyle]) -> dict[int, Floats]:
+        """Of deltas, (n, 4), the nearest, (4,), that each node of non-uniform scale can take in place."""
+        nodes = np.flatnonzero(rotates(delta) & self.scales.uneven).tolist()
+        aims = [_axes_of(styles[node])[0] if node in styles else 0 for node in nodes]
+        return {
+            node: nearest_exact(delta[node], self.scales, node, aim)
+            for node, aim in zip(nodes, aims, strict=True)
+        }
+
+    @staticmethod
+    def refused(delta: Floats, nearest: Mapping[int, Floats]) -> list[int]:
+        """The nodes whose delta, (n, 4), is not the `nearest` one that they can take."""
+        return [node for node, exact in nearest.items() if angle_between(exact, delta[node]) > EXACT]
 
     def _warn(self, node: int, requested: Floats, got: Floats, aim: int, report: Report) -> None:
         name, scales = self.rig.title(node), self.scales
