@@ -110,6 +110,11 @@ def reading_options(command: F) -> F:
             is_flag=True,
             help="Read buffers and USD layers outside the folder of IN. Nothing is ever fetched.",
         ),
+        click.option(
+            "--allow-missing",
+            is_flag=True,
+            help="USD: leave out layers that are damaged. Missing ones always are, with a warning.",
+        ),
     ):
         command = option(command)
     return command

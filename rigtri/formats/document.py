@@ -25,6 +25,7 @@ class ReadOptions:
 
     lenient: repair what the format forbids where the meaning is clear (glTF).
     allow_external_paths: read what a file refers to outside its own folder (both).
+    allow_missing: leave layers out that USD cannot read (USD).
     unknown_node_ext: what becomes of a node with an extension that may name its axes (glTF):
         ``freeze`` it, ``ignore`` the extension, or ``error``.
     root: the node whose hierarchy is the rig where there is no skin (both).
@@ -39,6 +40,7 @@ class ReadOptions:
 
     lenient: bool = False
     allow_external_paths: bool = False
+    allow_missing: bool = False
     unknown_node_ext: str = "freeze"
     root: str | None = None
     relink: bool = False

@@ -47,6 +47,16 @@ def stage(text: str) -> Make:
     return lambda folder: save(folder, text)
 
 
+def beside(text: str) -> Make:
+    """A file beside a damaged layer, ``bad.usda``."""
+
+    def make(folder: Path) -> Path:
+        save(folder, "#usda 1.0\ndef {", "bad.usda")
+        return save(folder, text)
+
+    return make
+
+
 def replaced(old: str, new: str) -> Make:
     """A sound file with one text for another."""
     assert clean().count(old) >= 1, old
@@ -179,6 +189,7 @@ USD: dict[str, list[Make]] = {
     "usd.package.junk": [packed(lambda whole: whole + b"junk")],
     "usd.package.backslash": [packed(lambda whole: whole, "tex\\notes.txt")],
     "usd.layer.missing": [stage(clean().replace("(\n", "(\n    subLayers = [@./gone.usda@]\n", 1))],
+    "usd.layer.unreadable": [beside(clean().replace("(\n", "(\n    subLayers = [@./bad.usda@]\n", 1))],
     "usd.no-skeleton": [stage(scene('def Xform "A" {}'))],
     "usd.skel.no-joints": [
         stage(scene(skeleton(), animation(), MESH, skeleton("B", joints="", bind="", rest="", **NONE)))

@@ -55,6 +55,7 @@ SHARED = [
     "root",
     "lenient",
     "allow_external_paths",
+    "allow_missing",
     "resources",
     "override",
     "override_stage",

@@ -46,7 +46,9 @@ class UsdDocument:
     def read(cls, path: Path, options: ReadOptions | None = None) -> UsdDocument:
         """Read a file. FileError for what is damaged, breaks UsdSkel's rules or has no skeleton."""
         options = options or ReadOptions()
-        stage, layer, warnings = open_file(path, allow_external=options.allow_external_paths)
+        stage, layer, warnings = open_file(
+            path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
+        )
         return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property

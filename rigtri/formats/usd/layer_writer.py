@@ -111,7 +111,8 @@ class Output:
         if self.is_bare:
             return layers.over(layer, self.source.layer), layer
         if (below := overridden_file(layer, part)) is not None:
-            return open_over(layer, below, part, allow_external=True)[0], layer
+            missing = self.options.allow_missing
+            return open_over(layer, below, part, allow_external=True, allow_missing=missing)[0], layer
         return Usd.Stage.Open(layer), layer
 
     def _composed_in_place(self, layer: Any) -> Any:
@@ -235,7 +236,7 @@ def _prune(layer: Any, path: Any) -> None:
             return
         if spec.variantSets:
             return
-        del spec.nameParent.nameChildren[spec.name]
+        layers.remove(spec)
 
 
 def _check_sums(package: usdz.Package, path: Path, notices: list[Notice]) -> None:

@@ -82,6 +82,8 @@ def _reading(options: ReadOptions) -> Iterator[str]:
         yield "lenient: true"
     if options.allow_external_paths:
         yield "allow-external-paths: true"
+    if options.allow_missing:
+        yield "allow-missing: true"
 
 
 def plain_values(text: str) -> Any:

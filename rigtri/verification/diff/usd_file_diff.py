@@ -24,8 +24,8 @@ from rigtri.verification.diff.usd_layer_diff import layer_changes
 
 def file_changes(before: Path, after: Path, options: ReadOptions, tolerance: float) -> list[Change]:
     """Everything in which the second file is not the first. FileError where one is no USD at all."""
-    allow = options.allow_external_paths
-    stages = [open_stage(path, allow_external=allow)[0] for path in (before, after)]
+    allowed = {"allow_external": options.allow_external_paths, "allow_missing": options.allow_missing}
+    stages = [open_stage(path, **allowed)[0] for path in (before, after)]
     with quiet(f"{after}: USD cannot compare it with {before}"):
         found = []
         encodings = [_encoding(path, stage) for path, stage in zip((before, after), stages, strict=True)]

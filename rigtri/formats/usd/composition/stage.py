@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Tf, Usd, UsdUtils
+from pxr import Sdf, Tf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.formats.usd import codeless_schemas
@@ -32,6 +32,12 @@ DEFAULT = Usd.TimeCode.Default()
 LONGEST = 240
 # Custom data of overrides, in a bare one with the file it is for; editing an override again edits its layer.
 MARK = "rigtri"
+
+# How OpenUSD 24 to 26 reports a layer that it leaves out, its reason behind `--` where there is a file, and
+# an arc to a prim that is not there.
+_LAYER = re.compile(r"(?:In <[^>]*>: )?Could not (?:load sublayer|open asset) @(.*?)@ ")
+_PRIM = re.compile(r"In <[^>]*>: Unresolved \w+ prim path @(.*?)@<(.*?)>")
+_TRAILING = re.compile(r"\s*(; skipping)?\.?\s*\((instantiating|recomposing) stage.*$", re.DOTALL)
 
 _STDERR, _LOCK = 2, threading.Lock()
 # A number for each block of `silent` that runs: for the first, where standard error led, or −1.
@@ -88,11 +94,12 @@ def quiet(doing: str) -> Iterator[list[str]]:
         del delegate
 
 
-def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
+def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False) -> tuple[Any, list[Notice]]:
     """The composed stage of a file, payloads loaded, and what could not be found for it.
 
-    FileError where there is no file, no USD file, one that is cut off, or one that refers to
-    files outside its folder (unless ``allow_external``), or for more prims than can be read.
+    FileError where there is no file, no USD file, one that is cut off, or one that refers to files outside
+    its folder (unless ``allow_external``) or to damaged layers (unless ``allow_missing``), or for more prims
+    than can be read.
     """
     if not path.is_file():
         raise FileError(f"{path}: there is no such file.")
@@ -111,15 +118,18 @@ def open_stage(path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
         if layer.realPath:
             name = layer.identifier
             external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
-    return stage, _unresolved(texts, path.parent)
+    return stage, _lacking(texts, path.parent, allow_missing=allow_missing)
 
 
-def open_file(path: Path, *, allow_external: bool) -> tuple[Any, Any, list[Notice]]:
+def open_file(
+    path: Path, *, allow_external: bool, allow_missing: bool = False
+) -> tuple[Any, Any, list[Notice]]:
     """The stage of a file (bare opinions over what they are for), the layer of the file, and notices."""
-    stage, warnings = open_stage(path, allow_external=allow_external)
+    stage, warnings = open_stage(path, allow_external=allow_external, allow_missing=allow_missing)
     layer = stage.GetRootLayer()
     if (below := overridden_file(layer, path)) is not None:
-        stage, warnings = open_over(layer, below, path, allow_external=allow_external)
+        allowed = {"allow_external": allow_external, "allow_missing": allow_missing}
+        stage, warnings = open_over(layer, below, path, **allowed)
     return stage, layer, warnings
 
 
@@ -147,10 +157,12 @@ def overridden_file(layer: Any, path: Path) -> Path | None:
     return source
 
 
-def open_over(layer: Any, below: Path, path: Path, *, allow_external: bool) -> tuple[Any, list[Notice]]:
+def open_over(
+    layer: Any, below: Path, path: Path, *, allow_external: bool, allow_missing: bool = False
+) -> tuple[Any, list[Notice]]:
     """The stage of bare opinions in ``path`` over the file ``below``, and what was noticed about that."""
     external_paths.check_outside(str(below), path, str(below), allow_external=allow_external)
-    stage, warnings = open_stage(below, allow_external=allow_external)
+    stage, warnings = open_stage(below, allow_external=allow_external, allow_missing=allow_missing)
     with quiet(f"{below}: USD cannot read it"):
         # What their expressions name is known only with the variables of that file.
         variables = variables_of(stage.GetRootLayer())
@@ -193,17 +205,35 @@ def tokens_of(prim: Any, name: str) -> tuple[str, ...]:
     return tuple(str(token) for token in value)
 
 
-def _unresolved(texts: list[str], folder: Path) -> list[Notice]:
-    """One notice for all layers that were not found; pxr reports them in the order of its threads."""
-    phrases = ("open", "not load sublayer")
-    found = [t.split("@")[1] for t in texts if "@" in t and any(words in t.lower() for words in phrases)]
-    every = sorted({_seen_from(folder, name) for name in found})
-    leaving = [name for name in every if "[../" in name]
-    notices = [Notice("unresolved", _leaves(name)) for name in leaving[:3]]
-    if names := [name for name in every if name not in leaving]:
-        what, verb = ("1 file", "was") if len(names) == 1 else (f"{len(names)} files", "were")
-        text = f"{what} that this one refers to {verb} not found: {listed(names)}"
-        notices.append(Notice("unresolved", text))
+def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Notice]:
+    """What was not composed: a notice for all layers that are missing, one for each that USD cannot read.
+
+    FileError for a damaged one, unless ``allow_missing``. pxr reports in the order of its threads.
+    """
+    missing, unread, prims = set(), set(), set()
+    for text in texts:
+        if layer := _LAYER.match(text):
+            name, why = _seen_from(folder, layer[1]), _TRAILING.sub("", text.partition(" -- ")[2])
+            unread.add((name, _shortened(" ".join(why.split())))) if why else missing.add(name)
+        elif prim := _PRIM.match(text):
+            prims.add(f"<{prim[2]}> of {_seen_from(folder, prim[1])}")
+    for name, why in sorted(unread):
+        # What USD has no plugin for, such as an Alembic cache, is whole for all that is known here.
+        if not allow_missing and Sdf.FileFormat.FindByExtension(name.strip("]").partition(":")[0]):
+            raise FileError(
+                f"{folder / name}: USD cannot read this layer, which the file refers to: {why}. Mend or "
+                "export it again, or leave it out with --allow-missing"
+            )
+    texts = [f"USD cannot read {name}, which is left out: {why}" for name, why in sorted(unread)]
+    notices = [Notice("unread-layer", text) for text in texts]
+    leaving = [name for name in sorted(missing) if "[../" in name]
+    notices += [Notice("unresolved", _leaves(name)) for name in leaving[:3]]
+    files = [name for name in sorted(missing) if name not in leaving]
+    for what, names in (("file", files), ("prim", sorted(prims))):
+        if names:
+            count, verb = (f"1 {what}", "was") if len(names) == 1 else (f"{len(names)} {what}s", "were")
+            text = f"{count} that this one refers to {verb} not found: {listed(names)}"
+            notices.append(Notice("unresolved", text))
     return notices
 
 

@@ -45,6 +45,9 @@ class SpecModel(BaseModel):
         alias="allow-external-paths",
         description="Read buffers and USD layers outside the folder of the file.",
     )
+    allow_missing: Flag = Field(
+        False, alias="allow-missing", description="Leave out USD layers that are damaged."
+    )
     unknown_node_ext: Literal["freeze", "ignore", "error"] = Field(
         "freeze",
         alias="unknown-node-ext",

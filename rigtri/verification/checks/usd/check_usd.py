@@ -30,9 +30,10 @@ def check_usd(
     """
     if path.suffix.lower() == ".usdz":
         _check_package(path, findings)
-    stage, _, notices = open_file(path, allow_external=allow_external)
+    stage, _, notices = open_file(path, allow_external=allow_external, allow_missing=True)
     for notice in notices:
-        findings.add("usd.layer.missing", "stage", "", notice.text)
+        unread = notice.code == "unread-layer"
+        findings.add("usd.layer.unreadable" if unread else "usd.layer.missing", "stage", "", notice.text)
     scene = Scene(stage, findings)
     with quiet(f"{path}: USD cannot read it"):
         scene.find()
@@ -58,7 +59,7 @@ def check_usd(
 def _check_rig(path: Path, scene: Scene, findings: Findings, *, allow_external: bool) -> None:
     """What only a rig shows. A file that cannot be read as one has findings of other rules."""
     try:
-        rig = read(path, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
+        rig = read(path, ReadOptions(allow_external_paths=allow_external, allow_missing=True, empty=True)).rig
     except RigtriError:
         return
     if scene.noted:
