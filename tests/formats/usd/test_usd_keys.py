@@ -440,3 +440,19 @@ def test_new_keys_of_joints_leave_those_of_prims_and_shapes_alone(tmp_path: Path
     write(document, played(document.rig, new), tmp_path / "out.usda")
     layers = [Sdf.Layer.FindOrOpen(str(tmp_path / name)) for name in ("in.usda", "out.usda")]
     assert {c.where.split(" ")[0] for c in layer_changes(*layers, "root", 0.0)} == {"/Root/Anim.rotations"}
+
+
+def test_a_scale_that_does_not_move_gets_no_samples(tmp_path: Path) -> None:
+    path = source(tmp_path)
+    document = read(path)
+    # What the evaluation of controls leaves of a scale of 1.
+    noise = np.full((1, 3), 1 - 3e-6)
+    tracks = [keys(document.rig, name, "scale", [1.0], noise, "STEP") for name in "abc"]
+    out = write(document, played(document.rig, *tracks), tmp_path / "out.usda")
+    assert samples_of(out, "scales") == []
+    assert deviation(path, out) < 1e-6
+    # One that moves takes all along, for they share one array.
+    moving = replace(tracks[0], times=np.array([1.0, 5.0]), values=np.array([[1.0] * 3, [2.0] * 3]))
+    moving = replace(moving, interpolation="LINEAR")
+    out = write(document, played(document.rig, moving, *tracks[1:]), tmp_path / "moving.usda")
+    assert samples_of(out, "scales") == [1.0, 5.0]

@@ -108,7 +108,10 @@ def _is_default(held: Track, defaults: Tracks) -> bool:
     if default is None or len(held.times) > 1:
         return False
     size = max(1.0, float(np.abs(default.values).max(initial=0.0)))
-    return bool(np.abs(held.values - default.values).max(initial=0.0) <= _ROUNDING * size)
+    values, still = held.values, default.values
+    if held.path == "scale":  # no array holds what float16 does not
+        values, still = values.astype(np.float16), still.astype(np.float16)
+    return bool(np.abs(values - still).max(initial=0.0) <= _ROUNDING * size)
 
 
 class _Plan:
@@ -176,10 +179,16 @@ class _Plan:
         """All times at which a track of a property has a key, (k,); none where none moves."""
         item = self.animation.properties.get(name)
         distinct: dict[int, Floats] = {}
+        defaults = item is not None and item.default is not None and not len(item.times)
+
+        def by_default(track: Track) -> bool:
+            """Whether a default can say what a track holds: no sample hides it."""
+            return track.key == HELD or (track.key is None and defaults)
+
         for nodes in self.rows.values():
             for node in nodes:
                 track = self.tracks.get((node, PROPERTIES[name]))
-                if track is not None and not (track.key == HELD and _is_default(track, self.defaults)):
+                if track is not None and not (by_default(track) and _is_default(track, self.defaults)):
                     times = without_steps(track).times
                     distinct[id(track) if track.interpolation == "STEP" else id(times)] = times
             if not nodes and item is not None:  # nobody moves by it now, and it stays
