@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from program import cli
 from pxr import Sdf, Usd, UsdSkel, Vt
 from usd_files import (
     MESH,
@@ -354,3 +355,22 @@ def test_an_odd_joint_is_parented_where_usdskel_parents_it(odd: str, tmp_path: P
     assert deviation(source, write(document, turned(rig), tmp_path / "out.usda")) < 1e-6
     named = [notice for notice in document.warnings if notice.code == "joint-unnamed"]
     assert bool(named) == (not Sdf.Path.IsValidPathString(odd))
+
+
+@pytest.mark.parametrize("still", ["values", "indices"])
+def test_a_primvar_whose_other_half_has_samples_alone_is_compared(still: str, tmp_path: Path) -> None:
+    halves = {
+        "values": ("texCoord2f[] primvars:st", "[(0, 0), (1, 0)]"),
+        "indices": ("int[] primvars:st:indices", "[0, 1, 1]"),
+    }
+    lines = [
+        f"{name} = {value}" if half == still else f"{name}.timeSamples = {{ 1: {value} }}"
+        for half, (name, value) in halves.items()
+    ]
+    mesh = MESH.replace("{\n", "{\n    " + "\n    ".join(lines) + "\n", 1)
+    path = save(tmp_path, scene(skeleton(), animation(), mesh))
+    for words in (("verify", path, path), ("diff", path, path), ("draw", path, "-o", tmp_path / "out.svg")):
+        cli(*words, code=0)
+    document = read(path)
+    (shown,) = document.meshes()
+    assert_allclose(shown.surface().values["primvar st"], [(0, 0), (1, 0), (1, 0)])

@@ -46,6 +46,11 @@ def fresh(path: Path) -> Any:
     return Sdf.Layer.FindOrOpen(str(path))
 
 
+def remove(spec: Any) -> None:
+    """Take a prim's spec out of its layer, with all below it; root prims have no parent to USD."""
+    del (spec.nameParent or spec.layer.pseudoRoot).nameChildren[spec.name]
+
+
 def over(opinions: Any, source: Any) -> Any:
     """A stage of bare opinions over the layer they are about, with that one's metadata."""
     both = empty()

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Vt
 
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.reading.metadata_attributes import PREFIX
 from rigtri.maths.trigonometry import Floats
@@ -151,7 +152,7 @@ def remove_prim(path: Any) -> Edit:
     def edit(layer: Any) -> None:
         spec = layer.GetPrimAtPath(path)
         if spec is not None:
-            del spec.nameParent.nameChildren[spec.name]
+            layers.remove(spec)
 
     return Edit(Sdf.Path(path), edit)
 

@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, UsdGeom, Vt
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import refuse, why_locked
 from rigtri.formats.usd.opinions.edits import (
     Edit,
@@ -155,7 +156,7 @@ def _erase(path: str) -> Edit:
         spec = layer.GetPrimAtPath(path)
         if spec is None:
             raise FileError(f"<{path}> is written in another layer, so it cannot be taken out here.")
-        del spec.nameParent.nameChildren[spec.name]
+        layers.remove(spec)
 
     return Edit(Sdf.Path(path), erase)
 

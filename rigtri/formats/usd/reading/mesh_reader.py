@@ -125,9 +125,10 @@ def _drawn(prim: Any) -> Iterator[tuple[str, Any]]:
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
         name = str(primvar.GetPrimvarName())
         if not name.startswith("skel:") and name != "normals":
-            value = primvar.ComputeFlattened(DEFAULT)
-            value = primvar.ComputeFlattened(EARLIEST) if value is None else value
-            yield f"primvar {name}", value
+            # USD raises an error for values without their indices: both from one time.
+            indices = primvar.GetIndicesAttr()
+            still = primvar.Get(DEFAULT) is not None and not (indices and indices.Get(DEFAULT) is None)
+            yield f"primvar {name}", primvar.ComputeFlattened(DEFAULT if still else EARLIEST)
             yield f"interpolation of primvar {name}", str(primvar.GetInterpolation())
     for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
         yield f"subset {subset.GetPrim().GetName()}", at_start(subset.GetIndicesAttr())
