@@ -9,7 +9,7 @@ Source: "Matrix parent constraint" (twist distribution, announced).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,11 +22,11 @@ from rigtri.maths.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, twist_angle
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, rotate, twist_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.metadata import Triple, TwistRecord
+from rigtri.model.metadata import Quaternion, Triple, TwistRecord
 from rigtri.model.rig import Rig
 
 
@@ -37,7 +37,7 @@ class TwistJoint:
     node: the joint. path: the nodes whose locals, multiplied, are what turns: the driver first.
     rest: its rotation at rest, (4,). axis: in the space above the path, (3,). own_axis: the same
     line in the space that the joint stands in, (3,). weight: the share of the twist that the
-    joint takes; against the driver where negative. standing: the joint's rotation at rest, (4,).
+    joint takes; against the driver where negative. standing: the joint's rotation without twist, (4,).
     """
 
     node: int
@@ -75,19 +75,38 @@ def twist_of(rig: Rig, node: int, record: TwistRecord) -> TwistJoint:
     path = driver_path(rig, driver, -1 if upper else joint)
     local = [rig.local[k] for k in path]
     axis, sign = own_axis, 1.0
+    rest = _rotation(local) if record.rest is None else np.array(record.rest)
     if upper:
         whole = _product(local)
-        axis = normalise(transform_directions(own_axis, whole))
+        back = rotate(rest, own_axis) if record.rest else transform_directions(own_axis, whole)
+        axis = normalise(back)
         sign = -1.0 if determinant(whole) < 0 else 1.0
+    standing = record.standing or from_axes(orthonormal_axes(rig.local[node]))
     return TwistJoint(
         node=node,
         path=path,
-        rest=_rotation(local),
+        rest=rest,
         axis=axis,
         own_axis=own_axis,
         weight=sign * record.weight,
-        standing=from_axes(orthonormal_axes(rig.local[node])),
+        standing=np.asarray(standing),
     )
+
+
+def with_stored_rest(rig: Rig, before: Rig) -> Rig:
+    """The rig, whose rest pose is another than that of ``before``, with twist counted from the old one."""
+    metadata = dict(rig.metadata)
+    for node, record in rig.records(TwistRecord).items():
+        was = twist_of(before, node, record)
+        if any((rig.local[k] != before.local[k]).any() for k in (node, *was.path)):
+            kept = replace(record, rest=_quaternion(was.rest), standing=_quaternion(was.standing))
+            metadata[node] = kept.to_dict()
+    return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
+
+
+def _quaternion(values: Floats) -> Quaternion:
+    x, y, z, w = values.tolist()
+    return x, y, z, w
 
 
 def driver_path(rig: Rig, driver: int, below: int) -> tuple[int, ...]:

@@ -141,6 +141,14 @@ class ControlsAtZero:
         return from_axes(orthonormal_axes(self.world[node] if node >= 0 else _WORLD))
 
 
+def moved_controls(rig: Rig) -> frozenset[int]:
+    """The controls and pole vectors that somebody has moved at rest, or that have keys."""
+    keyed = {track.node for clip in rig.clips for track in clip.tracks}
+    controls = rig.nodes_of(ControlRecord.type)
+    moved = {k for k in controls if not rig.is_joint[k] and not np.array_equal(rig.local[k], _WORLD)}
+    return frozenset(moved | keyed.intersection((*controls, *rig.nodes_of(PoleVectorRecord.type))))
+
+
 def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:
     """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
     world = _WORLD

@@ -12,7 +12,8 @@ Then nothing but the letter of the axis is to be written anew.
 Of rigtri's own, with row matrices, C of the child, D of a driver and the parent's P: where ``world' =
 C·world``, an offset becomes ``C·offset·D⁻¹``, axes of the child are seen from its new frame, and local
 rotations take the parent's delta off. What the axes themselves define (skipped channels, lengths of axes,
-rotations in own axes) cannot always be expressed in others; `lost_rules` names it.
+rotations in own axes) cannot be expressed in others: `axes_compared` ties those nodes as VRM's constraints
+do.
 
 Source: derived from `rigtri.model.constraints` and the pseudocode of VRMC_node_constraint
 1.0; docs/exactness.md.
@@ -47,6 +48,7 @@ from rigtri.model.rig import Rig
 # Turns and axes that differ by less (radians) are one: what float64 leaves over.
 _SAME = 1e-9
 _AXES: tuple[RollAxis, ...] = ("x", "y", "z")
+_NONE = np.zeros(3)
 # What a change of frames gives new numbers; the rest of a record stays as it was written.
 _REORIENTED = ("offsets", "joint_orient", "rest", "aim", "up", "world_up_vector", "roll_axis")
 
@@ -61,10 +63,31 @@ def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
     return (first, second) if first != second else None
 
 
+def axes_compared(rig: Rig) -> tuple[NodeConstraint, ...]:
+    """All that compares axes: the node constraints of a rig, and what its own constraints tie together."""
+    found = list(rig.node_constraints)
+    for rule in constraints_of(rig).values():
+        if rule.kind == "scale":
+            found += [_kept(node) for node in (rule.child, *rule.drivers)]
+        elif rule.skip:
+            above = int(rig.parents[rule.child])
+            found += [_kept(node) for node in (rule.child, above) if node >= 0]
+        elif rule.space == "local":
+            found += [NodeConstraint("rotation", rule.child, node, _NONE) for node in rule.drivers]
+        elif rule.space == "roll":
+            axis = np.eye(3)["xyz".index(rule.roll)]
+            found += [NodeConstraint("roll", rule.child, node, axis) for node in rule.drivers]
+    return tuple(found)
+
+
+def _kept(node: int) -> NodeConstraint:
+    return NodeConstraint("channels", node, -1, _NONE)
+
+
 def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
-    """The constraints that would not do the same after the deltas, (n, 4)."""
+    """What compares axes and would not do the same after the deltas, (n, 4)."""
     return [
-        c for c in rig.node_constraints if not (_keeps_alike(rig, c, delta) and axis_fits(c, delta[c.node]))
+        c for c in axes_compared(rig) if not (_keeps_alike(rig, c, delta) and axis_fits(c, delta[c.node]))
     ]
 
 
@@ -121,16 +144,14 @@ def reoriented_metadata(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, An
     """The metadata of a rig, with its constraints expressed in frames reoriented by ``delta``, (n, 4)."""
     found: dict[int, Record] = {}
     for node, rule in constraints_of(rig).items():
-        if _touched(rig, rule, delta) and not _lost(rig, rule, delta):
+        if _touched(rig, rule, delta):
             new = constraint_record(rig, _reoriented(rig, rule, delta))
             numbers = {key: value for key in _REORIENTED if (value := getattr(new, key)) is not None}
             found[node] = replace(rig.records(ConstraintRecord)[node], **numbers)
     for node, reader in rig.records(PoseReaderRecord).items():
         found[node] = _reoriented_reader(rig, reader, delta)
     for node, twist in rig.records(TwistRecord).items():
-        joint = rig.known(twist.joint)
-        if twist.axis is not None and joint is not None:
-            found[node] = replace(twist, axis=_seen(twist.axis, _of(delta, joint)))
+        found[node] = _reoriented_twist(rig, node, twist, delta)
     for node, offset in rig.records(OffsetRecord).items():
         joint = rig.known(offset.joint)
         if offset.kind != "root" and joint is not None and (_of(delta, joint) != IDENTITY).any():
@@ -153,26 +174,37 @@ def _reoriented_reader(rig: Rig, reader: PoseReaderRecord, delta: Floats) -> Pos
     if driver is None or (frame is None and reader.frame):
         return reader
     own, above = _of(delta, driver), IDENTITY if frame is None else _of(delta, frame)
-    if not ((own != IDENTITY).any() or (above != IDENTITY).any()):
-        return reader
-
-    def rotation(values: Quaternion | None) -> Quaternion | None:
-        if values is None:
-            return None
-        x, y, z, w = multiply(conjugate(above), multiply(np.array(values), own)).tolist()
-        return x, y, z, w
 
     def target(one: TargetRecord) -> TargetRecord:
         direction = None if one.direction is None else _seen(one.direction, above)
-        return replace(one, direction=direction, rotation=rotation(one.rotation))
+        return replace(one, direction=direction, rotation=_rotation_seen(one.rotation, own, above))
 
     targets = tuple(map(target, reader.targets))
-    return replace(reader, axis=_seen(reader.axis, own), targets=targets, rest=rotation(reader.rest))
+    rest = _rotation_seen(reader.rest, own, above)
+    return replace(reader, axis=_seen(reader.axis, own), targets=targets, rest=rest)
 
 
-def lost_rules(rig: Rig, delta: Floats) -> list[int]:
-    """The nodes of rules that mean something else after the deltas, (n, 4), and have to be set again."""
-    return [node for node, rule in constraints_of(rig).items() if _lost(rig, rule, delta)]
+def _reoriented_twist(rig: Rig, node: int, twist: TwistRecord, delta: Floats) -> TwistRecord:
+    joint, driver = rig.known(twist.joint), rig.known(twist.driver)
+    if joint is None or driver is None:
+        return twist
+    bone = _of(delta, joint)
+    # The driver is seen from the bone's joint, or where it is that joint itself, from what is above it.
+    above = _of(delta, int(rig.parents[rig.frame_of.get(joint, joint)])) if driver == joint else bone
+    return replace(
+        twist,
+        axis=None if twist.axis is None else _seen(twist.axis, bone),
+        rest=_rotation_seen(twist.rest, _of(delta, driver), above),
+        standing=_rotation_seen(twist.standing, _of(delta, node), bone),
+    )
+
+
+def _rotation_seen(rotation: Quaternion | None, own: Floats, above: Floats) -> Quaternion | None:
+    """A rotation of a node relative to another, in the new axes of both; the very numbers where they stay."""
+    if rotation is None or not ((own != IDENTITY).any() or (above != IDENTITY).any()):
+        return rotation
+    x, y, z, w = multiply(conjugate(above), multiply(np.array(rotation), own)).tolist()
+    return x, y, z, w
 
 
 def _of(delta: Floats, node: int) -> Floats:
@@ -187,22 +219,6 @@ def _touched(rig: Rig, rule: Constraint, delta: Floats) -> bool:
 
 def _alike(a: Floats, b: Floats) -> bool:
     return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) <= _SAME)
-
-
-def _lost(rig: Rig, rule: Constraint, delta: Floats) -> bool:
-    own, above = _of(delta, rule.child), _of(delta, int(rig.parents[rule.child]))
-    drivers = [_of(delta, node) for node in rule.drivers]
-    if rule.kind == "scale":
-        return not all(_alike(one, IDENTITY) for one in (own, *drivers))
-    if rule.skip and not (_alike(own, IDENTITY) and _alike(above, IDENTITY)):
-        return True
-    if rule.space == "local":
-        return not all(_alike(own, one) for one in drivers)
-    if rule.space == "roll":
-        axis = rotate(conjugate(own), np.eye(3)["xyz".index(rule.roll)])
-        parents = [_of(delta, int(rig.parents[node])) for node in rule.drivers]
-        return np.abs(axis - np.rint(axis)).max() > _SAME or not all(_alike(above, one) for one in parents)
-    return False
 
 
 def _reoriented(rig: Rig, rule: Constraint, delta: Floats) -> Constraint:

@@ -26,10 +26,11 @@ class NodeConstraint:
     turn the part about ``axis``, seen from the two parents; ``aim``, ``axis`` points at source;
     ``tail``, the end of a swinging chain, which hangs as its parent, the source, stands.
     ``length``, node's rotations are not unit, and the source is its parent: no constraint of a file.
+    ``channels``, a constraint reads or sets single channels of node; the source is the world, −1.
     axis: (3,), one of the six axes of node; zero where the kind has none.
     """
 
-    kind: Literal["rotation", "roll", "aim", "tail", "length"]
+    kind: Literal["rotation", "roll", "aim", "tail", "length", "channels"]
     node: int
     source: int
     axis: Floats

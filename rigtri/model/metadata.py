@@ -302,7 +302,11 @@ class InfluenceRecord(Stored):
 
 @dataclass(frozen=True, kw_only=True)
 class TwistRecord(Record):
-    """A joint along a bone that takes a share of a twist."""
+    """A joint along a bone that takes a share of a twist.
+
+    rest, standing: how the driver and the joint itself are turned without twist, where their rest pose has
+    changed since.
+    """
 
     type: ClassVar[str] = "twist"
     joint: str
@@ -313,6 +317,8 @@ class TwistRecord(Record):
     at: float
     weight: float
     axis: Triple | None = None
+    rest: Quaternion | None = None
+    standing: Quaternion | None = None
     influences: tuple[InfluenceRecord, ...] = ()
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
-from rigtri.evaluation.zero_pose import ik_obstacle
+from rigtri.evaluation.zero_pose import ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import nearest_rotation
@@ -34,7 +34,17 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
 from rigtri.operations.options.add_controls import TOKENS as TOKENS
 from rigtri.operations.options.add_controls import AddControlsOptions as AddControlsOptions
-from rigtri.operations.rigtri_nodes import add, call, find, group, home, remembered, stand, with_record
+from rigtri.operations.rigtri_nodes import (
+    add,
+    built_at_zero,
+    call,
+    find,
+    group,
+    home,
+    remembered,
+    stand,
+    with_record,
+)
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.limbs import Limb, forward, girths, named_limbs, recognise, with_recognised
 from rigtri.report import Report
@@ -65,7 +75,7 @@ def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Ri
 
     Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
     """
-    return _Builder(rig, options, report).build()
+    return built_at_zero(rig, lambda rig: _Builder(rig, options, report).build())
 
 
 class _Builder:
@@ -191,15 +201,10 @@ class _Builder:
         record = self.rig.records(OffsetRecord).get(offset)
         if record is None or record.axes is None:
             return axes
-        if self._moved(control):
+        if control in moved_controls(self.rig):
             return to_axes(multiply(from_axes(axes), conjugate(np.array(record.axes))))
         self.rig = with_record(self.rig, offset, replace(record, axes=None))
         return axes
-
-    def _moved(self, control: int) -> bool:
-        if not np.array_equal(self.rig.local[control], np.eye(4)):
-            return True
-        return any(track.node == control for clip in self.rig.clips for track in clip.tracks)
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""

@@ -25,6 +25,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_polevector import AddPolevectorOptions as AddPolevectorOptions
 from rigtri.operations.rigtri_nodes import (
     add,
+    built_at_zero,
     find,
     home,
     plain_name,
@@ -54,6 +55,10 @@ def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -
     to ``report.limbs``. Raises NameNotFoundError, UsageError, and GeometryError for a
     straight limb of which nothing tells the side.
     """
+    return built_at_zero(rig, lambda rig: _with_poles(rig, options, report))
+
+
+def _with_poles(rig: Rig, options: AddPolevectorOptions, report: Report) -> Rig:
     limbs = _limbs(rig, options, report)
     if options.name is not None and len(limbs) > 1:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")

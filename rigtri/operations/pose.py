@@ -15,6 +15,7 @@ from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
+from rigtri.evaluation.twist_joints import with_stored_rest
 from rigtri.maths.matrices import compose
 from rigtri.maths.quaternions import angle_between, unit
 from rigtri.maths.trigonometry import Floats
@@ -164,7 +165,8 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
             scale[node] = now.scale[0] if grown else scale[node]
     if not moved:
         return rig, moved
-    return replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix), moved
+    posed = replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
+    return with_stored_rest(posed, rig), moved
 
 
 def _numbers(values: Any) -> list[float]:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.evaluation.zero_pose import world_at_zero
+from rigtri.evaluation.constraint_solver import to_parts
+from rigtri.evaluation.zero_pose import ControlsAtZero, moved_controls, world_at_zero
 from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
@@ -23,6 +24,8 @@ from rigtri.report import Report
 GROUP = "rigtri_controls"
 # float32 readers see no difference below this share; a second run must change no byte.
 _SAME_PLACE = 1e-7
+# The fields of a rig that hold its rest pose.
+_REST = ("translation", "rotation", "scale", "matrix")
 # Keys of metadata, at any depth, that hold addresses of nodes.
 _ADDRESSES = frozenset(
     [
@@ -101,6 +104,26 @@ def plain_name(text: str, *, dots: bool = False) -> str:
     """A name with every run of other signs than letters, digits and underscores made one underscore."""
     name = re.sub(r"[^A-Za-z0-9_.]+" if dots else r"[^A-Za-z0-9_]+", "_", text).strip("_") or "locator"
     return f"_{name}" if name[0].isdigit() else name
+
+
+def built_at_zero(rig: Rig, build: Callable[[Rig], Rig]) -> Rig:
+    """The rig with what is built on its joints as they stand while all controls are zero.
+
+    Where a control has been moved or has keys: then the rest pose of the joints may be one that controls
+    gave, and keys count from where the controls stood.
+    """
+    if not moved_controls(rig):
+        return build(rig)
+    local = ControlsAtZero(rig).local
+    posed = np.flatnonzero(rig.is_joint & (local != rig.local).any(axis=(1, 2)))
+    parts = {name: getattr(rig, name).copy() for name in _REST}
+    for name, values in zip(_REST, (*to_parts(local[posed]), local[posed]), strict=True):
+        parts[name][posed] = values
+    built = build(replace(rig, **parts) if len(posed) else rig)
+    back = {name: getattr(built, name).copy() for name in _REST}
+    for name in _REST:
+        back[name][posed] = getattr(rig, name)[posed]
+    return replace(built, **back) if len(posed) else built
 
 
 def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:

@@ -21,6 +21,7 @@ from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
+from rigtri.operations.bake.unbaked import refuse_unbaked
 from rigtri.operations.operation import operation
 from rigtri.operations.options.strip import StripOptions as StripOptions
 from rigtri.report import Report
@@ -31,9 +32,12 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     """The rig without the nodes and metadata of rigtri; the axes of joints stay as they are.
 
     ``report.added`` is left empty; ``report.removed`` names every node and record that goes.
-    Raises GeometryError where a node of someone else is a child of one of ours.
+    Raises GeometryError where a node of someone else is a child of one of ours, and where controls have
+    motion that the joints do not have.
     """
     gone = _gone(rig)
+    if not options.discard_motion:
+        refuse_unbaked(rig)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
     for node, columns in driven.items():

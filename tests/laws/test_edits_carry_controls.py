@@ -1,53 +1,65 @@
-"""Edits carry controls: build, animate the controls, edit, bake, and the motion is the same."""
+"""Edits carry what rigtri builds: build, animate the controls, edit, bake, and the motion is the same.
+
+`carried` has what is built and the edits; an edit that cannot carry something refuses it, with exit code 5.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from carried import EDITS, SAME_MOTION, THINGS, carried, source_of
+from places import SAMPLES, asset_files, slow
 
 import rigtri
-from rigtri.model.rig import Rig
+from rigtri.errors import GeometryError, RigtriError
+from rigtri.operations.registry import OPERATIONS
 
-SAMPLES = Path(__file__).resolve().parents[2] / "samples"
-# What two bakes of one motion may differ by, as a share of the size: float32 keys.
-SAME_MOTION = 1e-5
-
-EDITS: dict[str, Callable[[Rig], Rig]] = {
-    "orient-joints": lambda rig: rigtri.orient_joints(rig, preset="talk"),
-    "orient-joints, add-controls": lambda rig: rigtri.add_controls(
-        rigtri.orient_joints(rig, preset="blender"), whole_character=True
-    ),
-    "mirror": lambda rig: rigtri.mirror(rig, from_side="left"),
-    "add-controls": lambda rig: rigtri.add_controls(rig, whole_character=True),
-    "add-polevector": lambda rig: rigtri.add_polevector(rig, limbs="auto"),
-}
+# What cannot be carried, and what says so.
+REFUSED = {"strip": "that motion would be lost", "snap": "has no IK end|follows"}
+# What the fast run looks at; all others are proofs.
+FEW = ("orient-joints", "add-controls", "mirror", "take-clips, other axes", "pose", "strip")
 
 
-@pytest.fixture(scope="module")
-def animated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """A character whose controls are animated, and the same baked to its joints."""
-    folder, source = tmp_path_factory.mktemp("animated"), SAMPLES / request.param
-    controls, joints = folder / f"controls{source.suffix}", folder / f"joints{source.suffix}"
-    built = rigtri.add_controls(rigtri.read(source), whole_character=True)
-    rigtri.write(rigtri.bake(built, to="controls"), controls, verify=False)
-    rigtri.write(rigtri.bake(rigtri.read(controls), to="joints", fps=24), joints, verify=False)
-    return controls, joints
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("carried")
 
 
-@pytest.mark.parametrize("edit", EDITS)
-@pytest.mark.parametrize(
-    "animated",
-    ["tpose.glb", *(pytest.param(name, marks=pytest.mark.slow) for name in ("biped.glb", "biped.usda"))],
-    indirect=True,
-)
-def test_motion_on_controls_survives_an_edit(animated: tuple[Path, Path], edit: str, tmp_path: Path) -> None:
-    controls, joints = animated
-    edited, baked = (tmp_path / f"{name}{controls.suffix}" for name in ("edited", "baked"))
-    rigtri.write(EDITS[edit](rigtri.read(controls)), edited, verify=False)
-    rigtri.write(rigtri.bake(rigtri.read(edited), to="joints", fps=24), baked, verify=False)
-    assert rigtri.verify(joints, baked).deviation <= SAME_MOTION
+def _hold(path: Path, thing: str, edit: str, folder: Path) -> None:
+    source = source_of(path, thing, folder)
+    try:
+        found = carried(source, edit, folder)
+    except GeometryError as error:
+        if not re.search(REFUSED.get(edit, "nothing"), str(error)):
+            raise
+    else:
+        assert found <= SAME_MOTION
+
+
+def test_every_operation_is_among_the_edits() -> None:
+    assert {edit.split(" ")[0].rstrip(",") for edit in EDITS} == set(OPERATIONS)
+
+
+@pytest.mark.parametrize("edit", [edit if edit in FEW else slow(edit) for edit in EDITS])
+@pytest.mark.parametrize("thing", ["controls", *(slow(thing) for thing in THINGS if thing != "controls")])
+@pytest.mark.parametrize("name", ["tpose.glb", slow("biped.glb"), slow("biped.usda")])
+def test_motion_survives_an_edit(name: str, thing: str, edit: str, folder: Path) -> None:
+    _hold(SAMPLES / name, thing, edit, folder)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("thing", THINGS)
+@pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
+def test_motion_survives_edits_of_real_files(path: Path, thing: str, folder: Path) -> None:
+    try:
+        source_of(path, thing, folder)
+    except RigtriError:
+        pytest.skip("nothing in this file is there to build it for")
+    for edit in EDITS:
+        _hold(path, thing, edit, folder)
 
 
 def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:
@@ -58,3 +70,17 @@ def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:
     assert "axes" in turned.metadata[int(turned.parents[control])]
     assert "axes" not in again.metadata[int(again.parents[control])]
     assert abs(again.world[control, :3, :3] - again.world[joint, :3, :3]).max() < 1e-6
+
+
+def test_a_strip_refuses_to_lose_motion_of_controls(tmp_path: Path) -> None:
+    """Keys of controls that joints have already may go; those that an animator has changed may not."""
+    source = source_of(SAMPLES / "tpose.glb", "controls", tmp_path)
+    rig = rigtri.read(source)
+    rigtri.strip(rig)
+    control = rig.find("forearm_L_ctl")
+    posed = rig.rotation.copy()
+    posed[control] = (0.0, 0.0, 0.6, 0.8)
+    moved = replace(rig, rotation=posed)
+    with pytest.raises(GeometryError, match="at rest as its own keys do not"):
+        rigtri.strip(moved)
+    assert len(rigtri.strip(moved, discard_motion=True)) == len(rigtri.strip(rig))

@@ -195,8 +195,11 @@ def _joint(
         name = _name(rig, of, number, options)
         rig, node = add_joint(rig, name, of.joint, record, place, axes)
     else:
-        record = replace(record, influences=rig.records(TwistRecord)[node].influences)
-        rig = move_joint(with_record(rig, node, record), node, place, axes)
+        was = rig.records(TwistRecord)[node]
+        record = replace(record, influences=was.influences, rest=was.rest, standing=was.standing)
+        rig = with_record(rig, node, record)
+        if record.standing is None:  # else the rest pose is not the one that it was bound in
+            rig = move_joint(rig, node, place, axes)
     rig, keys = _keys(rig, node, record, options, report)
     report.added.append(
         {

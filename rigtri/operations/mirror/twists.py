@@ -76,7 +76,9 @@ def _same_twist(rig: Rig, record: TwistRecord, there: int | None, axis: Triple |
     expected = twin_record(rig, record)
     if there is None or expected is None:
         return False
-    return alike(replace(expected, axis=axis).to_dict(), rig.metadata[there], 1.0)
+    own = rig.records(TwistRecord)[there]
+    expected = replace(expected, axis=axis, rest=own.rest, standing=own.standing)
+    return alike(expected.to_dict(), own.to_dict(), 1.0)
 
 
 def _named_as_twins(rig: Rig, new: Mapping[int, int], bone: tuple[str, str], report: Report) -> Rig:

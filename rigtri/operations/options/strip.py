@@ -15,3 +15,6 @@ class StripOptions:
         False,
         help="Also remove the metadata of nodes that hold the axes of split joints; the nodes stay.",
     )
+    discard_motion: bool = option(
+        False, help="Also discard motion that only controls have: what was not baked to joints."
+    )

@@ -16,7 +16,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.nonuniform_scale import ScaleTable
-from rigtri.frames.reoriented_constraints import alike, axis_fits, axis_straightened
+from rigtri.frames.reoriented_constraints import alike, axes_compared, axis_fits, axis_straightened
 from rigtri.maths.quaternions import IDENTITY, angle_between, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
@@ -47,7 +47,7 @@ def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
 
     ties: more of them than the file has.
     """
-    constraints = (*rig.node_constraints, *ties)
+    constraints = (*axes_compared(rig), *ties)
     top: dict[int, int] = {}
 
     def find(node: int) -> int:
@@ -150,6 +150,7 @@ def _names_of_constraints(rig: Rig, bond: Bond) -> str:
     texts = {
         "tail": "'{}' is the end of a swinging chain",
         "length": "rotations of '{}' are not unit, which this format shows",
+        "channels": "a constraint is by single channels of '{}'",
     }
     names = [
         texts.get(c.kind, f"{c.kind} constraint of '{{}}'").format(rig.title(c.node))

@@ -16,7 +16,7 @@ from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.mirroring import parting
 from rigtri.frames.nonuniform_scale import ScaleTable, same_scales, ties
 from rigtri.frames.reframe import reframe, split
-from rigtri.frames.reoriented_constraints import broken, lost_rules
+from rigtri.frames.reoriented_constraints import axes_compared, broken
 from rigtri.frames.scale_noise import Frozen, frozen, noisy_joints
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.maths.trigonometry import Floats
@@ -95,7 +95,6 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     messages.warn_straight(outcome, report)
     messages.check(outcome, report)
     messages.record(outcome, report)
-    _warn_lost(rig, constrained.delta, report)
     _refuse_broken(rig, constrained.delta)
     out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
     return split(_marked(out, outcome), splits)
@@ -119,7 +118,7 @@ def _plan(rig: Rig, options: OrientJointsOptions, uniform: Sequence[int] = ()) -
     scales.apart[list(uniform)] = 0.0
     same = same_scales(rig, targets.tree.joints, scales, lever_arm, options.tolerance)
     tied = ties(rig, lever_arm, options.tolerance)
-    rotated = {k for c in rig.node_constraints for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
+    rotated = {k for c in axes_compared(rig) for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
     unsplittable = frozenset(rotated | {tie.node for tie in tied})
     policy = ScalePolicy(options.on_nonuniform_scale, rig, replace(scales, same=same), unsplittable)
     return _Plan(targets, policy, tied, requested_frames(targets, options, policy, notes), notes)
@@ -207,16 +206,6 @@ def _refuse_broken(rig: Rig, delta: Floats) -> None:
         raise GeometryError(
             f"the constraints of {names} compare axes that would differ after this, for scales forbid the "
             f"same for both; leave the joint out with --exclude '{rig.title(lost[0].node)}'"
-        )
-
-
-def _warn_lost(rig: Rig, delta: Floats, report: Report) -> None:
-    """Warn of rigtri's own constraints that cannot be expressed in the new axes."""
-    for node in lost_rules(rig, delta):
-        report.warn(
-            "constraint-lost",
-            f"'{rig.names[node]}' is a constraint by axes that were re-oriented, so it does something else "
-            "now; set it again with rigtri constrain",
         )
 
 

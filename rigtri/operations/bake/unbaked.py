@@ -1,0 +1,73 @@
+"""Motion that controls have and joints do not: it would go with the controls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import controls_with_keys, moved_at_rest, size_of
+from rigtri.evaluation.constraint_solver import Parts
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.sampling import key_times
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import timelines
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip
+from rigtri.model.rig import Rig
+
+# A joint whose position, as a share of the size, or whose axes differ by more at its own keys from what
+# controls do has motion that is not baked. A bake to controls holds keys ten times as well.
+UNBAKED = 1e-4
+
+
+def refuse_unbaked(rig: Rig) -> None:
+    """GeometryError where controls move joints at rest or in a clip, and the joints' own keys do not.
+
+    Constraints alone are no motion that somebody has made: they count where controls have keys.
+    """
+    size = size_of(rig)
+    posed = moved_at_rest(rig, size)
+    if posed:
+        _refuse(rig, posed, {}, "at rest", size)
+    for timeline in timelines(rig):
+        driven = controls_with_keys(rig, timeline)
+        if driven:
+            sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+            _refuse(rig, driven, sampled, f"in clip '{timeline.name}'", size)
+
+
+def _times(rig: Rig, clip: Clip) -> Floats:
+    """The times, (f,), of the keys of joints, and of all others before those and after them."""
+    every = key_times(clip)
+    own = [t for t in clip.tracks if t.path != "weights" and t.node not in rig.own]
+    keyed = key_times(replace(clip, tracks=tuple(own)))
+    before, after = every < keyed.min(initial=np.inf), every > keyed.max(initial=-np.inf)
+    found: Floats = every[np.isin(every, keyed) | before | after]
+    return found
+
+
+def _refuse(rig: Rig, driven: frozenset[int], sampled: Mapping[int, Parts], where: str, size: float) -> None:
+    solver, own = Solver(rig, driven), PoseCache(rig, sampled)
+    posed = solver.run(sampled)
+    kept = set(solver.sets) - rig.own
+    found = {node: _apart(own, posed, node, size) for node in _joints(rig, kept)}
+    worst = max(found, key=lambda node: found[node], default=-1)
+    if worst >= 0 and found[worst] > UNBAKED:
+        raise GeometryError(
+            f"Controls move '{rig.title(worst)}' {where} as its own keys do not ({found[worst]:.2g} of the "
+            "size): that motion would be lost. Take it to the joints with rigtri bake --to joints first, or "
+            "give --discard-motion"
+        )
+
+
+def _joints(rig: Rig, nodes: Iterable[int]) -> list[int]:
+    return sorted(node for node in nodes if rig.is_joint[node] or not rig.is_joint.any())
+
+
+def _apart(own: PoseCache, posed: PoseCache, node: int, size: float) -> float:
+    """How far a node is from where its own keys have it: its position by the size, or its axes."""
+    off = np.abs(posed.world(node) - own.world(node)).max(axis=0)
+    return float(np.nan_to_num(max(off[3, :3].max() / size, off[:3, :3].max()), nan=np.inf))

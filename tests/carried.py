@@ -1,0 +1,340 @@
+"""Does an edit carry what is built into a rig? Build; animate the controls; edit; bake: the same motion.
+
+    python -m carried ../samples/biped.glb ../samples/biped.usda     # in the folder tests
+
+prints a table for each file: rows are what is built, columns the edits, cells the largest difference in
+motion, as a share of the size, or the edit's refusal. ``--write`` replaces the tables of docs/carrying.md.
+
+`THINGS` builds into any character what rigtri can build, `EDITS` has an entry for each operation, `carried`
+measures one pair. Motion is compared by how far each node of a name has moved a cube around it from where it
+stood at rest, whatever axes it has, and by the morph weights: of the baked rig before the edit, and after it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent / "builders"))
+
+import builds
+
+import rigtri
+from rigtri.errors import GeometryError, RigtriError
+from rigtri.evaluation import sampling
+from rigtri.evaluation.timelines import timelines
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import recognise
+from rigtri.report import Report
+
+Step = Callable[[Rig], Rig]
+# What two bakes of one motion may differ by, as a share of the size: float32 keys.
+SAME_MOTION = 1e-5
+FPS = 24
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "carrying.md"
+MARK = "<!-- tables -->"
+_CUBE = np.array([(*corner, 1.0) for corner in product((-0.1, 0.1), repeat=3)])
+
+
+@dataclass(frozen=True)
+class Edit:
+    """One edit of a rig. own: the names of nodes that it is to move, of the rig before it.
+
+    between: whether the motion is the same between keys, too. reposes: it changes the rest pose, and no axes.
+    """
+
+    edit: Step
+    own: Callable[[Rig], Iterable[str]] = lambda rig: ()
+    between: bool = True
+    reposes: bool = False
+
+
+def _built(name: str) -> Step:
+    return lambda rig: builds.STEPS[name](rig, Report())
+
+
+def _limb(rig: Rig) -> tuple[str, str, str]:
+    """Root, mid and end joint of an arm, or of any limb, on the left where there are sides."""
+    found = [limb for limb in recognise(rig) if limb.middle not in rig.own]
+    if not found:
+        raise GeometryError("no limb is known")
+    a, b, c = found[0].triple
+    return rig.address(a), rig.address(b), rig.address(c)
+
+
+def _constrained(kind: str, **more: Any) -> Step:
+    """The root of a limb, or its end, follows the root joint of the character, or the limb's end does."""
+
+    def build(rig: Rig) -> Rig:
+        start, _, end = _limb(rig)
+        driver = end if kind in ("aim", "polevector") else start
+        if kind == "polevector":
+            child, driver = end, rig.address(int(rig.parents[rig.find(start)]))
+        else:
+            child = _another(rig, rig.find(start))
+        return rigtri.constrain(rig, type=kind, child=child, driver=((driver, 1.0),), **more)
+
+    return build
+
+
+def _another(rig: Rig, joint: int) -> str:
+    """The last joint of the same skin that is neither above a joint nor below it."""
+    skin = next(skin for skin in rig.skins if joint in skin.joints)
+    apart = [k for k in skin.joints.tolist() if not rig.is_below(k, joint) and not rig.is_below(joint, k)]
+    if not apart:
+        raise GeometryError("all joints are in one chain")
+    return rig.address(apart[-1])
+
+
+def _reader(**more: Any) -> Step:
+    more = {"within": 1e-6, **more}
+
+    def build(rig: Rig) -> Rig:
+        _, middle, _ = _limb(rig)
+        targets: Any = ("rest", "up=0,1,0", "ahead=0,0,1") if more.get("reader") != "rbf" else _poses(rig)
+        morph = next(((("up", rig.address(m.node), "0"),) for m in rig.meshes if len(m.morphs)), ())
+        return rigtri.add_posereader(rig, driver=middle, target=targets, morph=morph, name="reader", **more)
+
+    return build
+
+
+def _poses(rig: Rig) -> tuple[str, ...]:
+    if not rig.clips:
+        raise GeometryError("no clip has poses")
+    clip = rig.clips[0]
+    times = sampling.key_times(clip)
+    return "rest", f"up={clip.name}@{times[len(times) // 2]:g}"
+
+
+THINGS: dict[str, Step] = {
+    "controls": lambda rig: rig,
+    "control joints": _built("control joints"),
+    "pole vectors": _built("poles"),
+    "constraint: parent": _constrained("parent"),
+    "constraint: point": _constrained("point"),
+    "constraint: orient": _constrained("orient"),
+    "constraint: orient, local": _constrained("orient", space="local"),
+    "constraint: orient, roll": _constrained("orient", roll_axis="x"),
+    "constraint: orient, skip": _constrained("orient", skip=("rx",)),
+    "constraint: scale": _constrained("scale"),
+    "constraint: aim": _constrained("aim"),
+    "constraint: pole vector": _constrained("polevector"),
+    "limbs": _built("limbs"),
+    "twist joints": _built("twist"),
+    "twist joints, weights": _built("split weights"),
+    "rivet": _built("rivet"),
+    "pose reader: dot": _reader(),
+    "pose reader: cone": _reader(reader="cone"),
+    "pose reader: rbf": _reader(reader="rbf", mode="both"),
+}
+
+
+def _own_side(rig: Rig) -> set[str]:
+    """What mirror makes anew of what stands on the left."""
+    from rigtri.model.joint_names import side
+
+    return {name for name in rig.names if side(name) == "right"}
+
+
+def _middle_of_clip(rig: Rig) -> str:
+    times = sampling.key_times(rig.clips[0])
+    return f"{rig.clips[0].name}@{times[len(times) // 2]:g}"
+
+
+def _child_of_its_parent(rig: Rig) -> Rig:
+    joint = builds._joints(rig)[-1]
+    return rigtri.constrain(
+        rig,
+        type="parent",
+        child=rig.address(joint),
+        driver=((rig.address(int(rig.parents[joint])), 1.0),),
+    )
+
+
+def _last_joint(rig: Rig) -> list[str]:
+    joint = builds._joints(rig)[-1]
+    return [rig.names[node] for node in range(len(rig)) if node == joint or rig.is_below(node, joint)]
+
+
+EDITS: dict[str, Edit] = {
+    "orient-joints": Edit(lambda rig: rigtri.orient_joints(rig, preset="talk")),
+    "orient-joints --mirror": Edit(lambda rig: rigtri.orient_joints(rig, mirror="behavior")),
+    "make-limb": Edit(_built("limbs")),
+    "add-twist": Edit(_built("twist")),
+    "add-controls": Edit(lambda rig: rigtri.add_controls(rig, whole_character=True)),
+    "add-polevector": Edit(lambda rig: rigtri.add_polevector(rig, limbs="auto")),
+    "constrain": Edit(_child_of_its_parent, own=_last_joint),
+    "add-rivet": Edit(_built("rivet")),
+    "add-posereader": Edit(
+        lambda rig: rigtri.add_posereader(rig, driver=_limb(rig)[0], target=("0,1,0",), name="another")
+    ),
+    "mirror": Edit(lambda rig: rigtri.mirror(rig, from_side="left"), own=_own_side),
+    "take-clips": Edit(lambda rig: rigtri.take_clips(rig, from_=rig)),
+    "take-clips, other axes": Edit(
+        lambda rig: rigtri.take_clips(rig, from_=rigtri.orient_joints(rig, preset="blender"))
+    ),
+    "snap": Edit(
+        lambda rig: rigtri.snap(rig, to="fk", at=(_middle_of_clip(rig),), all_limbs=True), between=False
+    ),
+    "bake": Edit(lambda rig: rigtri.bake(rig, to="controls")),
+    "bake --to joints": Edit(lambda rig: rigtri.bake(rig, to="joints", fps=FPS)),
+    "pose": Edit(lambda rig: rigtri.take_pose(rig, at=_middle_of_clip(rig)), reposes=True),
+    "strip": Edit(rigtri.strip, between=False),
+}
+
+
+def source_of(path: Path, thing: str, folder: Path) -> Path:
+    """The file with the thing and with controls, and the motion of its joints on these."""
+    out = folder / f"{path.stem}-{''.join(c if c.isalnum() else '_' for c in thing)}{path.suffix}"
+    if not out.exists():
+        rig = rigtri.read(path)
+        if thing == "control joints":
+            rig = THINGS[thing](rig)
+        else:
+            rig = THINGS[thing](rigtri.add_controls(rig, whole_character=True))
+        rigtri.write(rigtri.bake(rig, to="controls") if rig.clips else rig, out, verify=False)
+    return out
+
+
+@cache
+def _baked(path: Path) -> Rig:
+    return _bake(rigtri.read(path))
+
+
+def _bake(rig: Rig) -> Rig:
+    try:
+        return rigtri.bake(rig, to="joints", fps=FPS)
+    except GeometryError as error:
+        if "nothing to bake" in str(error):
+            return rig
+        raise
+
+
+def carried(source: Path, edit: str, folder: Path) -> float:
+    """How far apart the motion is, baked before the edit and after it, as a share of the size.
+
+    Raises RigtriError where the edit refuses.
+    """
+    edited = folder / f"{edit.replace(' ', '_').replace(',', '')}-{source.name}"
+    rig = rigtri.read(source)
+    done = EDITS[edit]
+    rigtri.write(done.edit(rig), edited, verify=False)
+    return _apart(_baked(source), _bake(rigtri.read(edited)), done, rig)
+
+
+def _apart(before: Rig, after: Rig, edit: Edit, source: Rig) -> float:
+    """How far nodes of the same names and morph weights are apart in all clips, as a share of the size."""
+    without = set(edit.own(source))
+    there, here = _alone(after), _alone(before)
+    both = [(k, there[name]) for name, k in here.items() if name in there and name not in without]
+    # Controls and offsets are where an edit needs them; what moves by them is compared.
+    loose = set(before.nodes_of("control", "offset", "poleVector", "group"))
+    both = [(a, b) for a, b in both if a not in loose]
+    mine, theirs = map(list, zip(*both, strict=True))
+    points = before.world[before.is_joint, 3, :3]
+    size = float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) or 1.0
+    start = before.world[mine]
+    end = start if edit.reposes else after.world[theirs]
+    worst = 0.0
+    for clip, same in _played(before, after):
+        times = sampling.key_times(clip)
+        if not edit.between:
+            (driving,) = (each for each, _ in _played(source, source) if each.name == clip.name)
+            joints = [t for t in driving.tracks if source.is_joint[t.node] and t.node not in source.own]
+            times = sampling.key_times(replace(driving, tracks=tuple(joints)))
+        moved = [
+            _moved(rig, nodes, one, times, rest, size)
+            for rig, nodes, one, rest in ((before, mine, clip, start), (after, theirs, same, end))
+        ]
+        with np.errstate(invalid="ignore"):
+            far = np.abs(moved[0] - moved[1]).max(initial=0.0) / size
+        worst = max(worst, float(np.nan_to_num(far, nan=np.inf)), _morphs(before, after, clip, same, times))
+    return worst
+
+
+def _alone(rig: Rig) -> dict[str, int]:
+    """The nodes by the names that no other node has."""
+    return {name: rig.names.index(name) for name, count in Counter(rig.names).items() if name and count == 1}
+
+
+def _played(before: Rig, after: Rig) -> list[tuple[Clip, Clip]]:
+    """What plays at once in each rig, by name."""
+    theirs = {each.name: each.clip for each in timelines(after)}
+    return [(each.clip, theirs[each.name]) for each in timelines(before)]
+
+
+def _moved(rig: Rig, nodes: list[int], clip: Any, times: Floats, rest: Floats, size: float) -> Floats:
+    """Where a cube is that stands around each node at rest, (f, n, 8, 3)."""
+    worlds = sampling.worlds(rig, sampling.locals_at(rig, clip, times))[:, nodes]
+    cubes = np.tile(_CUBE * np.array([size, size, size, 1.0]), (len(nodes), 1, 1))
+    cubes[..., :3] += rest[:, np.newaxis, 3, :3]
+    found: Floats = cubes @ np.linalg.inv(rest) @ worlds
+    return found[..., :3]
+
+
+def _morphs(before: Rig, after: Rig, clip: Any, same: Any, times: Floats) -> float:
+    def weights(rig: Rig, one: Any) -> dict[str, Floats]:
+        return {rig.names[t.node]: sampling.sample(t, times) for t in one.tracks if t.path == "weights"}
+
+    mine, theirs = weights(before, clip), weights(after, same)
+    off = [np.abs(value - theirs[name]).max(initial=0.0) for name, value in mine.items() if name in theirs]
+    return float(max([*off, *(np.inf for name in mine if name not in theirs)], default=0.0))
+
+
+def row(path: Path, thing: str, folder: Path, edits: Iterable[str] = EDITS) -> Mapping[str, float | str]:
+    """By the edit what it comes to: a deviation, or why it refuses."""
+    found: dict[str, float | str] = {}
+    try:
+        source = source_of(path, thing, folder)
+    except RigtriError as error:
+        return {"": f"not built: {error}"}
+    for edit in edits:
+        try:
+            found[edit] = carried(source, edit, folder)
+        except RigtriError as error:
+            found[edit] = f"exit {error.exit_code}: {error}" if hasattr(error, "exit_code") else str(error)
+    return found
+
+
+def table(path: Path, things: Iterable[str], folder: Path) -> str:
+    """A Markdown table of one file."""
+    lines = [f"| {path.name} | {' | '.join(EDITS)} |", "|" + "---|" * (len(EDITS) + 1)]
+    for thing in things:
+        found = row(path, thing, folder)
+        if "" not in found:
+            cells = (f"{value:.0e}" if isinstance(value, float) else "refused" for value in found.values())
+            lines.append(f"| {thing} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("--thing", action="append", choices=THINGS, help="only this; repeatable")
+    parser.add_argument("--write", action="store_true", help="replace the tables of docs/carrying.md")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        tables = []
+        for path in arguments.files:
+            tables.append(table(path, arguments.thing or THINGS, Path(folder)))
+            print(tables[-1], flush=True)
+    if arguments.write:
+        text = PAGE.read_text("utf-8")
+        head = text[: text.index(MARK) + len(MARK)]
+        PAGE.write_text(head + "\n\n" + "\n".join(tables), "utf-8", newline="\n")
+
+
+if __name__ == "__main__":
+    main()
