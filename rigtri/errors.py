@@ -41,6 +41,10 @@ class FileError(RigtriError):
     exit_code = 3
 
 
+class FixedWeightsError(FileError):
+    """Skin weights that a file holds in a way in which no others can be written."""
+
+
 # So many names are listed where none of them is like the one that was given.
 _FEW = 6
 

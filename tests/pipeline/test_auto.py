@@ -68,7 +68,10 @@ def test_the_spec_that_auto_writes_builds_the_same_bytes(tmp_path: Path, name: s
     assert "preset: blender" in spec.read_text("utf-8")
     run("build", SAMPLES / name, "--spec", spec, "-o", again)
     assert again.read_bytes() == out.read_bytes()
-    assert verify(document(SAMPLES / name), document(out)).passes(1e-5)
+    # Skin that twists looks different on purpose: without what rigtri added it is as it was.
+    plain = tmp_path / f"plain.{name}"
+    run("strip", out, "-o", plain)
+    assert verify(document(SAMPLES / name), document(plain)).passes(1e-5)
     built = kinds(read(out))
     assert [built.count(kind) for kind in ("control root", "control ik", "poleVector")] == [1, 4, 4]
 

@@ -8,15 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, asset_files
 from program import cli
 
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.formats import read
+from rigtri.model.content import Content
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.operations.add_twist.twist import twists_skin
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.pipeline.rigspec import auto
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
@@ -102,6 +105,38 @@ def test_auto_leaves_no_output_and_marks_its_spec_where_a_control_does_nothing(
     first, why, _ = out.with_suffix(".rig.yaml").read_text("utf-8").split("\n", 2)
     assert first.startswith("# rigtri auto built nothing by this spec")
     assert "hand_L_ik_ctl" in why
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "mirrored_pair.glb", "flat_ik.glb"])
+def test_each_twist_joint_that_auto_adds_has_weight(name: str, tmp_path: Path) -> None:
+    out = tmp_path / f"out.{name}"
+    cli("auto", SAMPLES / name, "-o", out, code=0)
+    rig = read(out).rig
+    weighted = {joint for skin in rig.skins for joint in skin.joints[skin.weighted].tolist()}
+    assert rig.nodes_of("twist")
+    assert weighted.issuperset(rig.nodes_of("twist"))
+
+
+def test_bones_without_vertices_along_them_get_no_twist_joints() -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    bones = {"count": 2, "most": 4}
+    arm, fore, hand = (rig.find(name) for name in ("upper_arm_L", "forearm_L", "hand_L"))
+    assert twists_skin(rig, arm, fore, upper=True, **bones)
+    assert twists_skin(rig, fore, hand, upper=False, **bones)
+    assert not twists_skin(replace(rig, content=Content()), arm, fore, upper=True, **bones)
+
+
+def test_a_mesh_whose_weights_cannot_be_split_gets_a_rig_without_twist_joints(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    body = next(node for node in gltf["nodes"] if "skin" in node)
+    gltf["skins"].append(gltf["skins"][body["skin"]])
+    gltf["scenes"][0]["nodes"].append(len(gltf["nodes"]))
+    gltf["nodes"].append({"name": "twin", "mesh": body["mesh"], "skin": len(gltf["skins"]) - 1})
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    source.write_bytes(glb_bytes(gltf, binary))
+    cli("auto", source, "-o", out, code=0)
+    assert not read(out).rig.nodes_of("twist")
+    assert "is drawn with several skins" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
 def test_a_control_that_follows_a_constraint_is_not_tried() -> None:

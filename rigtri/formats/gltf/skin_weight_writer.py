@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, FixedWeightsError
 from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
@@ -72,10 +72,10 @@ class WeightWriter:
         return sorted({n["mesh"] for n in nodes if n.get("skin") == skin and "mesh" in n})
 
     def _check_alone(self, mesh: int, skin: int) -> None:
-        """FileError where a mesh is drawn with another skin too, whose joints its indices mean as well."""
+        """FixedWeightsError where a mesh is drawn with another skin too, whose joints its indices mean."""
         skins = {n.get("skin") for n in self._draft.gltf["nodes"] if n.get("mesh") == mesh} - {None, skin}
         if skins:
-            raise FileError(
+            raise FixedWeightsError(
                 f"{self._where}: mesh '{self._title(mesh)}' is drawn with several skins, so its weights "
                 "cannot be split for one. Give each skin a mesh of its own, or leave out --split-weights"
             )
@@ -97,7 +97,7 @@ class WeightWriter:
         if not sets or "POSITION" not in attributes:
             return
         if DRACO in raw.get("extensions", {}):
-            raise FileError(
+            raise FixedWeightsError(
                 f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights "
                 "cannot be split. Store it uncompressed, or leave out --split-weights"
             )

@@ -21,6 +21,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import InfluenceRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin, WeightRedistribution
+from rigtri.model.skin_weights import shared
 from rigtri.operations.add_rivet.rebind import rebind_rivets_on_new_weights
 from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.operation import operation
@@ -60,6 +61,26 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
     for each in bones:
         rig = _build(rig, each, options, report)
     return rebind_rivets_on_new_weights(rig, report) if options.split_weights else rig
+
+
+def twists_skin(rig: Rig, joint: int, to: int, *, upper: bool, count: int, most: int) -> bool:
+    """Whether ``split_weights`` would give each of ``count`` twist joints of a bone weight in some mesh.
+
+    most: joints that a vertex may have.
+    """
+    line, got = bone(rig, joint, to), set[int]()
+    for mesh in rig.meshes:
+        skin = None if mesh.skin is None else rig.skins[mesh.skin]
+        rows = [] if skin is None else np.flatnonzero(skin.joints == joint).tolist()
+        if skin is None or not rows or not mesh.weights.size:
+            continue
+        places = {rows[0]: 1.0 if upper else 0.0}
+        places |= {len(skin.joints) + k: (k + 1) / (count + 1) for k in range(count)}
+        order = sorted(places, key=lambda row: places[row])
+        spread = _along(skin, mesh.skin or 0, order, [places[row] for row in order], rows[0], line, most)
+        joints, weights = shared(spread, transform_points(mesh.points, mesh.bind), mesh.joints, mesh.weights)
+        got.update((joints[weights != 0] - len(skin.joints)).tolist())
+    return got.issuperset(range(count))
 
 
 def _check_names(rig: Rig, bones: list[_Bone], options: AddTwistOptions) -> None:
@@ -273,11 +294,19 @@ def _spread(
     most: int,
 ) -> WeightRedistribution:
     order = sorted(rows, key=lambda node: places[node])
-    bind = inverse(skin.inverse_bind[rows[of.joint]])
+    at = [places[node] for node in order]
+    return _along(skin, number, [rows[node] for node in order], at, rows[of.joint], line, most)
+
+
+def _along(
+    skin: Skin, number: int, rows: list[int], at: list[float], own: int, line: Floats, most: int = 0
+) -> WeightRedistribution:
+    """Weight to be shared among rows of a skin along the bone of its row ``own``."""
+    bind = inverse(skin.inverse_bind[own])
     return WeightRedistribution(
         skin=number,
-        joints=np.array([rows[node] for node in order], dtype=np.int64),
-        at=np.array([places[node] for node in order]),
+        joints=np.array(rows, dtype=np.int64),
+        at=np.array(at),
         start=bind[3, :3],
         end=transform_points(line, bind),
         most=most,

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rigtri.errors import GeometryError
+from rigtri.errors import FixedWeightsError, GeometryError, RigtriError
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import called, opened, title
 from rigtri.files.staged_output import write_text
@@ -32,7 +33,8 @@ SUFFIX = ".rig.yaml"
 class Proposal:
     """What was recognised in a file, and the spec that belongs to it, as YAML with open places.
 
-    root: below which its joints are. checked: what the controls move, once they are built.
+    root: below which its joints are. without_twist: the same spec without twist joints, and why. checked:
+    what the controls move, once they are built.
     """
 
     source: Path
@@ -40,6 +42,7 @@ class Proposal:
     layout: Layout
     text: str
     root: str | None = None
+    without_twist: Callable[[str], str] = str
     checked: list[CheckedControl] = field(default_factory=list)
 
     @property
@@ -83,8 +86,8 @@ def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], option
     found = Proposal(source, rig, layout, "", options.root)
     if not found.is_character:
         return found
-    text = starter(rig, title(source), layout, preset=preset, open_places=True, options=options)
-    return replace(found, text=text)
+    make = partial(starter, rig, title(source), layout, preset=preset, open_places=True, options=options)
+    return replace(found, text=make(), without_twist=lambda why: make(fixed_weights=why))
 
 
 def auto(
@@ -132,18 +135,40 @@ def auto_file(
         if found.questions:
             _write(place, found.text)
             raise GeometryError(_unsure_message(found, place, request.target))
-        spec = Path(folder, "rig.yaml")
-        write_text(spec, found.text)
-        from_stream = str(request.source) == "-"
-        inner = replace(request, source=at, options=replace(request.options, from_stream=from_stream))
+        inner = replace(request, source=at, options=_read_once(request))
+        spec = Path(folder, "rig.yaml"), str(spec_out or "the spec")
         try:
-            with called({str(spec): str(spec_out or "the spec")}):
-                limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
-                built = build_file(inner, limited, report, found.check)
+            try:
+                built = _built(inner, found, report, *spec)
+            except FixedWeightsError as error:  # twist joints would twist nothing
+                found = replace(found, text=found.without_twist(str(error)))
+                seen(found)
+                built = _built(inner, found, report, *spec)
         except SpecError as error:
             _write(place, _not_built(error) + found.text)
             raise
     _write(place, found.text)
+    return built
+
+
+def _read_once(request: EditRequest) -> ReadOptions:
+    return replace(request.options, from_stream=str(request.source) == "-")
+
+
+def _built(request: EditRequest, found: Proposal, report: Report, spec: Path, name: str) -> Built:
+    """Build by what is proposed. A build that is done again, without twist joints, leaves no report."""
+    write_text(spec, found.text)
+    own = replace(report, warnings=[], joints=[], limbs=[], added=[], removed=[])
+    with called({str(spec): name}):
+        limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
+        try:
+            built = build_file(request, limited, own, found.check)
+        except FixedWeightsError:
+            raise
+        except RigtriError:
+            report.merge(own)
+            raise
+    report.merge(own)
     return built
 
 

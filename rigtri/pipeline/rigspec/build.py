@@ -232,6 +232,9 @@ class _Work:
         motions = [one.motion for one in found if one.motion is not None]
         if worst is not None and motions:
             worst = replace(worst, motion=max(motions, key=lambda one: one.deviation))
+        moved = [one.moved for one in found if one.moved is not None]
+        if worst is not None and moved:
+            worst = replace(worst, moved=max(moved))
         return Outcome(
             report,
             worst,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import idle_ik
+from rigtri.operations.add_twist.twist import twists_skin
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.recognition.output import direction_text
 from rigtri.recognition.recognise import recognise
@@ -21,6 +23,8 @@ from rigtri.text import a
 
 # So many joints are shown as a comment; inspect shows all.
 MOST_SHOWN = 200
+# Twist joints of a bone; and the joints that a vertex has at most, as many as all engines show.
+TWISTS, INFLUENCES = 2, 4
 # The kinds of chains that are moved by their ends.
 REACHING = ("arm", "leg", "limb")
 
@@ -42,18 +46,20 @@ def starter(
     *,
     preset: str = "",
     open_places: bool = False,
+    fixed_weights: str = "",
     options: ReadOptions | None = None,
 ) -> str:
     """A spec in YAML for ``rig``, with its joints as a comment; what is uncertain is commented out.
 
     layout: what was recognised in it, if that is known already. preset: of its axes. open_places: what is
-    uncertain stands in it as null, which `build` refuses until a joint is named there. options: how the
-    file was read. Raises FileError for a file without joints.
+    uncertain stands in it as null, which `build` refuses until a joint is named there. fixed_weights: why
+    skin weights cannot be split, so that twist joints are left out. options: how the file was read. Raises
+    FileError for a file without joints.
     """
     options = options or ReadOptions()
     tree = skeleton(rig, options.root)
     layout = recognise(rig) if layout is None else layout
-    limbs = _Limbs(rig, layout, open_places, tree.carries)
+    limbs = _Limbs(rig, layout, open_places, tree.carries, fixed_weights)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
         *(f"# {_visible(line)}" for line in recognised_lines(layout)),
@@ -140,12 +146,16 @@ def _reaching(layout: Layout) -> list[Chain]:
 
 @dataclass(frozen=True)
 class _Limbs:
-    """The steps for limbs. open_places: limbs that are not sure stand in them as null."""
+    """The steps for limbs. open_places: limbs that are not sure stand in them as null.
+
+    fixed_weights: why the file's skin weights cannot be split; "" where they can.
+    """
 
     rig: Rig
     layout: Layout
     open_places: bool
     carries: Booleans
+    fixed_weights: str
 
     def steps(self) -> Iterator[str]:
         """All lines behind the preset of orient-joints."""
@@ -193,32 +203,47 @@ class _Limbs:
         return _names(self.rig, chain.bend)
 
     def _wants_twist(self, chain: Chain) -> bool:
-        """Whether it is an arm or leg whose joints are a chain, without twist joints of its own.
-
-        In some IK rigs the foot is not a child of the shin.
-        """
+        """Whether it is an arm or leg without twist joints of its own."""
         start, _, end = chain.bend
         along = [node for node in self.rig.below(start) if not self.rig.is_below(node, end)]
         twists = {part.joint for one in self.layout.characters for part in one.parts if part.role == "twist"}
-        return chain.kind in ("arm", "leg") and self._chained(chain) and not twists.intersection(along)
+        return chain.kind in ("arm", "leg") and not twists.intersection(along)
 
-    def _chained(self, chain: Chain) -> bool:
-        start, middle, end = chain.bend
-        return self.rig.is_below(middle, start) and self.rig.is_below(end, middle)
+    def _twisting(self, chain: Chain) -> str:
+        """The bones of a limb whose twist joints get weight: ``both``, ``upper``, ``lower``, or "" for none.
+
+        The lower bone of a flat rig ends in a joint that does not follow it.
+        """
+        rig, (start, middle, end) = self.rig, chain.bend
+        takes = partial(twists_skin, rig, count=TWISTS, most=INFLUENCES)
+        upper = takes(start, middle, upper=True)
+        lower = rig.is_below(end, middle) and takes(middle, end, upper=False)
+        return "both" if upper and lower else "upper" if upper else "lower" if lower else ""
 
     def _twist(self, sure: list[Chain]) -> Iterator[str]:
         limbs = [chain for chain in sure if self._wants_twist(chain)]
-        apart = [chain for chain in sure if not self._chained(chain)]
-        if limbs or apart:
-            yield "  # Twist joints, which avoid the candy-wrapper effect on these limbs."
-        if limbs:
-            yield "  - do: add-twist"
-            yield "    limb:"
-            yield from (f"      - [{self._names(chain)}]" for chain in limbs)
-            yield "    count: 2"
-        for chain in apart:
-            yield f"  # Left out, as its joints are not children of each other: [{self._names(chain)}]"
-        if limbs or apart:
+        if limbs and self.fixed_weights:
+            yield f"  # Left out: twist joints, which would get no weight. {_visible(self.fixed_weights)}"
+            yield ""
+            return
+        groups: dict[str, list[Chain]] = {}
+        for chain in limbs:
+            groups.setdefault(self._twisting(chain), []).append(chain)
+        for which in ("both", "upper", "lower"):
+            if which in groups:
+                yield "  # Twist joints with weight of the skin, which avoid the candy-wrapper effect on"
+                yield "  # these limbs."
+                yield "  - do: add-twist"
+                yield "    limb:"
+                yield from (f"      - [{self._names(chain)}]" for chain in groups[which])
+                if which != "both":
+                    yield f"    {which}: true"
+                yield f"    count: {TWISTS}"
+                yield "    split-weights: true"
+                yield f"    max-influences: {INFLUENCES}"
+                yield ""
+        for chain in groups.get("", []):
+            yield f"  # Left out: twist joints, as no vertex lies along the bones of [{self._names(chain)}]"
             yield ""
 
     def _lacking(self, known: list[Chain]) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf
 
-from rigtri.errors import FileError
+from rigtri.errors import FixedWeightsError
 from rigtri.formats.usd.composition.stage import DEFAULT, why_instanced, why_locked
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens, set_value
 from rigtri.formats.usd.opinions.joint_influences import INDICES, ORDER
@@ -146,13 +146,15 @@ def _check(query: Any) -> None:
     prim = query.GetPrim()
     why = why_instanced(prim) or why_locked(prim, (ORDER, INDICES, WEIGHTS))
     if why:
-        raise FileError(f"{why}. {_OTHERWISE}.")
+        raise FixedWeightsError(f"{why}. {_OTHERWISE}.")
     for primvar in (query.GetJointIndicesPrimvar(), query.GetJointWeightsPrimvar()):
         path = primvar.GetAttr().GetPath()
         if primvar.IsIndexed():
-            raise FileError(f"<{path}> is indexed, so its weights cannot be split. {_OTHERWISE}.")
+            raise FixedWeightsError(f"<{path}> is indexed, so its weights cannot be split. {_OTHERWISE}.")
         if primvar.GetAttr().GetNumTimeSamples():
-            raise FileError(f"<{path}> has time samples, so its weights cannot be split. {_OTHERWISE}.")
+            raise FixedWeightsError(
+                f"<{path}> has time samples, so its weights cannot be split. {_OTHERWISE}."
+            )
 
 
 def _set(query: Any, joints: Integers, weights: Floats) -> list[Edit]:
