@@ -11,8 +11,9 @@ from conftest import Golden
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
 from places import NO_LIMB, SAMPLES, files_of_all_kinds, leave_out, leave_out_refused, slow
+from program import cli
 
-from rigtri.errors import FileError, GeometryError
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.sampling import key_times, locals_at
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.text_description import describe
@@ -155,3 +156,45 @@ def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matri
     report = Report()
     orient_joints(read(twisted).rig, preset="maya", report=report)
     assert [entry["joint"] for entry in report.joints if entry["status"] == "turned"] == []
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_twist_joints_with_weight_keep_their_settings_unless_weights_are_split_anew(
+    suffix: str, tmp_path: Path
+) -> None:
+    """Vertices hang on them: elsewhere, or with another share of the twist, they would move those."""
+    bone = AddTwistOptions(joint=("upper_arm_L",), to=("forearm_L",), count=1, split_weights=True)
+    source, built = SAMPLES / f"biped{suffix}", tmp_path / f"built{suffix}"
+    edit(source, built, lambda rig, report: add_twist(rig, options=bone, report=report))
+
+    def again(options: AddTwistOptions) -> tuple[Rig, Report]:
+        def step(rig: Rig, report: Report) -> Rig:
+            return add_twist(rig, options=options, report=report)
+
+        target = tmp_path / f"out{suffix}"
+        report = edit(built, target, step, overwrite=True).report
+        return read(target).rig, report
+
+    rig, report = again(AddTwistOptions(limbs="auto"))
+    assert [warning.code for warning in report.warnings] == ["twist-kept"]
+    assert len(twist_joints(rig)) == 15  # two along each of the seven other bones
+    rig, report = again(AddTwistOptions(limbs="auto", split_weights=True))
+    assert not report.warnings
+    assert len(twist_joints(rig)) == 16
+    with pytest.raises(UsageError, match="'upper_arm_L' has twist joints with weight"):
+        again(replace(bone, count=2, split_weights=False))
+
+
+@pytest.mark.parametrize("name", ["arm.gltf", "arm.usda"])
+def test_twist_joints_come_between_nodes_of_a_plain_hierarchy_and_none_of_them_moves(
+    name: str, tmp_path: Path
+) -> None:
+    """In USD a new prim comes behind its parent, and so before the pole vector that was there."""
+    root = ["--root", "shoulder" if name.endswith(".gltf") else "/arm"]
+    limb = ["--limb", "shoulder", "elbow", "wrist"]
+    source, said = SAMPLES / name, ""
+    for number, words in enumerate((["orient-joints"], ["add-polevector", *limb], ["add-twist", *limb])):
+        target = tmp_path / f"{number}_{name}"
+        said = cli(words[0], source, "-o", target, *words[1:], *root, code=0).output
+        source = target
+    assert "largest vertex movement: 0 of the model's size" in said

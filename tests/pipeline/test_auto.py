@@ -257,3 +257,16 @@ def test_the_axes_by_default_are_those_of_orient_joints_and_make_sense(name: str
     for joint in (name for name in oriented.names if name.startswith(("thigh", "shin", "forearm"))):
         axes = [rig.world[rig.find(joint), :3, :3] for rig in (built, oriented)]
         assert np.abs(axes[0] - axes[1]).max() < 1e-5
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_limbs_that_have_twist_joints_of_rigtri_keep_them(suffix: str, tmp_path: Path) -> None:
+    one, built, again = (tmp_path / f"{name}{suffix}" for name in ("one", "built", "again"))
+    bone = ["--joint", "upper_arm_L", "--to", "forearm_L", "--count", "1", "--split-weights"]
+    run("add-twist", SAMPLES / f"biped{suffix}", "-o", one, *bone)
+    run("auto", one, "-o", built, "--no-spec")
+    made = [name for name in document(built).rig.names if "_twist_" in name]
+    assert sorted(name for name in made if "_L" in name and "arm" in name) == ["upper_arm_L_twist_1"]
+    assert len(made) == 1 + 3 * 4
+    run("auto", built, "-o", again, "--no-spec")
+    assert again.read_bytes() == built.read_bytes()

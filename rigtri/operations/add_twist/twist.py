@@ -6,7 +6,7 @@ Source: "Matrix parent constraint" (twist distribution, announced); `rigtri.eval
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,11 +35,15 @@ from rigtri.report import Report
 
 @dataclass(frozen=True)
 class _Bone:
-    """A bone that gets twist joints: node indices; ``upper`` where its own twist is taken away."""
+    """A bone that gets twist joints: node indices; ``upper`` where its own twist is taken away.
+
+    named: by the user, who did not leave it to rigtri which bones get some.
+    """
 
     joint: int
     to: int
     upper: bool
+    named: bool = field(default=True, compare=False)
 
     @property
     def driver(self) -> int:
@@ -59,6 +63,11 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
     if options.name != NAME:
         _check_names(rig, bones, options)
     for each in bones:
+        if why := _why_kept(rig, each, options):
+            if each.named:
+                raise UsageError(why)
+            report.warn("twist-kept", f"{why}; they stay as they are", joint=rig.title(each.joint))
+            continue
         rig = _build(rig, each, options, report)
     return rebind_rivets_on_new_weights(rig, report) if options.split_weights else rig
 
@@ -108,9 +117,10 @@ def _bones(rig: Rig, options: AddTwistOptions, report: Report) -> list[_Bone]:
         raise NoLimbError
     found = []
     for limb in limbs:
-        found += [_Bone(limb.start, limb.middle, True)] if both or options.upper else []
-        if (both or options.lower) and (limb in named or rig.is_below(limb.end, limb.middle)):
-            found.append(_Bone(limb.middle, limb.end, False))
+        mine = limb in named
+        found += [_Bone(limb.start, limb.middle, True, mine)] if both or options.upper else []
+        if (both or options.lower) and (mine or rig.is_below(limb.end, limb.middle)):
+            found.append(_Bone(limb.middle, limb.end, False, mine))
         elif both or options.lower:
             report.warn(
                 "twist-left-out",
@@ -138,7 +148,6 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
             f"'{rig.title(of.joint)}' and '{rig.title(of.to)}' are at one place: there is no bone to "
             "twist about"
         )
-    _check_count(rig, of, options)
     made = []
     for number in range(1, options.count + 1):
         rig, node = _joint(rig, of, number, line, options, report)
@@ -173,13 +182,26 @@ def _roomy(mesh: Mesh) -> bool:
     return bool(mesh.weights.shape[1] and not mesh.weights[:, -1].any())
 
 
-def _check_count(rig: Rig, of: _Bone, options: AddTwistOptions) -> None:
-    most = max((record.number for record in _twists(rig, of).values()), default=0)
+def _why_kept(rig: Rig, of: _Bone, options: AddTwistOptions) -> str:
+    """Why the twist joints that a bone has cannot be set anew as the options say; "" where they can."""
+    there, title = _twists(rig, of), rig.title(of.joint)
+    most = max((record.number for record in there.values()), default=0)
     if most > options.count:
-        raise UsageError(
-            f"'{rig.title(of.joint)}' has {most} twist joints already; give --count {most} or more, or strip "
-            "the file first"
+        return (
+            f"'{title}' has {most} twist joints already; give --count {most} or more, or strip the file first"
         )
+    other = {
+        node
+        for node, record in there.items()
+        if replace(record, influences=()) != _record(rig, of, record.number, options)
+    }
+    bearing = (skin for skin in rig.skins if skin.weigh is not None and other and not options.split_weights)
+    if any(other.intersection(skin.joints[skin.weighted].tolist()) for skin in bearing):
+        return (
+            f"'{title}' has twist joints with weight, and other settings would move its vertices; give "
+            "--split-weights, which shares the weight anew, or strip the file first"
+        )
+    return ""
 
 
 def _ends(rig: Rig, of: _Bone) -> dict[str, str]:
@@ -192,23 +214,27 @@ def _twists(rig: Rig, of: _Bone) -> dict[int, TwistRecord]:
     return {node: rig.records(TwistRecord)[node] for node in find_all(rig, TwistRecord, **_ends(rig, of))}
 
 
-def _joint(
-    rig: Rig, of: _Bone, number: int, line: Floats, options: AddTwistOptions, report: Report
-) -> tuple[Rig, int]:
-    """One twist joint of a bone, found again or new, at its place and with its keys."""
+def _record(rig: Rig, of: _Bone, number: int, options: AddTwistOptions) -> TwistRecord:
+    """What is stored of a bone's twist joint."""
     at = number / (options.count + 1)
-    weight = options.weights[number - 1] if options.weights else at - 1.0 if of.upper else at
-    record = TwistRecord(
+    return TwistRecord(
         joint=rig.address(of.joint),
         to=rig.address(of.to),
         driver=rig.address(of.driver),
         number=number,
         count=options.count,
         at=at,
-        weight=weight,
+        weight=options.weights[number - 1] if options.weights else at - 1.0 if of.upper else at,
         axis=options.axis,
     )
-    place = transform_points(line * at, rig.world[of.joint])
+
+
+def _joint(
+    rig: Rig, of: _Bone, number: int, line: Floats, options: AddTwistOptions, report: Report
+) -> tuple[Rig, int]:
+    """One twist joint of a bone, found again or new, at its place and with its keys."""
+    record = _record(rig, of, number, options)
+    place = transform_points(line * record.at, rig.world[of.joint])
     axes = nearest_rotation(rig.world[of.joint])
     node = find(rig, TwistRecord, **_ends(rig, of), number=number)
     new = node is None
@@ -229,8 +255,8 @@ def _joint(
             "joint": rig.title(of.joint),
             "to": rig.title(of.to),
             "driver": rig.title(of.driver),
-            "at": at,
-            "weight": float(weight),
+            "at": record.at,
+            "weight": float(record.weight),
             "new": new,
             "position": [float(x) for x in place],
             "clips": keys,

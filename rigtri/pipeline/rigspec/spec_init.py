@@ -13,6 +13,7 @@ from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.arrays import Booleans
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import idle_ik
 from rigtri.operations.add_twist.twist import twists_skin
@@ -203,8 +204,11 @@ class _Limbs:
         return _names(self.rig, chain.bend)
 
     def _wants_twist(self, chain: Chain) -> bool:
-        """Whether it is an arm or leg without twist joints of its own."""
-        start, _, end = chain.bend
+        """Whether it is an arm or leg without twist joints: those that rigtri has added stay as they are."""
+        start, middle, end = chain.bend
+        made = {record.joint for record in self.rig.records(TwistRecord).values()}
+        if made.intersection(map(self.rig.address, (start, middle))):
+            return False
         along = [node for node in self.rig.below(start) if not self.rig.is_below(node, end)]
         twists = {part.joint for one in self.layout.characters for part in one.parts if part.role == "twist"}
         return chain.kind in ("arm", "leg") and not twists.intersection(along)

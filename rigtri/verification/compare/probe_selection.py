@@ -82,7 +82,7 @@ def skin_corners(
     for number, partner in enumerate(m.skin.tolist()):
         if partner < 0:
             continue
-        mine, theirs = before.skins[number], _without_holders(after, partner, m)
+        mine, theirs = before.skins[number], _without_added(after, partner, m)
         if len(theirs.joints) < len(mine.joints):
             continue
         count = len(mine.joints)
@@ -109,9 +109,12 @@ def skin_corners(
             )
 
 
-def _without_holders(after: Rig, skin: int, m: Correspondence) -> Skin:
-    """A skin without the rows of joints that a split has put into it."""
-    whole, added = after.skins[skin], sorted(after.holders.difference(m.node.tolist()))
+def _without_added(after: Rig, skin: int, m: Correspondence) -> Skin:
+    """A skin without the rows of joints that rigtri has put into it.
+
+    Those of splits, and below --root also of other nodes, stand among the joints that were there.
+    """
+    whole, added = after.skins[skin], sorted((after.holders | after.own).difference(m.node.tolist()))
     if not added:
         return whole
     keep = ~np.isin(whole.joints, added)
