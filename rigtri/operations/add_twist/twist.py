@@ -193,7 +193,7 @@ def _why_kept(rig: Rig, of: _Bone, options: AddTwistOptions) -> str:
     other = {
         node
         for node, record in there.items()
-        if replace(record, influences=()) != _record(rig, of, record.number, options)
+        if _settings(record) != _settings(_record(rig, of, record.number, options))
     }
     bearing = (skin for skin in rig.skins if skin.weigh is not None and other and not options.split_weights)
     if any(other.intersection(skin.joints[skin.weighted].tolist()) for skin in bearing):
@@ -202,6 +202,11 @@ def _why_kept(rig: Rig, of: _Bone, options: AddTwistOptions) -> str:
             "--split-weights, which shares the weight anew, or strip the file first"
         )
     return ""
+
+
+def _settings(record: TwistRecord) -> tuple[object, ...]:
+    """What the options say of a twist joint."""
+    return record.driver, record.count, record.at, record.weight, record.axis
 
 
 def _ends(rig: Rig, of: _Bone) -> dict[str, str]:
