@@ -2,35 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
-from rigtri.recognition.body_shape import Body, Limbs, within
+from rigtri.recognition.body_shape import ALIKE, LEG, Body, Limbs, stands_too, within
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.facing import facing_of
-from rigtri.recognition.layout import BENDS, CONFIDENT, MAP, NAMES, LimbKind
-from rigtri.recognition.naming_schemes import parse_name, roles_in_name
+from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
+from rigtri.recognition.limb_triples import triple_of
+from rigtri.recognition.limb_words import NO_WORDS, agreement
+from rigtri.recognition.naming_schemes import parse_name
 from rigtri.text import a
 
 # How sure a map is; what agreement of shape adds to names, and what contradiction leaves of them.
 _MAPPED, _AGREES, _CONTRADICTED = 0.99, 0.7, 0.7
 AGREED = "its shape agrees"
-# A bone shorter than this part of the other is none: two joints stand in one place.
-_STUNTED = 0.12
+# What names of all three joints of a pair add to its shape, and how far they name a pair that shape alone
+# would not take for limbs.
+_WORDS, _NAMED = 0.85, 0.5
+_NUMBERED = 0.45
+# A bone shorter than this part of the other is none: a joint is left out, or two stand in one place.
+_STUNTED = 0.25
+# A joint within a bone bends no further than this, as a cosine (25°).
+_IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself, so that sides are in doubt.
 _DOUBT = 0.15
+# Of a body of many legs it has to be so sure before any side is given.
+_SEEN = 0.6
 # Another way to see the body that is as good as this speaks against both.
 _CLOSE = 0.04
+# Arms that begin so near to each other, as a part of their length, begin with clavicles.
+_CLAVICLES = 0.35
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
 # Where a chain could bend at two places almost as well, it is not said which.
 _TIE = 0.05
-# A first bone shorter than this part of the second is rather a clavicle than an upper arm.
-_CLAVICLE = 0.6
 # Scores of a body between which it goes from a mere guess to as sure as a shape can be.
 _GUESS, _CLEAR, _LEAST, _SUREST = 0.6, 0.9, 0.5, 0.94
+# What is left of a limb without names where others have some.
+_UNNAMED = 0.75
 
 
 @dataclass(frozen=True)
@@ -49,21 +62,16 @@ class Found:
 
 def find_limbs(draft: Draft) -> list[Found]:
     """The arms and legs of a character; sets where is up, ahead and left, too."""
-    body = draft.shape.body
-    shaped = [] if body is None else list(_by_shape(draft, body))
     named = list(_by_name(draft))
-    if named:
-        _stand_by_names(draft, named)
-    if body is not None and draft.shape.plane is not None and (not named or _is_clear(body)):
-        shaped = _sided(draft, body, shaped, bool(named))
-    else:
-        shaped = []
-        if not named:
-            draft.stand(Vector(*draft.tree.rig.rules.up), Vector())
-    found = [_agreed(draft, each, shaped) for each in named]
-    taken = {joint for each in found for joint in each.joints}
-    rest = [each for each in shaped if not taken.intersection(each.joints)]
-    return found + [_left_over(draft, each, found) for each in rest if _may_be(draft, each)]
+    pairs = [each for limbs in draft.shape.limbs for each in _of_pair(draft, limbs, bool(named))]
+    _stand_by_names(draft, named, pairs)
+    pairs = _sided(draft, pairs)
+    found = [_agreed(draft, each, pairs) for each in named]
+    for each in sorted(pairs, key=lambda each: -each.confidence):
+        taken = {joint for other in found for joint in other.joints}
+        if not taken.intersection(each.joints):
+            found.append(each)
+    return found
 
 
 def _is_clear(body: Body) -> bool:
@@ -97,41 +105,99 @@ def _before(draft: Draft, start: int) -> tuple[int, ...]:
     return tuple(found)
 
 
-def _by_shape(draft: Draft, body: Body) -> Iterator[Found]:
-    sure = _body_confidence(draft, body)
-    for kind, limbs in (("leg", body.legs), ("arm", body.arms)):
-        if limbs is None:
-            continue
-        as_leg = kind == "leg" or body.form == "quadruped"
-        confidence = sure * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
-        if limbs.lead < _TIE and len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
-            confidence -= 0.2
-        if kind == "arm" and _lacks_hand(draft, limbs):
-            confidence -= 0.25
-        for which in (0, 1):
-            joints = limbs.joints(which)
-            before = limbs.pair.paths[which][: limbs.at[0]]
-            words = _words(draft, body, limbs, as_leg)
-            yield Found("leg" if as_leg else "arm", "", joints, before, confidence, words, limbs)
+def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
+    """The two limbs of a pair that the body has for legs or arms, or that names call so.
+
+    named: names tell of limbs; without clear ones the shape of a body counts that is clear itself.
+    """
+    body = draft.shape.body
+    kind, sure = "", _LEAST
+    if limbs in draft.shape.legs:
+        kind = "leg"
+    elif body is not None and limbs in (body.legs, body.arms) and (not named or _is_clear(body)):
+        kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
+    elif body is not None and _is_further(draft, body, limbs):
+        kind = "arm"
+    named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > _TIE)
+    if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
+        told = 1.0 - (1.0 - sure) * (1.0 - _WORDS * _told(limbs))
+        # The front legs of an animal are often called arms, and are legs.
+        four = body is not None and body.form == "quadruped" and limbs is body.arms and not body.doubt
+        sure = told if kind in ("", limbs.kind) or four or not _has_both(body) else _CONTRADICTED * told
+        kind = kind if four else limbs.kind
+    elif kind:
+        # A table has four of two joints each.
+        sure -= 0.15 if len(limbs.at) < 3 and body is not None and body.form == "quadruped" else 0.0
+        sure *= _UNNAMED if named else 1.0
+    if not kind:
+        return
+    for which in (0, 1):
+        before = limbs.pair.paths[which][: limbs.at[0]]
+        words = tuple(_words(body, limbs, kind))
+        yield Found("arm" if kind == "arm" else "leg", "", limbs.joints(which), before, sure, words, limbs)
+
+
+def _is_further(draft: Draft, body: Body, limbs: Limbs) -> bool:
+    """Whether a pair may be the arms of a body that stands on four legs: they begin above the front ones."""
+    if body.form != "quadruped" or body.arms is None or len(limbs.at) < 3 or limbs.kind == "other":
+        return False
+    high = (limbs.starts - body.arms.starts).dot(body.up) > 0.0
+    return high and limbs.quality > LEG and limbs.size > ALIKE * body.arms.size and limbs.lead > _TIE
+
+
+def _shaped(body: Body, limbs: Limbs) -> LimbKind:
+    """What a pair of a body is by its shape."""
+    return "leg" if limbs is body.legs or body.form == "quadruped" else "arm"
+
+
+def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
+    """How sure the limbs of a body are by its shape."""
+    sure = _body_confidence(draft, body) * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
+    if len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
+        sure -= 0.2 * (1.0 - within(limbs.lead, _TIE, 3.0 * _TIE))
+    if limbs is body.arms and _lacks_hand(draft, limbs):
+        sure = min(sure, _HALF)
+    return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure
+
+
+def _told(limbs: Limbs) -> float:
+    """How much names add: joints that are only numbered are of a limb, and do not say which three bend."""
+    if len(limbs.at) < 3:
+        return 1.0
+    return max(_NUMBERED, limbs.named) if limbs.named >= 0.0 else 0.0
+
+
+def _has_both(body: Body | None) -> bool:
+    """Whether a body has legs and arms: of a pair alone shape does not say which it is."""
+    return body is not None and body.legs is not None and body.arms is not None
 
 
 def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
-    """Whether three joints alone may be clavicle, upper arm and forearm: the hand hangs elsewhere then."""
-    path, bone = limbs.pair.paths[0], draft.tree.bone
-    return len(path) == len(limbs.at) == 3 and bone[path[1]] < _CLAVICLE * bone[path[2]]
+    """Whether arms of no more than three joints may be clavicle, upper arm and forearm, without a hand.
+
+    Or their hands are joints elsewhere that only stand in the right place.
+    """
+    if len(limbs.at) < 3 or limbs.named > 0:
+        return False
+    (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
+    whole = limbs.at[0] == 0 and limbs.at[2] == len(limbs.pair.paths[0]) - 1
+    apart = (draft.tree.at[start] - draft.tree.at[twin]).length
+    return (whole and apart < _CLAVICLES * limbs.size) or not draft.tree.is_below(end, middle)
 
 
-def _words(draft: Draft, body: Body, limbs: Limbs, as_leg: bool) -> tuple[str, ...]:
-    evidence = ["one of two alike, left and right"]
+def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:
+    if limbs.kind == kind and limbs.named > 0:
+        yield f"{NAMES}: words of limbs"
+    yield "one of two alike, left and right"
     if len(limbs.at) == 3:
-        evidence.append("two long bones that bend in the middle")
-    if as_leg:
-        evidence.append("carries the body" if body.form == "biped" else "one of four that carry the body")
-    else:
-        evidence.append("hangs higher in the tree than the legs")
+        yield "two long bones that bend in the middle"
+    if body is not None and limbs in (body.legs, body.arms):
+        if kind == "leg":
+            yield "carries the body" if body.form == "biped" else "one of four that carry the body"
+        else:
+            yield "hangs higher in the tree than the legs"
     if limbs.fingers >= 2:
-        evidence.append(f"ends in {limbs.fingers} {'toes' if as_leg else 'fingers'}")
-    return tuple(evidence)
+        yield f"ends in {limbs.fingers} {'toes' if kind == 'leg' else 'fingers'}"
 
 
 def _body_confidence(draft: Draft, body: Body) -> float:
@@ -141,6 +207,9 @@ def _body_confidence(draft: Draft, body: Body) -> float:
         return min(sure, _HALF)
     if body.form == "biped" and body.lead < 0.1:
         sure -= 0.25
+    moving = [k for k in draft.shape.limbs if any(map(draft.poses.moves_points, k.joints(0)))]
+    if body.doubt or stands_too(draft.tree, body, moving):
+        return min(sure, _HALF)
     others = [k.score for k in draft.shape.bodies[1:] if not {k.legs, k.arms} & {None} and not _same(k, body)]
     if body.score - max(others, default=0.0) < _CLOSE:
         sure -= 0.2
@@ -152,37 +221,54 @@ def _same(one: Body, other: Body) -> bool:
     return {one.legs, one.arms} == {other.legs, other.arms}
 
 
-def _stand_by_names(draft: Draft, named: list[Found]) -> None:
+def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> None:
     """Left and ahead as the names have them, up as the body or the file has it."""
     body = draft.shape.body
     up = body.up if body is not None and _is_clear(body) else Vector(*draft.tree.rig.rules.up)
     at, across = draft.tree.at, Vector()
-    for one in named:
-        for other in named:
-            if one.kind == other.kind and one.side == "left" and other.side == "right":
+    told = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
+    sided = [*named, *(replace(each, side=_side_in_names(draft, each.joints)) for each in told)]
+    for one in sided:
+        for other in sided:
+            if one.side == "left" and other.side == "right" and _are_twins(one, other):
                 apart = at[one.joints[0]] - at[other.joints[0]]
                 across = across + (apart if any(apart) else at[one.joints[2]] - at[other.joints[2]])
     draft.stand(up, across.cross(up))
 
 
-def _sided(draft: Draft, body: Body, shaped: list[Found], named: bool) -> list[Found]:
+def _are_twins(one: Found, other: Found) -> bool:
+    """Whether two limbs of a kind are opposite, as far as is known."""
+    return one.kind == other.kind and one.pair is other.pair
+
+
+def _side_in_names(draft: Draft, joints: Sequence[int]) -> Side:
+    sides = {parse_name(draft.tree.rig.names[joint]).side for joint in joints}
+    return sides.pop() if len(sides) == 1 else ""
+
+
+def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     """Limbs of the shape with the sides they stand on, where that can be seen."""
-    sure, why = _faces(draft, body, named)
-    share = 1.0 if named else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
+    by_names = any(draft.facing) and any(draft.left)
+    if draft.shape.plane is None or draft.shape.body is None:
+        return [replace(each, side=_side(draft, each)) for each in pairs] if by_names else []
+    sure, why = _faces(draft, draft.shape.body, by_names)
+    share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
+    because = () if by_names else tuple(f"faces so that: {w}" for w in why[:1])
+    if draft.shape.legs and not by_names and sure < _SEEN:
+        return list(pairs)  # nothing tells front from behind, and so left from right
     return [
         replace(
             each,
             side=_side(draft, each),
             confidence=each.confidence * share,
-            evidence=each.evidence if named else (*each.evidence, *(f"faces so that: {w}" for w in why[:1])),
+            evidence=(*each.evidence, *because),
         )
-        for each in shaped
+        for each in pairs
     ]
 
 
-def _faces(draft: Draft, body: Body, named: bool) -> tuple[float, tuple[str, ...]]:
+def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, ...]]:
     """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
-    by_names = named and any(draft.facing) and any(draft.left)
     if by_names and draft.limbs_alone and body.form == "biped":
         return 1.0, ()  # of limbs only front and hind legs differ by it
     plane = draft.shape.plane
@@ -200,13 +286,16 @@ def _faces(draft: Draft, body: Body, named: bool) -> tuple[float, tuple[str, ...
 
 
 def _side(draft: Draft, each: Found) -> Side:
-    """The side of a limb of the shape: as its names say, where they say one; else where it stands."""
-    names = {parse_name(draft.tree.rig.names[joint]).side for joint in each.joints}
-    if len(names) == 1 and names != {""}:
-        return names.pop()
+    """The side of a limb of the shape: as its names say, or its twin's; else where it stands."""
     assert each.pair is not None
     one, two = each.pair.pair.paths
     mine, other = (one, two) if set(each.joints).intersection(one) else (two, one)
+    own = _side_in_names(draft, each.joints)
+    if own:
+        return own
+    twin = _side_in_names(draft, [other[k] for k in each.pair.at])
+    if twin:
+        return "right" if twin == "left" else "left"
     at = draft.tree.at
     apart = [(at[a] - at[b]).dot(draft.left) for a, b in zip(mine, other, strict=True)]
     # Feet may cross; hips and shoulders do not. Where limbs begin in the middle the next joints tell.
@@ -215,30 +304,78 @@ def _side(draft: Draft, each: Found) -> Side:
     return "left" if offset > 0 else "right" if offset < 0 else ""
 
 
-def _agreed(draft: Draft, each: Found, shaped: list[Found]) -> Found:
+def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     """A limb that names tell of, weighed against the shape."""
     if draft.certain:
         return each
+    same = next((s for s in pairs if set(each.joints[:2]).intersection(s.joints[:2])), None)
+    each = each if same else _by_words(draft, each)
     sure, words = each.confidence, list(each.evidence)
     start, middle, end = (draft.tree.at[joint] for joint in each.joints)
     upper, lower = (middle - start).length, (end - middle).length
     if min(upper, lower) < _STUNTED * max(upper, lower):
         sure *= _CONTRADICTED
         words.append("but one of its bones has hardly any length")
-    same = next((s for s in shaped if each.joints[1] in s.joints), None)
-    if same is not None and same.joints == each.joints and same.kind == each.kind:
+    if _bends_within(draft, each.joints):
+        sure *= _CONTRADICTED
+        words.append("but a joint within one of its bones bends")
+    if same is None or same.pair is None:
+        return replace(each, confidence=sure, evidence=tuple(words))
+    if same.joints != each.joints:
+        path = next((path for path in same.pair.pair.paths if set(each.joints) <= set(path)), None)
+        if path is None:  # its foot, or its thigh, hangs elsewhere
+            return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
+        at = path.index(each.joints[0]), path.index(each.joints[1]), path.index(each.joints[2])
+        own = agreement([draft.words.get(joint, NO_WORDS) for joint in path], at)
+        if own <= same.pair.named or _bends_within(draft, each.joints):
+            return same  # words and shape together tell more than either
+        words.append("but its shape bends at other joints")
+        sure *= _CONTRADICTED
+        return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
+    body = draft.shape.body
+    known = body is not None and _has_both(body) and same.pair in (body.legs, body.arms)
+    shaped = _shaped(body, same.pair) if body is not None and known else each.kind
+    if shaped == each.kind:
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
         words.append(AGREED)
-    elif same is not None and same.kind != each.kind and same.confidence >= CONFIDENT:
-        if _names_human(draft):
-            words.append(f"though its shape could be that of {a(same.kind)}")
-            return replace(each, confidence=sure, evidence=tuple(words))
-        if draft.shape.body is not None and draft.shape.body.form == "quadruped":
-            words.append("its shape: one of four that carry the body")
-            return replace(each, kind="leg", confidence=sure, evidence=tuple(words), pair=same.pair)
+    elif _names_human(draft) or (body is not None and body.doubt):
+        words.append(f"though its shape could be that of {a(shaped)}")
+    elif body is not None and body.form == "quadruped":
+        words.append("its shape: one of four that carry the body")
+        each = replace(each, kind=shaped)
+    else:
         sure *= _CONTRADICTED
-        words.append(f"but its shape is that of {a(same.kind)}")
-    return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair if same else None)
+        words.append(f"but its shape is that of {a(shaped)}")
+    return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
+
+
+def _by_words(draft: Draft, each: Found) -> Found:
+    """A limb without a twin, its three joints by its shape and the single words of its names.
+
+    Of ``arm``, ``shoulder``, ``elbow`` and ``wrist`` a scheme takes the first for the upper arm.
+    """
+    tree, (start, _, end) = draft.tree, each.joints
+    if not tree.is_below(end, start):
+        return each
+    path = [*each.before, *tree.way(start, end), *tree.paths[end][1:]]
+    found = triple_of(tree, [path], [], draft.words)
+    words = [draft.words.get(joint, NO_WORDS) for joint in path]
+    if found is None or agreement(words, found.at) < _NAMED:
+        return each
+    return replace(each, joints=tuple(path[k] for k in found.at), before=tuple(path[: found.at[0]]))
+
+
+def _bends_within(draft: Draft, joints: Sequence[int]) -> bool:
+    """Whether one of the joints between start, middle and end bends, so that it is none within a bone."""
+    at = draft.tree.at
+    for start, end in itertools.pairwise(joints):
+        if draft.tree.is_below(end, start):
+            way = draft.tree.way(start, end)
+            for over, node, under in zip(way, way[1:], way[2:], strict=False):
+                one, other = at[node] - at[over], at[under] - at[node]
+                if any(one) and any(other) and one.unit.dot(other.unit) < _IN_LINE:
+                    return True
+    return False
 
 
 def _names_human(draft: Draft) -> bool:
@@ -248,29 +385,3 @@ def _names_human(draft: Draft) -> bool:
         return False
     fingers = [bone for bone in reading.bones if bone.endswith(("IndexProximal", "MiddleProximal"))]
     return len(fingers) >= 2
-
-
-def _may_be(draft: Draft, each: Found) -> bool:
-    """Whether no name says that a limb of the shape is something else."""
-    other = {"twist", "control", "attachment", "end", "tail", "wing", "ear"}
-    return not any(other.intersection(roles_in_name(draft.tree.rig.names[joint])) for joint in each.joints)
-
-
-def _left_over(draft: Draft, each: Found, named: list[Found]) -> Found:
-    """A limb of the shape that names do not tell of; where they tell of others, that speaks against it.
-
-    Unless its twin is one of those: names of one side are enough.
-    """
-    twins = (k for k in named if k.pair is each.pair and k.joints != each.joints and AGREED in k.evidence)
-    twin = next(twins, None)
-    if twin is not None and twin.side:
-        side: Side = "right" if twin.side == "left" else "left"
-        words = (f"the twin of the {twin.side} {twin.kind}", *each.evidence)
-        return replace(each, side=side, confidence=0.9, evidence=words)
-    names = [parse_name(draft.tree.rig.names[joint]).plain for joint in each.joints]
-    other: LimbKind = "leg" if each.kind == "arm" else "arm"
-    kind = other if all(name.endswith(other) for name in names) else each.kind
-    if any(name.endswith(kind) for name in names):
-        first = f"{NAMES}: common words"
-        return replace(each, kind=kind, confidence=0.9, evidence=(first, *each.evidence))
-    return replace(each, confidence=each.confidence * (0.75 if named else 1.0))

@@ -6,14 +6,17 @@ have in common: legs carry and are longest, arms begin higher in the tree, a hea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import fsum
 from typing import Literal
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_triples import Triple, branches, loose_ends, sharpest_of, triple_of
+from rigtri.recognition.limb_words import LimbWords, Place
+from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, between
 
@@ -25,17 +28,29 @@ _OTHER_UP = 0.8
 _SQUARE = 0.8
 # No pair without another scores so much.
 _ALONE = 0.76
+# What a body loses beside which another pair stands on the ground.
+_LEFT_OVER = 0.1
+# Of many legs each is so long a part of the longest, and so limb-like.
+ALIKE, LEG = 0.6, 0.2
+# Legs that go down by this (a cosine), as the file has it, leave no doubt what is up.
+_STANDS = 0.7
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
 _UPWARDS = 0.4
+# What legs lose that are called front legs, or where arms are called hind legs.
+_MISNAMED = 0.4
+# The limbs of a body on four legs reach the ground: they end as low, up to this part of a leg.
+LEVEL = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Limbs:
     """Two limbs that are alike. at: places of start, middle and end in ``pair.paths``; of two joints where
     there is no end. starts, ends: where they are, in the middle between both. size: of both bones,
-    file units. fingers: how many chains there are at the end. quality: how limb-like, 0 to 1."""
+    file units. fingers: how many chains there are at the end. quality: how limb-like, 0 to 1. lead: over
+    other places to bend. named: how far names say the same three joints, −1 to 1. kind, place: what
+    names say that it is, ``other`` for no limb at all."""
 
     pair: Pair
     at: tuple[int, ...]
@@ -45,6 +60,9 @@ class Limbs:
     fingers: int
     quality: float
     lead: float
+    named: float = 0.0
+    kind: LimbKind | Literal["other", ""] = ""
+    place: Place = ""
 
     def joints(self, which: int) -> tuple[int, ...]:
         """Start, middle and end of one of the two, or start and end."""
@@ -54,7 +72,7 @@ class Limbs:
 @dataclass(frozen=True, eq=False)
 class Body:
     """One way to see a body. legs, arms: either may be missing. score: 0 to 1. lead: over the same pairs
-    the other way round. up: unit."""
+    the other way round. up: unit. doubt: the arms may be front legs, or these arms."""
 
     legs: Limbs | None
     arms: Limbs | None
@@ -62,19 +80,32 @@ class Body:
     up: Vector
     score: float
     lead: float = 0.0
+    doubt: bool = False
 
 
-def limbs_of(tree: Tree, pairs: Sequence[Pair], poses: Poses) -> list[Limbs]:
-    """The pairs as limbs, with where each bends."""
+def limbs_of(
+    tree: Tree,
+    pairs: Sequence[Pair],
+    poses: Poses,
+    names: Mapping[int, LimbWords],
+    towards: Vector | None = None,
+) -> list[Limbs]:
+    """The pairs as limbs, with where each bends by its shape and by names.
+
+    towards: where their knees, or elbows, point, where that is known.
+    """
     tried, found = pairs[: 3 * _TRIED], []
     sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
     for pair in tried:
-        bend = triple_of(tree, pair.paths[0], sharpest)
+        bend = triple_of(tree, pair.paths, sharpest, names, towards)
         if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
             pair = loose_ends(tree, pair, poses)
-            bend = triple_of(tree, pair.paths[0], sharpest) if len(pair.paths[0]) > 2 else None
+            bend = triple_of(tree, pair.paths, sharpest, names) if len(pair.paths[0]) > 2 else None
         if bend is not None or len(pair.paths[0]) > 1:
-            found.append(_limbs(tree, pair, bend))
+            limbs = _limbs(tree, pair, bend)
+            words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
+            kind, place = _kind_of(tree, limbs, words), _place_of(words)
+            found.append(replace(limbs, kind=kind, place=place))
     return found
 
 
@@ -86,7 +117,22 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     count = min(branches(tree, path)[1] for path in pair.paths)
     size = bend.size if bend else pair.reach
     quality, lead = (bend.quality, bend.lead) if bend else (0.2, 0.0)
-    return Limbs(pair, at, starts, ends, size, count, quality, lead)
+    return Limbs(pair, at, starts, ends, size, count, quality, lead, bend.named if bend else 0.0)
+
+
+def _kind_of(tree: Tree, limbs: Limbs, words: Sequence[LimbWords]) -> LimbKind | Literal["other", ""]:
+    """What names say that two limbs are; ``other`` where one says a tail, a wing, or something worn."""
+    joints = (*limbs.joints(0), *limbs.joints(1))
+    if any(NO_LIMB.intersection(roles_in_name(tree.rig.names[joint])) for joint in joints):
+        return "other"
+    kinds: set[LimbKind] = {word.kind for word in words if word.kind}
+    return kinds.pop() if len(kinds) == 1 else ""
+
+
+def _place_of(words: Sequence[LimbWords]) -> Place:
+    """Whether names say that a limb is one in front or behind."""
+    places = {word.place for word in words if word.place}
+    return places.pop() if len(places) == 1 else ""
 
 
 def _middlemost(tree: Tree, pair: Pair, at: int) -> Pair:
@@ -117,17 +163,41 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
     """The ways to take pairs for legs and arms, the likeliest first; one alone where it may be that."""
     if plane is None:
         return []
-    even = [pair for pair in limbs if _across(tree, pair, plane)][:_TRIED]
+    even = [pair for pair in limbs if pair.kind != "other" and _across(tree, pair, plane)][:_TRIED]
     both = [_with_arms(tree, legs, even) for legs in even]
     clear = any(way.score > _ALONE for ways in both for way in ways)
     alone = [() if clear else _alone(tree, legs, even) for legs in even]
     ways = [way for each in zip(alone, both, strict=True) for ways in each for way in ways]
+    ways = [replace(k, score=k.score - _LEFT_OVER) if stands_too(tree, k, even) else k for k in ways]
     ways.sort(key=lambda body: -body.score)
     if not ways:
         return []
     best = ways[0]
     turned = [k.score for k in ways if k.legs is best.arms and k.arms is best.legs]
     return [replace(best, lead=best.score - max(turned, default=0.0)), *ways[1:]]
+
+
+def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[Limbs, ...]:
+    """Three pairs or more that are all alike and reach as low: the legs of an insect, a spider or a centaur.
+
+    () for bodies with fewer.
+    """
+    if plane is None:
+        return ()
+    up = Vector(*tree.rig.rules.up)
+    even = [k for k in limbs if len(k.at) == 3 and k.kind in ("leg", "") and _across(tree, k, plane)]
+    even = [k for k in even if k.quality > LEG and not any(k.pair.above in o.pair.nodes for o in even)]
+    for first in sorted(even, key=lambda k: -k.size):
+        ground = lowest(tree, first, up)
+        alike = [k for k in even if k.size > ALIKE * first.size]
+        alike = [k for k in alike if abs(lowest(tree, k, up) - ground) < LEVEL * first.size]
+        if len(alike) >= 3 and _lowest_of_all(tree, up) > ground - LEVEL * first.size:
+            return tuple(alike)
+    return ()
+
+
+def _lowest_of_all(tree: Tree, up: Vector) -> float:
+    return min(tree.at[k].dot(up) for k in tree.nodes)
 
 
 def _across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
@@ -192,18 +262,48 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     ]
     # Branches that grow upwards are no legs.
     cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
+    cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
     beyond, seen = _beyond(tree, legs, arms), []
-    for up, trust in _ups(tree, spine, arms.starts - arms.ends + legs.starts - legs.ends):
+    upright = down.dot(-Vector(*tree.rig.rules.up)) > _STANDS
+    others_up = () if upright else (spine, arms.starts - arms.ends + legs.starts - legs.ends)
+    for up, trust in _ups(tree, *others_up):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
-        four = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
+        above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / max(legs.size, 1e-30)
+        lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
+        four = lies and above < LEVEL
         turned = [
             (1.0, trust * within(stands, 0.0, 0.7)),
             (0.8, trust * (0.9 if four else within(tall, 0.3, 0.8))),
             (0.8, _head(beyond, arms, on + up)),
         ]
         score = _mean([*points, *turned]) - cost
-        seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score))
+        doubt = lies and 0.4 * LEVEL < above < 2.0 * LEVEL
+        seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score, doubt=doubt))
     return max(seen, key=lambda body: body.score)
+
+
+def lowest(tree: Tree, limbs: Limbs, up: Vector) -> float:
+    """How high the lowest joint of two limbs stands."""
+    return min(tree.at[k].dot(up) for path in limbs.pair.paths for k in path)
+
+
+def stands_too(tree: Tree, body: Body, limbs: Sequence[Limbs]) -> bool:
+    """Whether another pair reaches as low as a body's legs do, and is as long: it may be legs, too."""
+    legs = body.legs
+    if legs is None:
+        return False
+    ground = lowest(tree, legs, body.up)
+    return any(
+        len(k.at) == 3
+        and k not in (legs, body.arms)
+        and k.kind in ("leg", "")
+        and k.quality > LEG
+        and k.size > ALIKE * legs.size
+        and k.pair.above not in legs.pair.nodes
+        and k.pair.above != legs.pair.above
+        and lowest(tree, k, body.up) < ground + LEVEL * legs.size
+        for k in limbs
+    )
 
 
 def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
@@ -227,7 +327,7 @@ def _legs_alone(tree: Tree, legs: Limbs, longest: float) -> Body:
     stands = [(trust * within(down.unit.dot(-up), 0.2, 0.8), up) for up, trust in _ups(tree, -down)]
     upright, up = max(stands, key=lambda each: each[0])
     points = [(1.0, upright), (0.6, within(legs.quality, 0.3, 0.7)), (1.0, legs.size / longest), (1.0, 0.0)]
-    return Body(legs, None, "biped", up, _mean(points))
+    return Body(legs, None, "biped", up, _mean(points) - _MISNAMED * (legs.kind == "arm"))
 
 
 def _arms_alone(tree: Tree, arms: Limbs, longest: float) -> Body:
@@ -241,7 +341,7 @@ def _arms_alone(tree: Tree, arms: Limbs, longest: float) -> Body:
         (0.5, arms.size / longest),
         (1.0, 0.0),
     ]
-    return Body(None, arms, "biped", up, _mean(points))
+    return Body(None, arms, "biped", up, _mean(points) - _MISNAMED * (arms.kind == "leg"))
 
 
 def _tier(tree: Tree, node: int, common: int) -> int:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import Chain, Kind
+from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.name_readings import Reading
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_analysis import Shape
@@ -18,18 +19,21 @@ from rigtri.recognition.shape_analysis import Shape
 class Draft:
     """What is known of a character so far.
 
-    reading: what names say, None where nothing. certain: bones of a humanoid map, bones: those found so
-    far, both by their names. controls: joints that are known to be none of the body. limbs_alone: nobody
-    asks for more than sure arms and legs. up, facing, left: unit directions of the world, zero where
-    unknown. hips, chest: where legs and arms hang, −1 where unknown. four: whether it stands on four
-    legs. remarks: sentences for users.
+    reading: what names say, None where nothing. words: what single words of names say of limbs.
+    certain: bones of a humanoid map, bones: those found so far, both by their names. controls: joints that
+    are known to be none of the body. segments: joints that are parts of the bones above them, and none of
+    the tree. limbs_alone: nobody asks for more than sure arms and legs. up, facing, left: unit directions of
+    the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown. four: whether it
+    stands on four legs. remarks: sentences for users.
     """
 
     shape: Shape
     poses: Poses
     reading: Reading | None
     certain: dict[str, int]
+    words: Mapping[int, LimbWords] = field(default_factory=dict)
     controls: frozenset[int] = frozenset()
+    segments: frozenset[int] = frozenset()
     limbs_alone: bool = False
     up: Vector = field(default_factory=Vector)
     facing: Vector = field(default_factory=Vector)
@@ -74,6 +78,18 @@ class Draft:
         """A joint gets a bone's name, unless either is taken."""
         if bone not in self.bones and node not in self.bones.values():
             self.bones[bone] = node
+
+    def way(self, start: int, end: int) -> list[int]:
+        """The nodes from one down to another of its branch, with the segments of bones between them."""
+        found, parents = [end], self.tree.rig.parents
+        over = self.tree.way(start, end)
+        for node in reversed(over[:-1]):
+            above = int(parents[found[-1]])
+            while above in self.segments:
+                found.append(above)
+                above = int(parents[above])
+            found.append(node)
+        return found[::-1]
 
     def side_of(self, nodes: Sequence[int]) -> Side:
         """The side of the body that joints stand on, "" where left and right are not known."""

@@ -23,6 +23,9 @@ _BALANCE = 0.4
 _ENOUGH = 3
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
 _RIVAL = 0.2
+_TRUNK = frozenset(["trunk", "face", "skull", "tail"])
+# A limb bends clearly by this (a cosine, 15°).
+_CLEAR = 0.966
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
 _NEXT = 0.6
 
@@ -33,8 +36,8 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
         return list(found)
     weighed = []
     for each in found:
-        why = _contradiction(draft, each, found) if len(each.joints) == 3 else ""
-        if why and each.confidence >= CONFIDENT:
+        why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each)
+        if why and round(each.confidence, 2) >= CONFIDENT:  # as it is written
             words = f"the {each.side} {each.kind}".replace("  ", " ")
             draft.remarks.append(f"{words} is not sure: {why}")
             each = replace(each, confidence=_UNSURE, evidence=(*each.evidence, f"but {why}"))
@@ -50,6 +53,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _against_the_tree(draft, each)
         or (by_name and (_unnamed_between(draft, each) or _unlike_twin(draft, each, found)))
         or _upside_down(draft, each, found)
+        or _no_trunk(draft, each)
         or _no_body(draft, each, found)
         or (not by_name and _rival(draft, each))
         or ""
@@ -173,9 +177,19 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     return ""
 
 
+def _no_trunk(draft: Draft, each: Found) -> str:
+    """A limb by its words alone where no head, tail or trunk is named: chairs have arms and legs, too."""
+    told = each.pair is not None and each.pair.kind == each.kind and not _is_named(draft, each)
+    if not told or _has_fingers(draft, each):
+        return ""
+    names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
+    known = any(_TRUNK.intersection(roles_in_name(name)) for name in names if name)
+    return "" if known else "nothing else of a body is named"
+
+
 def _has_fingers(draft: Draft, arm: Found) -> bool:
     """Whether several joints below an arm's end are called as fingers are."""
-    below = draft.tree.branch(arm.joints[-1])
+    below = draft.tree.branch(arm.joints[-1]) if arm.kind == "arm" else []
     return (
         len({finger for node in below if (finger := finger_in_name(draft.tree.rig.names[node]))}) >= _ENOUGH
     )
@@ -183,12 +197,17 @@ def _has_fingers(draft: Draft, arm: Found) -> bool:
 
 def _rival(draft: Draft, each: Found) -> str:
     """What else the arms may be where shape alone tells: wings beside them, the next joints of the chain."""
-    mine, tree = each.pair, draft.tree
-    if mine is None or each.kind != "arm" or len(mine.at) < 3:
+    mine, tree, body = each.pair, draft.tree, draft.shape.body
+    front = body is not None and body.form == "quadruped" and mine is body.arms
+    if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3:
         return ""
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
-    if start == 0 and end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]:
+    long = start == 0 and end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
+    a, b, c = (tree.at[k] for k in mine.joints(0))
+    if long and (not front or (b - a).unit.dot((c - b).unit) > _CLEAR):
         return "its first bone may be a clavicle, as a long bone follows"
+    if front:
+        return ""
     if mine.fingers >= 2 or draft.shape.plane is None:
         return ""
     for node in _beside(draft, mine):

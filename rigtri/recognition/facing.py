@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import fsum
 
 import numpy as np
@@ -13,40 +13,82 @@ from rigtri.maths.vectors import cross, dot, normalise
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import offset
+from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Plane
 
+# Votes of less weight than this together are not sure, however they agree.
+_ENOUGH = 1.0
+# A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
+_LEANS, _LIES = 0.35, 0.7
+# A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
+_FACE = 0.15
+_ENDS = ("face", "skull", "tail")
 
-def facing_of(tree: Tree, body: Body, plane: Plane, poses: Poses) -> tuple[Vector, float, tuple[str, ...]]:
-    """Where a body looks, unit, how sure that is, 0 to 1, and why, in words."""
+
+def facing_of(
+    tree: Tree, body: Body, plane: Plane, poses: Poses, *, bends: bool = True
+) -> tuple[Vector, float, tuple[str, ...]]:
+    """Where a body looks, unit, how sure that is, 0 to 1, and why, in words.
+
+    bends: ask knees and elbows, too: it is known which joints these are.
+    """
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
-    votes = [vote for vote in _votes(tree, body, plane, ahead, poses) if vote[0]]
-    total = fsum(weight for weight, _ in votes)
-    sure = abs(total) / max(fsum(abs(weight) for weight, _ in votes), 0.5)
+    votes = [vote for vote in _votes(tree, body, plane, ahead, poses, bends) if vote[0]]
+    total, most = fsum(weight for weight, _ in votes), fsum(abs(weight) for weight, _ in votes)
+    sure = abs(total) / max(most, _ENOUGH)
     why = tuple(words for weight, words in votes if weight * total > 0)
     return (ahead if total >= 0 else -ahead), sure, why
 
 
-def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
+def _votes(
+    tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses, bends: bool
+) -> Iterator[tuple[float, str]]:
     """What says that a body looks ahead: weights, negative for the other way, with words."""
-    yield _face(tree, body, ahead), "the head is there"
-    if body.form == "quadruped" and body.legs and body.arms and body.lead > 0.02:
+    yield 3.0 * _named(tree, body, ahead), "what its names call the head is there"
+    yield 1.5 * poses.travel(tree.nodes).unit.dot(ahead), "it goes there"
+    if body.legs and body.arms:
         along = (body.arms.starts - body.legs.starts).unit.dot(ahead)
-        yield 3.0 * along, "the front legs are ahead of the hind legs"
+        if body.form == "quadruped" and body.lead > 0.02:
+            yield 3.0 * along, "the front legs are ahead of the hind legs"
+        elif abs(along) > _LEANS:
+            yield 3.0 * along, "the trunk leans there"
     if body.legs:
         yield 2.0 * _toes(tree, body.legs, ahead), "the feet point there"
-    if body.form == "biped":
-        yield from _bends(tree, body, plane, poses)
+    if bends:
+        yield from _bends(tree, body, plane, ahead, poses)
     facing = tree.rig.rules.facing
     if facing is not None:
         yield 0.4 * Vector(*facing).dot(ahead), "the format says so"
 
 
-def _bends(tree: Tree, body: Body, plane: Plane, poses: Poses) -> Iterator[tuple[float, str]]:
+def _named(tree: Tree, body: Body, ahead: Vector) -> float:
+    """How far what is called head, eye or snout is ahead of what is called tail or of the trunk: −1 to 1."""
+    at = {
+        role: [tree.at[k] for k in tree.nodes if role in roles_in_name(tree.rig.names[k])] for role in _ENDS
+    }
+    size = max((k.size for k in (body.legs, body.arms) if k is not None), default=tree.span)
+    starts = [k.starts for k in (body.legs, body.arms) if k is not None]
+    front, back = _middle(at["face"]), _middle(at["tail"]) or _middle(at["skull"]) or _middle(starts)
+    front = front or (_middle(at["skull"]) if at["tail"] or body.form == "quadruped" else None)
+    if front is None or back is None:
+        return 0.0
+    along = (front - back).dot(ahead)
+    return max(-1.0, min(1.0, along / (_FACE * size))) if abs(along) > 0.2 * _FACE * size else 0.0
+
+
+def _middle(places: Sequence[Vector]) -> Vector | None:
+    total = Vector()
+    for place in places:
+        total = total + place
+    return total * (1.0 / len(places)) if places else None
+
+
+def _bends(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
     """As `_votes`, of knees and elbows."""
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    bent = _bent(body, plane.normal, moments)
+    bent = _bent(body, plane.normal, ahead, moments)
     if body.legs in bent:
         sure = 0.3 if _goes_on(tree, body.legs) else 1.0
         yield sure * bent[body.legs], "the knees bend there"
@@ -59,20 +101,6 @@ def _goes_on(tree: Tree, legs: Limbs) -> bool:
     return tree.reach[legs.joints(0)[-1]] > 0.6 * 0.5 * legs.size
 
 
-def _face(tree: Tree, body: Body, ahead: Vector) -> float:
-    """How far what hangs in the middle and is no limb stands ahead of the limbs: −1.5 to 1.5."""
-    if body.form != "quadruped" or not body.legs or not body.arms:
-        return 0.0
-    limbs = body.legs.pair.nodes | body.arms.pair.nodes
-    centre = (body.legs.starts + body.arms.starts) * 0.5
-    middle = [k for k in tree.nodes if not tree.below[k] and not any(tree.is_below(k, n) for n in limbs)]
-    if not middle:
-        return 0.0
-    far = [(tree.at[k] - centre).dot(ahead) for k in middle]
-    size = 0.5 * max(body.legs.size, body.arms.size)
-    return 1.5 * max(-1.0, min(1.0, max(far, key=abs) / size))
-
-
 def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
     """How far what follows the ankle points ahead: −1 to 1."""
     total = 0.0
@@ -83,11 +111,11 @@ def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
     return total
 
 
-def _bent(body: Body, lateral: Vector, places: Floats) -> dict[Limbs, float]:
+def _bent(body: Body, lateral: Vector, level: Vector, places: Floats) -> dict[Limbs, float]:
     """How far the middles of limbs stand ahead, at rest and in motion, places (f, n, 3): −1 to 1.
 
     Of legs and arms those that bend. In each pose ahead is what lies across the line between both
-    limbs and the spine.
+    limbs and the spine; of a trunk that lies, the spine itself, on the side of ``level``.
     """
     pairs = [k for k in (body.legs, body.arms) if k is not None and len(k.at) == 3]
     if not pairs:
@@ -97,7 +125,15 @@ def _bent(body: Body, lateral: Vector, places: Floats) -> dict[Limbs, float]:
     across = start[:, :, 0] - start[:, :, 1]
     signs = [1.0 if Vector(*each).dot(lateral) >= 0 else -1.0 for each in across[0].tolist()]
     across = across * np.array(signs)[:, np.newaxis]
-    ahead = normalise(cross(across, _spine(body, places)[:, np.newaxis]))[:, :, np.newaxis]
+    spine = _spine(body, places)[:, np.newaxis]
+    lies = (
+        body.arms is not None
+        and body.legs is not None
+        and abs((body.arms.starts - body.legs.starts).unit.dot(level)) > _LIES
+    )
+    if lies:
+        spine = cross(spine * np.sign(dot(spine[:1], np.array([*level]))), across)
+    ahead = normalise(cross(across, spine))[:, :, np.newaxis]
     along = finite(dot(offset(start, middle, end), ahead))
     found = {}
     for k, limbs in enumerate(pairs):

@@ -174,13 +174,6 @@ def _in_order(draft: Draft, hand: int, chains: list[list[int]]) -> list[tuple[st
     return list(zip(FINGERS, order, strict=False))
 
 
-def further_legs(draft: Draft, found: Sequence[Found]) -> bool:
-    """Whether `lay_others` may find legs that are sure: these are called so."""
-    taken = {joint for each in found for joint in each.joints}
-    free = [limbs for limbs in draft.shape.limbs if not taken & limbs.pair.nodes]
-    return any(_called_leg(draft, limbs.joints(which)) for limbs in free for which in (0, 1))
-
-
 def lay_others(draft: Draft, found: Sequence[Found]) -> None:
     """Wings and further limbs: pairs that nothing else has taken."""
     body = draft.shape.body
@@ -193,7 +186,7 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
         nodes = limbs.pair.nodes
         names = [draft.tree.rig.names[k] for k in nodes]
         wing = any("wing" in roles_in_name(name) for name in names)
-        if taken & nodes or limbs.pair.above not in trunk or not (wing or limbs.size > _SIZE * size):
+        if taken & nodes or not (wing or (limbs.pair.above in trunk and limbs.size > _SIZE * size)):
             continue
         if not wing and (len(limbs.at) < 3 or limbs.quality < _QUALITY or _is_worn(names)):
             continue
@@ -204,15 +197,10 @@ def lay_others(draft: Draft, found: Sequence[Found]) -> None:
             joints = limbs.joints(which)
             side = parse_name(draft.tree.rig.names[joints[0]]).side or draft.side_of(limbs.pair.paths[which])
             bend = joints if len(joints) == 3 else ()
-            leg = _called_leg(draft, joints)
-            kind: Kind = "wing" if wing else "leg" if leg else _kind(draft, body, limbs, size)
-            words = (NAMES,) if wing or leg else ("one more pair that bends in the middle",)
-            sure = 0.9 if wing or leg else 0.6
+            kind: Kind = "wing" if wing else _kind(draft, body, limbs, size)
+            words = (NAMES,) if wing else ("one more pair that bends in the middle",)
+            sure = 0.9 if wing else 0.6
             draft.add_chain(kind, kind, side, limbs.pair.paths[which], sure, words, bend)
-
-
-def _called_leg(draft: Draft, joints: Sequence[int]) -> bool:
-    return all(parse_name(draft.tree.rig.names[joint]).plain.endswith("leg") for joint in joints)
 
 
 def _is_worn(names: Sequence[str]) -> bool:
@@ -230,7 +218,7 @@ def _kind(draft: Draft, body: Body, limbs: Limbs, size: float) -> Kind:
 def lay_hand(draft: Draft) -> bool:
     """A hand alone: most joints are short chains that begin at one."""
     tree = draft.tree
-    joints = [k for k in tree.nodes if tree.rig.is_joint[k]]
+    joints = [k for k in tree.nodes if tree.rig.is_joint[k]] or tree.nodes
     if len(joints) > _HAND:
         return False
     for node in tree.nodes:

@@ -12,6 +12,7 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
+from rigtri.recognition.naming_schemes import is_segment
 
 # A path longer than this is no limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
@@ -19,6 +20,8 @@ _LONGEST = 15
 _SAME_NAMES = 3
 # A body has at least so many joints.
 _BODY = 12
+# A segment of a bone bends no further than this, as a cosine (25°): rest poses are not quite straight.
+_IN_LINE = 0.9
 # A container with more branches than this is a crowd or no container: it stays whole.
 _MANY = 64
 
@@ -179,6 +182,30 @@ def _nowhere(rig: Rig) -> frozenset[int]:
     still = [k for k in still if not rig.children[k] and rig.parents[k] >= 0]
     far = [k for k in still if float(np.abs(places[rig.parents[k]]).max()) > 1e-6]
     return frozenset(far) if len({int(rig.parents[k]) for k in far}) >= 3 else frozenset()
+
+
+def segments_of(tree: Tree) -> frozenset[int]:
+    """The joints that by their names are parts of the bones above them: they stand within, or are leaves.
+
+    Twist and roll joints, and those that Rigify makes of a bone: ``DEF-forearm.L.001``.
+    """
+    names, found = tree.rig.names, set[int]()
+    for node in tree.nodes:
+        over = tree.above[node]
+        while over in found:
+            over = tree.above[over]
+        if over < 0 or len(tree.below[node]) > 1 or not is_segment(names[node], names[over]):
+            continue
+        after = tree.below[node][0] if tree.below[node] else -1
+        if after < 0 or _is_between(tree, over, node, after):
+            found.add(node)
+    return frozenset(found)
+
+
+def _is_between(tree: Tree, start: int, node: int, end: int) -> bool:
+    """Whether a joint stands near the line between two others."""
+    one, other = tree.at[node] - tree.at[start], tree.at[end] - tree.at[node]
+    return not any(one) or not any(other) or one.unit.dot(other.unit) > _IN_LINE
 
 
 def groups_of(tree: Tree) -> list[list[int]]:

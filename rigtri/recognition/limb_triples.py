@@ -5,29 +5,42 @@ Feet and hands of flat IK rigs are children of the root: `loose_ends` finds thes
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 from math import fsum, sqrt
 
 import numpy as np
 
+from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Pair
 
 # The cosine above which a joint does not bend: a twist joint within a bone, 6°.
 STRAIGHT = 0.9945
-# What a joint within a bone costs, and what it costs where it does not stand in the middle.
+# What joints within a bone cost, and what it costs where they do not part it evenly.
 _WITHIN, _UNEVEN = 0.08, 0.25
-# What a first bone costs that is too long for a clavicle: a joint is skipped.
-_LED = 0.25
+# What it costs where only one of both bones has as many parts.
+_UNLIKE = 0.05
+# What a first bone costs that is too long for a clavicle, and from which part of the upper bone on: a joint
+# is skipped.
+_LED, _SHORT = 0.25, 0.45
 # What a middle costs that is bent as an ankle is at rest, and how far that is, as a cosine (70°).
 _FOLD, _FOLDED = 0.1, 0.34
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
 _MOVES, _SHARP = 0.1, 0.966
+# What names of all three joints weigh against the shape of a limb.
+_NAMED = 0.6
+# What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
+_WRONG_WAY, _BENT = 0.35, 0.08
+# What is left of a shape that is hardly a limb's where names tell all three joints.
+_LITTLE = 0.01
+# Three joints so much less limb-like than others of the chain are not what names say, or names are wrong.
+_DISPUTED = 0.25
 # Longer chains are looked at as far as this: no limb has so many joints.
 _MOST = 11
 # The lower bone is as long as this, of the upper one, at least and at most.
@@ -39,12 +52,13 @@ _ONWARD = 0.5
 @dataclass(frozen=True)
 class Triple:
     """Three places within a path: start, middle, end. quality: how limb-like, 0 to 1; lead: over the
-    next best; size: the length of both bones, file units."""
+    next best; size: the length of both bones, file units; named: how far names say the same, −1 to 1."""
 
     at: tuple[int, int, int]
     quality: float
     lead: float
     size: float
+    named: float = 0.0
 
 
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
@@ -90,13 +104,22 @@ def sharpest_of(tree: Tree, poses: Poses) -> list[float]:
     return sharpest
 
 
-def triple_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Triple | None:
+def triple_of(
+    tree: Tree,
+    paths: Sequence[Sequence[int]],
+    sharpest: Sequence[float],
+    names: Mapping[int, LimbWords],
+    towards: Vector | None = None,
+) -> Triple | None:
     """Where a path bends like an arm or leg; None for one of fewer than three joints.
 
+    paths: of the limb and its twin, whose names say as much of it.
+
     sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
+    names: what the names of joints say. towards: where knees, or elbows, of this limb point, unit.
     """
-    stop, _ = branches(tree, path)
-    path = list(path[: min(stop + 1, _MOST)])
+    stop, _ = branches(tree, paths[0])
+    path = list(paths[0][: min(stop + 1, _MOST)])
     if len(path) < 3:
         return None
     moves = len(path) > 3 and len(sharpest) > 0
@@ -104,15 +127,35 @@ def triple_of(tree: Tree, path: Sequence[int], sharpest: Sequence[float]) -> Tri
     least = (min(now[k], sharpest[after]) for k, after in enumerate(path[2:], 1))
     ever = [1.0, *least, 1.0] if moves else now
     bones = [tree.bone[node] for node in path]
-    found = sorted(
-        ((_quality(bones, at, now, ever, moves), at) for at in combinations(range(len(path)), 3)),
-        reverse=True,
-    )
-    (quality, at), others = found[0], found[1:]
-    if quality <= 0:
+    said = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
+    said = [words for words in said if any(word.levels for word in words)]
+    found = []
+    for at in combinations(range(len(path)), 3):
+        quality = _quality(bones, at, now, ever, moves)
+        if quality == 0.0:
+            continue  # a joint between bends, or a bone has no length
+        named = fsum(agreement(words, at) for words in said) / max(1, len(said))
+        if towards is not None:
+            quality -= _WRONG_WAY * _away(tree, [path[k] for k in at], towards)
+        quality = _LITTLE if quality < _LITTLE and named == 1.0 else quality
+        if quality > 0:
+            found.append((quality + _NAMED * named, at, quality, named))
+    if not found:
         return None
+    (best, at, quality, named), *others = sorted(found, reverse=True)
+    if max(one[2] for one in found) - quality > _DISPUTED:
+        named -= 1.0  # shape says otherwise: names alone make nothing sure
     size = fsum(bones[at[0] + 1 : at[2] + 1])
-    return Triple(at, quality, quality - (others[0][0] if others else 0.0), size)
+    return Triple(at, quality, best - (others[0][0] if others else 0.0), size, named)
+
+
+def _away(tree: Tree, joints: Sequence[int], towards: Vector) -> float:
+    """How far the middle of three joints stands to the other side than knees, or elbows, do: 0 to 1."""
+    start, middle, end = (tree.at[k] for k in joints)
+    line = (end - start).unit
+    arm = middle - start
+    off = arm - line * arm.dot(line)
+    return max(0.0, min(1.0, -off.dot(towards) / max(_BENT * (end - start).length, 1e-30)))
 
 
 def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
@@ -137,10 +180,11 @@ def _quality(
     cost = 0.0
     for bone in (upper, lower):
         if len(bone) > 1:
-            cost += _WITHIN * (len(bone) - 1) + _UNEVEN * (1.0 - min(bone) / max(bone))
+            cost += _WITHIN + _UNEVEN * (1.0 - min(bone) / max(bone))
+    cost += _UNLIKE if len(upper) != len(lower) and len(upper) + len(lower) > 2 else 0.0
     # What comes before an upper bone is a clavicle, and shorter.
     before = fsum(bones[1 : start + 1]) / a
-    cost += _LED * min(1.0, max(0.0, (before - 0.7) / 0.7))
+    cost += _LED * min(1.0, max(0.0, (before - _SHORT) / 0.6))
     cost += _FOLD if now[middle] < _FOLDED else 0.0
     gain = _MOVES if moves and ever[middle] < _SHARP else 0.0
     return sqrt(balance) * cover - cost + gain

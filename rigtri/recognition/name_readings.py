@@ -6,8 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rigtri.model.joint_names import Side, number, without_prefix
+from rigtri.model.rig import Rig
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
+from rigtri.recognition.limb_words import LEVELS, Level, LimbWords, limb_words
 from rigtri.recognition.naming_schemes import BESIDE, ParsedName, Scheme, parse_name, roles_in_name
 
 _SIDES: tuple[Side, ...] = ("left", "right", "")
@@ -52,6 +54,24 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
         if reading.bones and (best is None or reading.score > best.score + 1e-9):
             best = reading
     return best
+
+
+# What the bones of a human are along a limb.
+_LEVELS: dict[str, Level] = {"Shoulder": "before", "Toes": "after"}
+for _bones in BENDS.values():
+    _LEVELS |= dict(zip(_bones, LEVELS[1:4], strict=True))
+
+
+def limb_names(rig: Rig, nodes: Iterable[int], reading: Reading | None) -> dict[int, LimbWords]:
+    """What the names of joints say about limbs: as a scheme of one maker has it, else their single words."""
+    found = {node: limb_words(rig.names[node]) for node in nodes if rig.names[node]}
+    if reading is not None and not reading.scheme.is_common:
+        for bone, node in reading.bones.items():
+            own = bone.removeprefix("left").removeprefix("right")
+            if own in _LEVELS:
+                kinds = [kind for kind, bones in BENDS.items() if own in bones]
+                found[node] = LimbWords({_LEVELS[own]: 1.0}, kinds[0] if kinds else "")
+    return found
 
 
 def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Reading:

@@ -21,6 +21,7 @@ from typing import Any, Literal
 from rigtri.errors import FileError, did_you_mean
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, MIDDLE, SIDED, LimbKind
+from rigtri.recognition.limb_words import limb_words
 from rigtri.text import is_number
 
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
@@ -39,8 +40,10 @@ _SILENT = frozenset(_CONVENTION.split())
 _NUMBERED = frozenset(["mixamorig", "bip", "biped", "character", "char", "valvebiped", "rig"])
 # What roles.toml has for joints beside the bones of a body.
 BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
+# What it has for joints that are no part of an arm or leg.
+NO_LIMB = frozenset(["control", "attachment", "tail", "wing", "ear", "feeler", "machine"])
 # What it has for chains of joints instead of single ones.
-_CHAINS = frozenset(["tail", "wing", "ear"])
+_CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "skull", "trunk"])
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
@@ -222,6 +225,23 @@ def deforming(names: Sequence[str]) -> list[bool]:
     if marked.count(True) < _BONES:
         return [True] * len(names)
     return [marks or not name for marks, name in zip(marked, names, strict=True)]
+
+
+def is_segment(name: str, above: str) -> bool:
+    """Whether a name says that a joint is only a part of the bone above: a twist joint, or a numbered piece.
+
+    >>> is_segment("DEF-forearm.L.001", "DEF-forearm.L"), is_segment("leg_02.L", "leg_01.L")
+    (True, False)
+    """
+    parsed, over = parse_name(name), parse_name(above)
+    if not parsed.side:
+        return False
+    levels = limb_words(name).levels
+    bone = levels.keys() in ({"upper"}, {"lower"}) and 1.0 in levels.values()
+    again = bone and (parsed.side, parsed.plain) == (over.side, over.plain) and parsed.raw != over.raw
+    # ``Arm1.L.001`` below ``Arm1.L``; but ``Leg.L.001`` may be the shin below the thigh ``Leg.L``.
+    more = over.key != over.plain and name.startswith(f"{above}.") and name[len(above) + 1 :].isdigit()
+    return again or more or "twist" in roles_in_name(name)
 
 
 @cache

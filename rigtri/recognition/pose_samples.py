@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -10,7 +11,8 @@ import numpy as np
 
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.sampling import worlds
-from rigtri.maths.matrices import compose
+from rigtri.maths.matrices import compose, transform_directions
+from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, key_values
 from rigtri.model.rig import Rig
@@ -56,6 +58,21 @@ class Poses:
         local = compose(rig.translation, rotation.reshape(-1, len(rig), 4), rig.scale)
         local[:, rig.has_matrix] = rig.matrix[rig.has_matrix]
         return finite(worlds(rig, local)[..., 3, :3])
+
+    def travel(self, nodes: Sequence[int]) -> Vector:
+        """Which way the highest of the joints that clips move goes in them; zero for on the spot."""
+        rig, inside, total = self.rig, set(nodes), Vector()
+        for clip in self.rig.shown_clips:
+            ways = {
+                t.node: key_values(t) for t in clip.tracks if t.path == "translation" and len(t.times) > 1
+            }
+            tops = [node for node in ways if node in inside]
+            if tops:
+                top = min(tops)  # parents come first
+                way = ways[top][-1] - ways[top][0]
+                above = int(rig.parents[top])
+                total = total + Vector(*(transform_directions(way, rig.world[above]) if above >= 0 else way))
+        return total
 
     @cached_property
     def _movers(self) -> frozenset[int]:

@@ -11,11 +11,10 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.evidence_against import doubted
-from rigtri.recognition.hands_feet import further_legs, lay_ends, lay_hand, lay_others, why_none
-from rigtri.recognition.joint_tree import Tree, groups_of, joints_of
+from rigtri.recognition.hands_feet import lay_ends, lay_hand, lay_others, why_none
+from rigtri.recognition.joint_tree import Tree, groups_of, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
-    CONFIDENT,
     UNLIKELY,
     Chain,
     Character,
@@ -25,10 +24,10 @@ from rigtri.recognition.layout import (
     Part,
     Role,
 )
-from rigtri.recognition.name_readings import read_names
+from rigtri.recognition.name_readings import limb_names, read_names
 from rigtri.recognition.naming_schemes import Scheme, deforming, parse_name, roles_in_name, schemes
 from rigtri.recognition.pose_samples import Poses
-from rigtri.recognition.shape_analysis import shape_of
+from rigtri.recognition.shape_analysis import shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
 # What is known of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
@@ -87,16 +86,20 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], 
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside}
     deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
     body = [node for node, deforms in zip(nodes, deform, strict=True) if deforms]
-    shape = shape_of(body, poses)
-    reading = None if certain else read_names(shape.tree, body, schemes(own))
-    draft = Draft(shape, poses, reading, certain, inside.difference(body), limbs_alone)
-    found = doubted(draft, find_limbs(draft))
-    if not any(each.confidence >= CONFIDENT for each in found) and lay_hand(draft):
+    controls = frozenset(nodes).difference(body)
+    segments = segments_of(Tree(rig, body, poses.rest)) if not certain else frozenset()
+    body = [node for node in body if node not in segments]
+    reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
+    words = limb_names(rig, body, reading)
+    shape = shape_of(body, poses, words)
+    draft = Draft(shape, poses, reading, certain, words, controls, segments, limbs_alone)
+    if not (reading is not None and reading.limbs) and not certain and lay_hand(draft):
         return draft
+    found = doubted(draft, find_limbs(draft))
     if not draft.known_bones and not any(each.confidence >= UNLIKELY for each in found):
         return draft
     _add_limbs(draft, found)
-    if limbs_alone and not further_legs(draft, found):
+    if limbs_alone:
         return draft
     lay_trunk(draft, found)
     lay_ends(draft, found)
@@ -109,9 +112,9 @@ def _add_limbs(draft: Draft, found: Sequence[Found]) -> None:
     for each in found:
         joints, bend = list(each.joints), each.joints if len(each.joints) == 3 else ()
         if bend and draft.tree.is_below(bend[1], bend[0]):
-            joints = draft.tree.way(bend[0], bend[1])
+            joints = draft.way(bend[0], bend[1])
             below = draft.tree.is_below(bend[2], bend[1])
-            joints += draft.tree.way(bend[1], bend[2])[1:] if below else [bend[2]]
+            joints += draft.way(bend[1], bend[2])[1:] if below else [bend[2]]
         place = ("front " if each in front else "hind " if each in hind else "") if draft.four else ""
         draft.add_chain(
             each.kind, f"{place}{each.kind}", each.side, joints, each.confidence, each.evidence, bend
@@ -198,7 +201,7 @@ def parts_of(draft: Draft) -> tuple[Part, ...]:
     nodes = {k for k in tree.nodes if rig.is_joint[k] or not rig.is_joint.any() or k in bones}
     hanging = {k for node in nodes for k in rig.children[node] if k not in rig.own} - nodes
     found = {}
-    for node in sorted(nodes | hanging | set(draft.controls)):
+    for node in sorted(nodes | hanging | draft.controls | draft.segments):
         role, sure, why = _role(draft, node, chains, bones)
         side = _side_of(draft, node, chains)
         found[node] = Part(node, bones.get(node, ""), role, side, round(sure, 2), tuple(why))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,18 +11,23 @@ import numpy as np
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
-from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
+from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of, many_legs
+from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.pose_samples import Poses
-from rigtri.recognition.symmetry import Pair, Plane, pairs_of, plane_of
+from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
 
+# Where a body looks has to be so sure, 0 to 1, before knees and elbows are taken to point as they should.
+_LOOKS = 0.5
 # Larger groups are read by names alone: no body has so many joints.
 MOST = 3000
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """tree: in the pose ``pose``. bodies: the likeliest first, () where it is none."""
+    """tree: in the pose ``pose``. bodies: the likeliest first, () where it is none. legs: of a body with more
+    than two pairs of them."""
 
     tree: Tree
     pose: Literal["rest", "bind"]
@@ -30,18 +35,28 @@ class Shape:
     plane: Plane | None
     limbs: tuple[Limbs, ...]
     bodies: tuple[Body, ...]
+    legs: tuple[Limbs, ...] = ()
 
     @property
     def body(self) -> Body | None:
         return self.bodies[0] if self.bodies else None
 
 
-def shape_of(nodes: Sequence[int], poses: Poses) -> Shape:
-    """The shape of joints in the pose, of rest and bind, that shows a body best."""
-    rest = _seen(nodes, poses, "rest")
+def tree_of(nodes: Sequence[int], poses: Poses, pose: Literal["rest", "bind"]) -> Tree:
+    """The tree of joints; where all hang at one, each hangs at its neighbour."""
+    tree = Tree(poses.rig, nodes, poses.named(pose))
+    return _neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree
+
+
+def shape_of(nodes: Sequence[int], poses: Poses, names: Mapping[int, LimbWords]) -> Shape:
+    """The shape of joints in the pose, of rest and bind, that shows a body best.
+
+    names: what names of joints say about limbs.
+    """
+    rest = _seen(nodes, poses, "rest", names)
     if poses.bind is None or len(nodes) > MOST or bool(np.abs(poses.bind - poses.rest).max() < 1e-6):
         return rest
-    bind = _seen(nodes, poses, "bind")
+    bind = _seen(nodes, poses, "bind", names)
     return bind if _worth(bind) > _worth(rest) + 1e-6 else rest
 
 
@@ -50,15 +65,44 @@ def _worth(shape: Shape) -> float:
     return score + (0.2 * shape.plane.share if shape.plane else 0.0)
 
 
-def _seen(nodes: Sequence[int], poses: Poses, pose: Literal["rest", "bind"]) -> Shape:
-    tree = Tree(poses.rig, nodes, poses.named(pose))
+def _seen(
+    nodes: Sequence[int], poses: Poses, pose: Literal["rest", "bind"], names: Mapping[int, LimbWords]
+) -> Shape:
+    tree = tree_of(nodes, poses, pose)
     if len(nodes) > MOST:
         return Shape(tree, pose, (), None, (), ())
-    tree = _neighbours(tree) if is_flat(tree) else tree
     pairs = pairs_of(tree)
     plane = plane_of(tree, pairs)
-    limbs = limbs_of(tree, pairs, poses)
-    return Shape(tree, pose, tuple(pairs), plane, tuple(limbs), tuple(bodies(tree, limbs, plane)))
+    pairs = opposite(tree, pairs, plane)
+    limbs = limbs_of(tree, pairs, poses, names)
+    ways = bodies(tree, limbs, plane)
+    legs = many_legs(tree, limbs, plane)
+    if plane is not None and ways and not legs:
+        known = _pointed(tree, ways[0], plane, poses, names)
+        limbs = [known.get(one, one) for one in limbs]
+        ways = [
+            replace(way, legs=known.get(way.legs, way.legs), arms=known.get(way.arms, way.arms))
+            for way in ways
+        ]
+    return Shape(tree, pose, tuple(pairs), plane, tuple(limbs), tuple(ways), legs)
+
+
+def _pointed(
+    tree: Tree, body: Body, plane: Plane, poses: Poses, names: Mapping[int, LimbWords]
+) -> dict[Limbs | None, Limbs]:
+    """The limbs of a body again: knowing where it looks, its knees point there and its elbows back.
+
+    Of animals with blades and hocks that tells which joint is knee or elbow.
+    """
+    ahead, sure, _ = facing_of(tree, body, plane, poses, bends=False)
+    found: dict[Limbs | None, Limbs] = {}
+    if sure < _LOOKS:
+        return found
+    for limbs, towards in ((body.legs, ahead), (body.arms, -ahead)):
+        if limbs is not None and len(limbs.at) == 3:
+            again = limbs_of(tree, [limbs.pair], poses, names, towards)
+            found |= {limbs: again[0]} if again else {}
+    return found
 
 
 def is_flat(tree: Tree) -> bool:

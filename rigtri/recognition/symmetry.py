@@ -121,6 +121,31 @@ def plane_of(tree: Tree, pairs: Sequence[Pair]) -> Plane | None:
     return found
 
 
+def opposite(tree: Tree, pairs: Sequence[Pair], plane: Plane | None) -> list[Pair]:
+    """The pairs without those of a limb and another than its mirror image: the one behind it is alike, too.
+
+    Of the pairs that a branch is in, the one stays whose other branch begins nearest to its image.
+    """
+    if plane is None:
+        return list(pairs)
+    off = {pair: _off(tree, pair, plane) for pair in pairs}
+    nearest: dict[int, float] = {}
+    for pair, far in off.items():
+        for path in pair.paths:
+            nearest[path[0]] = min(far, nearest.get(path[0], far))
+    return [pair for pair in pairs if all(off[pair] <= nearest[path[0]] + 1e-9 for path in pair.paths)]
+
+
+def _off(tree: Tree, pair: Pair, plane: Plane) -> float:
+    """How far the start of one limb, and less so its end, is from the mirror image of the other's."""
+    total = 0.0
+    for k, weight in ((0, 1.0), (min(1, len(pair.paths[0]) - 1), 0.5), (-1, 0.25)):
+        one, other = (tree.at[path[k]] for path in pair.paths)
+        image = one - plane.normal * (2.0 * plane.side_of(one))
+        total += weight * (image - other).length
+    return total
+
+
 def between(tree: Tree, pair: Pair) -> tuple[Vector, Vector]:
     """The middle between a pair and the direction from one to the other, where they first part."""
     ends = [(tree.at[a], tree.at[b]) for a, b in zip(*pair.paths, strict=True)]

@@ -190,7 +190,7 @@ def test_the_report_lists_what_was_recognised_and_done(tmp_path: Path) -> None:
     assert report["spec"] == (tmp_path / "out.rig.yaml").read_text("utf-8")
 
 
-@pytest.mark.parametrize(("name", "root"), [("arm.usda", "/arm"), ("arm.gltf", "shoulder")])
+@pytest.mark.parametrize(("name", "root"), [("arm.usda", "/arm/shoulder"), ("arm.gltf", "shoulder")])
 def test_reading_options_stand_in_the_spec(tmp_path: Path, name: str, root: str) -> None:
     source, out, again = SAMPLES / name, tmp_path / f"out.{name}", tmp_path / f"again.{name}"
     run("auto", source, "-o", out, "--root", root)

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 from places import SAMPLES
+from recognition_bodies import seeds
 from recognition_bodies.cases import Case, files_here, made, schemes, varied_bodies
 from recognition_bodies.measure import Finding, measure, share
+from recognition_bodies.population import DEVELOPMENT, JUDGING, population
 from recognition_bodies.schemes import SCHEMES
 from recognition_bodies.table import Result, results
 from recognition_bodies.truth import files, nameless, truth_of
@@ -53,6 +55,15 @@ def test_limbs_of_hard_cases_are_right(tmp_path: Path) -> None:
 
 def test_limbs_of_every_naming_scheme_are_right(tmp_path: Path) -> None:
     check(schemes(tmp_path), named=0.95, unnamed=0.85)
+
+
+@pytest.mark.parametrize("which", [DEVELOPMENT, JUDGING], ids=["development", "judging"])
+def test_limbs_of_every_kind_of_body_are_right_and_none_is_surely_wrong(which: int) -> None:
+    found = list(results(population(which), recognise))
+    for way, least in (("named", 0.97), ("unnamed", 0.88)):
+        findings = [one for result in found for one in seeds.of_limbs(getattr(result, way))]
+        assert not seeds.surely_wrong(findings), way
+        assert seeds.share(findings) >= least, way
 
 
 @pytest.mark.slow

@@ -20,13 +20,14 @@ _OPEN = frozenset({"end", "attachment"})
 
 @dataclass(frozen=True)
 class Finding:
-    """What came of one part; `surely wrong` is what would be acted upon."""
+    """What came of one part; `surely wrong` is what would be acted upon. confidence: of what was found."""
 
     group: str
     name: str
     outcome: Outcome
     expected: str
     got: str
+    confidence: float = 0.0
 
     def __str__(self) -> str:
         return (
@@ -82,7 +83,8 @@ class _Comparison:
         for chain in chains:
             if id(chain) not in taken and not self._harmless(chain):
                 outcome: Outcome = "surely wrong" if chain.is_sure else "wrong"
-                yield Finding(COUNTED[chain.kind], chain.name, outcome, "", self._chain(chain))
+                got = self._chain(chain)
+                yield Finding(COUNTED[chain.kind], chain.name, outcome, "", got, chain.confidence)
 
     @property
     def could_tell(self) -> bool:
@@ -142,7 +144,8 @@ class _Comparison:
 
     def _told(self, part: TruePart, outcome: Outcome, chain: Chain | None) -> Finding:
         got = self._chain(chain) if chain else ""
-        return Finding(COUNTED[part.kind], part.name, outcome, self._words(part), got)
+        sure = chain.confidence if chain else 0.0
+        return Finding(COUNTED[part.kind], part.name, outcome, self._words(part), got, sure)
 
     def _words(self, part: TruePart) -> str:
         names = ("|".join(sorted(self._name(node) for node in choice)) for choice in part.joints)

@@ -1,0 +1,183 @@
+"""Words of limbs in names: where along an arm or leg a joint stands, of whatever body.
+
+A naming scheme says which bone of a human a whole name means. Here each word counts by itself, so that
+``frontUpperLeg.L``, ``DEF-front_shin.R`` and ``leg_2_femur`` say as much of a dog's or a spider's leg.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.resources import files
+from typing import Any, Literal
+
+from rigtri.model.joint_names import spread, words
+from rigtri.recognition.layout import LimbKind
+from rigtri.text import is_number
+
+Level = Literal["before", "upper", "lower", "end", "after"]
+Place = Literal["front", "hind", ""]
+LEVELS: tuple[Level, ...] = ("before", "upper", "lower", "end", "after")
+_NAMES = 4096
+# Words that riggers write as two.
+_TWO = {("fore", "arm"): "forearm", ("horse", "link"): "horselink"}
+# What a name counts against a limb that says another place of its joint.
+_AGAINST = 1.5
+# What a word counts that says less, and one that the word ``end`` makes a mere end of.
+_VAGUE, _HALF = 0.5, 0.5
+
+
+@dataclass(frozen=True)
+class LimbWords:
+    """levels: the places along a limb that a name may mean, with how far it says so, 0 to 1; none for a
+    name without such words. kind: the limb that its words are of, "" where they do not say or disagree.
+    place: ``front`` or ``hind``, where it says one. plain: of vague words alone, the name without its
+    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb."""
+
+    levels: Mapping[Level, float]
+    kind: LimbKind | Literal[""]
+    place: Place = ""
+    plain: str = ""
+    is_middle: bool = False
+
+
+NO_WORDS = LimbWords({}, "")
+
+
+@dataclass(frozen=True)
+class _Table:
+    clear: Mapping[str, frozenset[Level]]
+    vague: Mapping[str, frozenset[Level]]
+    kinds: Mapping[str, LimbKind]
+    places: Mapping[str, Place]
+
+
+@lru_cache(_NAMES)
+def limb_words(name: str) -> LimbWords:
+    """What the words of a name say about a limb.
+
+    >>> limb_words("frontUpperLeg.L").levels, limb_words("leg_2_tarsus").kind
+    ({'upper': 1.0}, 'leg')
+    >>> sorted(limb_words("LeftShoulder").levels), limb_words("spine_01").levels
+    (['before', 'upper'], {})
+    """
+    table, found = _table(), _apart(words(spread(name)))
+    said = [table.clear[word] for word in found if word in table.clear]
+    weight = 1.0
+    if not said:
+        said, weight = [table.vague[word] for word in found if word in table.vague], _VAGUE
+    kinds = {table.kinds[word] for word in found if word in table.kinds}
+    kind = kinds.pop() if len(kinds) == 1 else ""
+    places = {table.places[word] for word in found if word in table.places}
+    place = places.pop() if len(places) == 1 else ""
+    if not said:
+        return LimbWords({}, kind, place)
+    common = frozenset[Level].intersection(*said)
+    if common:
+        plain = " ".join(word for word in found if len(word) > 1 and not is_number(word))
+        plain = plain if weight < 1.0 else ""
+        middle = weight < 1.0 and not {"mid", "middle"}.isdisjoint(found)
+        return LimbWords(dict.fromkeys(sorted(common, key=LEVELS.index), weight), kind, place, plain, middle)
+    # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
+    last = {level: _HALF for each in said for level in each}
+    return LimbWords(last | ({"after": 1.0} if "after" in last else {}), kind, place)
+
+
+def agreement(names: Sequence[LimbWords], at: tuple[int, int, int]) -> float:
+    """How far the names of a chain say that it bends at three places: 1 where all three do, −1 where none.
+
+    names: of the joints of the chain, from the trunk on. What stands before, between or behind the three
+    only speaks against them. Of joints that are only numbered, ``leg_1`` …, names say nothing.
+    """
+    start, middle, end = at
+    total = 0.0
+    for k, levels in enumerate(_in_order(names)):
+        if not levels:
+            continue
+        if k <= start:
+            level: Level = "upper" if k == start else "before"
+        elif k <= middle:
+            level = "lower" if k == middle else "upper"
+        else:
+            level = "lower" if k < end else "end" if k == end else "after"
+        own = levels.get(level, 0.0)
+        if level == "after" and "end" in levels:
+            continue  # a hand after a wrist, a foot after a hock
+        if own == 0.0:
+            total -= _AGAINST if max(levels.values()) == 1.0 else 0.0
+        elif k in at:
+            total += own
+    return max(-1.0, total / 3.0)
+
+
+def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
+    """What each name of a chain says, with the others in mind.
+
+    Of joints that are only numbered, two are the upper and the lower bone, three end the limb, and more
+    say nothing. After a ``leg_middle`` the ``leg_lower`` ends it.
+    """
+    same = Counter(name.plain for name in names if name.plain)
+    count, seen, middle = max(same.values(), default=0), Counter[str](), False
+    for name in names:
+        levels, row = name.levels, seen[name.plain]
+        seen[name.plain] += 1
+        if same[name.plain] in (2, 3):
+            levels = {LEVELS[row + 1]: _VAGUE}
+        elif same[name.plain] > 3:
+            levels = {}
+        elif (middle and levels.keys() == {"lower"}) or (count == 3 and levels.keys() == {"end"}):
+            levels = {"end": 1.0} if middle else {"after": 1.0}
+        middle = middle or name.is_middle
+        yield levels
+
+
+def _apart(found: Sequence[str]) -> list[str]:
+    """The words, with those together that riggers write as two, and those apart that they write as one."""
+    apart: list[str] = []
+    for word in found:
+        if apart and (apart[-1], word) in _TWO:
+            apart[-1] = _TWO[apart[-1], word]
+        else:
+            apart += _pieces(word)
+    return apart
+
+
+@lru_cache(_NAMES)
+def _pieces(word: str) -> tuple[str, ...]:
+    """A word of known words, ``frontupperleg``, in pieces; itself where it is none."""
+    known = _known()
+    if word in known:
+        return (word,)
+    for cut in range(len(word) - 2, 1, -1):
+        if word[:cut] in known:
+            rest = _pieces(word[cut:])
+            if all(piece in known for piece in rest):
+                return (word[:cut], *rest)
+    return (word,)
+
+
+@cache
+def _known() -> frozenset[str]:
+    table = _table()
+    return frozenset([*table.clear, *table.vague, *table.kinds, *table.places])
+
+
+@cache
+def _table() -> _Table:
+    text = tomllib.loads((files("rigtri.recognition") / "limb_words.toml").read_text("utf-8"))
+
+    def by_word(lines: Mapping[str, str]) -> dict[str, frozenset[Level]]:
+        found: dict[str, frozenset[Level]] = {}
+        for level in LEVELS:
+            for word in lines.get(level, "").split():
+                found[word] = found.get(word, frozenset[Level]()) | {level}
+        return found
+
+    def turned(lines: Mapping[str, str]) -> dict[str, Any]:
+        return {word: meaning for meaning, line in lines.items() for word in line.split()}
+
+    plain = {level: line for level, line in text.items() if isinstance(line, str)}
+    return _Table(by_word(plain), by_word(text["vague"]), turned(text["kinds"]), turned(text["places"]))
