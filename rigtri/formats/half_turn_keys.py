@@ -33,6 +33,8 @@ def keep_way_round(rows: np.ndarray, k: int, *, negative: bool, limit: float = n
     sign, step = -1.0 if negative else 1.0, HALF_TURN
     first, then = rows[k].astype(np.float64), rows[k + 1].astype(np.float64)
     length, size = float(norm(first)), float(norm(then))
+    if length == 0.0 or size == 0.0:
+        return  # no rotation, so no way round
     limit = max(limit, float(np.abs(then).max()))
     while sign * float(dot(first, rows[k + 1].astype(np.float64))) < HALF_TURN * length * size and step < FAR:
         rows[k + 1] = np.clip(then + sign * step * (size / length) * first, -limit, limit)

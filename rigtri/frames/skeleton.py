@@ -172,7 +172,7 @@ def _reference(
 ) -> ReferencePose:
     world = _own_frames(tree, world)
     points = world[list(tree.joints), 3, :3]
-    extent = float(length(points.max(axis=0) - points.min(axis=0)))
+    extent = float(length(np.ptp(points, axis=0))) if len(points) else 0.0
     with np.errstate(invalid="ignore"):
         near = (np.abs(world[:, 3] - other[:, 3]) <= SAME_POSE * extent) | (world[:, 3] == other[:, 3])
     differs = not near.all()

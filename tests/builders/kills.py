@@ -57,6 +57,18 @@ def run(top: Path, words: list[str], moment: int = 0) -> int:
     return process.exitcode
 
 
+def working(top: Path) -> list[int]:
+    """The processes that work in a folder."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if (process / "cwd").resolve(strict=True) == top.resolve():
+                found.append(int(process.name))
+        except OSError:
+            continue  # it has ended, or is another user's
+    return found
+
+
 def contents(top: Path) -> dict[str, bytes]:
     """All files below a folder, and its folders as such; of a manifest, which has times, only the name."""
     found = {}

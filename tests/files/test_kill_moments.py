@@ -6,13 +6,13 @@ import os
 import re
 import shutil
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from kills import contents, run
+from kills import contents, run, working
 from places import ROOT, SAMPLES
+from polling import wait_for
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
 
@@ -87,7 +87,7 @@ def test_a_kill_at_any_change_leaves_old_or_new_and_the_next_run_leaves_nothing_
     while code != 0:
         restored(place, before)
         code = run(place, words, moment)
-        time.sleep(0.3 if case == "batch" else 0.0)  # its workers see that it is gone
+        wait_for(lambda: not working(place))  # workers of a batch see that it is gone
         for name, content in contents(place).items():
             if name in (old.keys() | new.keys()):  # whole, the old one or the new one
                 assert content in (old.get(name), new.get(name)), (name, moment)

@@ -15,6 +15,7 @@ from rigtri.cli.main import program
 # File, and the commands that rig it one after another; --root is given to each where it is named.
 WHOLE = [
     ["orient-joints"],
+    ["add-twist", "--joint", "forearm_L", "--to", "hand_L", "--count", "1", "--split-weights"],
     ["add-twist", "--limbs", "auto"],
     ["add-controls", "--whole-character"],
     ["constrain", "--type", "parent", "--child", "staff", "--driver", "head"],
@@ -43,6 +44,7 @@ AVATAR = [
 ARM = [
     ["orient-joints"],
     ["add-polevector", "--limb", "shoulder", "elbow", "wrist"],
+    ["add-twist", "--joint", "elbow", "--to", "wrist"],
     ["add-controls", "--ik", "shoulder", "elbow", "wrist"],
     ["add-posereader", "--driver", "elbow", "--target", "rest"],
     ["constrain", "--type", "point", "--child", "wrist", "--driver", "shoulder"],

@@ -163,3 +163,12 @@ def test_proportions_beyond_half_of_the_size_are_refused(tmp_path: Path) -> None
     with pytest.raises(GeometryError, match="another skeleton"):
         take_clips(rig, from_=replace(rig, skins=tuple(scaled)), report=report)
     assert notices(report) == []
+
+
+def test_a_file_whose_time_codes_are_no_time_is_refused(samples: Path, tmp_path: Path) -> None:
+    still = tmp_path / "still.usda"
+    text = (samples / "biped.usda").read_text("utf-8")
+    assert "timeCodesPerSecond = 24" in text
+    still.write_text(text.replace("timeCodesPerSecond = 24", "timeCodesPerSecond = 0"), "utf-8")
+    ran = cli("take-clips", still, "-o", tmp_path / "out.usda", "--from", still, code=3)
+    assert "set its timeCodesPerSecond" in ran.stderr

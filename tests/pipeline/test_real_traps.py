@@ -239,13 +239,14 @@ def test_rotations_that_are_not_unit_keep_their_length_and_are_reported(size: fl
 def test_a_key_of_another_length_is_turned_like_any_other(size: float, tmp_path: Path) -> None:
     """Short ones are no half turn because a dot product is small, and long ones have numbers above 1."""
     leg = Leg()
-    turns = np.array([[0.6, 0, 0, 0.8], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
+    # The last two are half a turn apart, so the track is looked at.
+    turns = np.array([[0.6, 0, 0, 0.8], [0, 1.0, 0, 0], [0, 0, 0, 1.0], [1.0, 0, 0, 0]])
     turns[1] *= size
-    leg.track(2, "rotation", np.arange(3.0), turns)
+    leg.track(2, "rotation", np.arange(4.0), turns)
     _, after, _, found = leg.turn(tmp_path)
     assert found.deviation <= FLOOR
     (track,) = after.clips[0].tracks
-    assert_allclose(np.linalg.norm(track.values, axis=1), [1, size, 1], rtol=1e-6)
+    assert_allclose(np.linalg.norm(track.values, axis=1), [1, size, 1, 1], rtol=1e-6)
 
 
 # 7. Control and IK bones among the joints, bare leaf ends, joints without weight, zero-length bones.

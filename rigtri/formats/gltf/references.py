@@ -60,8 +60,11 @@ def used_views(gltf: dict[str, Any]) -> set[int]:
 
 def check_added(gltf: dict[str, Any], written: dict[str, Any], path: Path) -> None:
     """FileError where an index of ``gltf`` that leads nowhere would lead to an entry that is added."""
-    for section in ("meshes", "materials", "accessors", "bufferViews"):
-        before, count = len(gltf.get(section, [])), len(written.get(section, []))
+    for section in ("nodes", "meshes", "materials", "accessors", "bufferViews"):
+        lists = [entries for each in (gltf, written) if isinstance(entries := each.get(section, []), list)]
+        if len(lists) < 2:
+            continue  # nothing is added to what is no list
+        before, count = map(len, lists)
         taken = [k for k in _referred(gltf, section) if before <= k < count] if count > before else []
         if taken:
             raise FileError(
@@ -77,7 +80,11 @@ def _referred(gltf: dict[str, Any], section: str) -> Collection[int]:
     if section == "bufferViews":
         named = {accessor.get("bufferView") for accessor in gltf.get("accessors", [])}
         return used_views(gltf) | {index for index in named if type(index) is int}
-    return {k for place in _WORDS[section][0] for k in _named(gltf.get(place), section)}
+    places = {place: gltf.get(place) for place in _WORDS[section][0]}
+    if section == "nodes" and isinstance(extensions := places["extensions"], dict):
+        # Graphs of other extensions have nodes of their own.
+        places["extensions"] = {name: each for name, each in extensions.items() if name.startswith("VRM")}
+    return {k for value in places.values() for k in _named(value, section)}
 
 
 def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:

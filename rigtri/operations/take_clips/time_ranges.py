@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import FileError, GeometryError
 from rigtri.evaluation.key_insertion import subdivide_spline
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, as_float32
@@ -29,6 +29,10 @@ class Clock:
     """Times of the edited file as times of the rig: in its unit, and from its start where lengths are one."""
 
     def __init__(self, rig: Rig, edited: Rig, taken: Taken) -> None:
+        if not edited.rules.per_second > 0.0:
+            raise FileError(
+                "--from: the file has 0 time codes per second; set its timeCodesPerSecond, e.g. to 24"
+            )
         self.factor = rig.rules.per_second / edited.rules.per_second
         self.shift = 0.0
         # Where the clip may be moved to when its start and its length are others: to RIG's start first.

@@ -12,6 +12,7 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.references import take_out
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
+from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 
 
@@ -31,7 +32,12 @@ def _to_view(builder: Builder) -> None:
     builder.gltf["images"] = [{"mimeType": "image/png", "bufferView": len(builder.gltf["bufferViews"])}]
 
 
-@pytest.mark.parametrize("damage", [_to_mesh, _to_material, _to_accessor, _to_view])
+def _to_node(builder: Builder) -> None:
+    annotations = [{"node": len(builder.gltf["nodes"]), "type": "auto"}]
+    builder.gltf["extensions"] = {"VRMC_vrm": {"firstPerson": {"meshAnnotations": annotations}}}
+
+
+@pytest.mark.parametrize("damage", [_to_node, _to_mesh, _to_material, _to_accessor, _to_view])
 def test_what_is_added_does_not_take_an_index_that_led_nowhere(damage: Any, tmp_path: Path) -> None:
     builder = small()
     damage(builder)
@@ -60,3 +66,11 @@ def test_pointers_count_entries_anew_as_indices_do() -> None:
     moved = draft.gltf["animations"][0]["channels"][0]["target"]["extensions"]["KHR_animation_pointer"]
     assert moved == {"pointer": "/nodes/1/rotation", "other": "/nodes/2"}
     assert draft.gltf["nodes"][2] == {"children": [1]}
+
+
+def test_materials_of_another_type_are_left_alone(tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["materials"] = 5
+    source, target = builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    edit(source, target, lambda rig, report: orient_joints(rig, report=report))
+    assert target.exists()
