@@ -177,13 +177,18 @@ class LimbRecord(Record):
 class OffsetRecord(Record):
     """The node above a control that has its joint's place.
 
-    axes: how the joint is turned seen from this node, where edits have given the joint other axes since.
+    axes: how the joint is turned seen from this node, where they have not the same axes. aim, up, up_from,
+    held: what the control is aimed by, "" where it has its joint's axes.
     """
 
     type: ClassVar[str] = "offset"
     kind: ControlKind
     joint: str
     axes: Quaternion | None = None
+    aim: str = ""
+    up: str = ""
+    up_from: str = ""
+    held: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

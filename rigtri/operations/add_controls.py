@@ -7,7 +7,7 @@ under the control.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
@@ -19,7 +19,16 @@ from rigtri.evaluation.zero_pose import ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import nearest_rotation
-from rigtri.maths.quaternions import conjugate, from_axes, multiply, to_axes
+from rigtri.maths.quaternions import (
+    IDENTITY,
+    angle_between,
+    conjugate,
+    from_axes,
+    multiply,
+    rotation_angle,
+    to_axes,
+)
+from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.control_shapes import COLORS, Kind
@@ -28,7 +37,9 @@ from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, Pole
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
+from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
+from rigtri.operations.control_frames import control_axes, stored_style, with_style
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
@@ -49,6 +60,8 @@ from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move
 from rigtri.recognition.limbs import Limb, forward, girths, named_limbs, recognise, with_recognised
 from rigtri.report import Report
 
+# Axes of a control and a joint that differ by less (radians) are the same: rotations are float32.
+SAME_AXES = 2e-6
 # What {kind} stands for in a name, by the kind of control.
 _WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
 _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
@@ -70,8 +83,8 @@ def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
 def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Rig:
     """Put controls over joints; a second run finds its controls and sets their offsets anew.
 
-    Each control stands in its joint's frame at rest, its own channels zero; what a user
-    has since set or drawn on it stays. The record of each goes to ``report.added``.
+    Each control stands at its joint at rest, in its axes or aimed as the options say, its own channels zero;
+    what a user has since set or drawn on it stays. The record of each goes to ``report.added``.
 
     Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
     """
@@ -93,6 +106,7 @@ class _Builder:
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
         self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
+        self.frames: dict[tuple[int, ControlKind], Floats] = {}
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
@@ -117,7 +131,9 @@ class _Builder:
         self.above_controls = self.rig.with_ancestors([holder])
         if options.root_control or options.whole_character:
             self._root()
-        for joint in self._joints():
+        joints = self._joints()
+        self._aim([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
+        for joint in joints:
             self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
         for limb in dict.fromkeys(self.limbs):
             chain = tuple(map(self.rig.address, limb.triple))
@@ -171,40 +187,73 @@ class _Builder:
         self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
         self.made.append((control, "root", top))
 
+    def _aim(self, controls: Sequence[tuple[int, ControlKind]]) -> None:
+        """Find the axes of controls that are to be aimed, all of one style at once."""
+        groups: dict[AxisStyle, dict[int, list[ControlKind]]] = {}
+        for joint, kind in controls:
+            style = self._style(joint, kind)
+            if style is not None:
+                groups.setdefault(style, {}).setdefault(joint, []).append(kind)
+        for style, kinds in groups.items():
+            found = control_axes(self.rig, list(kinds), style, self.options.ik, self.options.root)
+            self.frames |= {(joint, kind): axes for joint, axes in found.items() for kind in kinds[joint]}
+
+    def _style(self, joint: int, kind: ControlKind) -> AxisStyle | None:
+        """What a control is aimed by; None where it has the axes of its joint.
+
+        A control that has been moved or has keys stays as it is.
+        """
+        known = find(self.rig, OffsetRecord, kind=kind, joint=self.rig.address(joint))
+        if known is not None:
+            stored = stored_style(self.rig.records(OffsetRecord)[known])
+            if self.options.style is None and self.options.frame is None:
+                return stored
+            if moved_controls(self.rig).intersection(self.rig.children[known]):
+                return stored
+        return self.options.style
+
     def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:
         return find(self.rig, ControlRecord, kind=kind, **about)
 
     def _control(self, joint: int, kind: ControlKind, about: Mapping[str, Any]) -> int:
         """The control of a kind over a joint, found again or new, its offset in the joint's frame."""
         control = self._find(kind, about)
-        axes = self._frame(joint)
-        parent = self._parent(joint, kind)
-        drawing = self._drawing(kind, joint, *self._size(joint))
+        style, parent = self._style(joint, kind), self._parent(joint, kind)
+        drawing = self._drawing(kind, joint, *self._size(joint, self.frames.get((joint, kind)), style))
         if control is None:
             control = self._new(kind, joint, parent, about, drawing)
         else:
-            self._again(control, kind, joint, drawing)
+            self._again(control, kind, joint, drawing, style)
         offset = int(self.rig.parents[control])
         if int(self.rig.parents[offset]) != parent:
             self._report_kept(control)
-        axes = self._offset_axes(control, axes)
+        axes = self._offset_axes(control, joint, kind, style)
         self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
         self.made.append((control, kind, joint))
         return control
 
-    def _offset_axes(self, control: int, axes: Floats) -> Floats:
-        """The axes of a control's offset, (3, 3): the joint's, or those in which the control has been moved.
+    def _offset_axes(self, control: int, joint: int, kind: ControlKind, style: AxisStyle | None) -> Floats:
+        """The axes of a control's offset, (3, 3): its own, the joint's, or those in which it has been moved.
 
-        A control that is at zero and has no keys takes the axes of its joint as they are now.
+        Their record: how the joint is turned against them.
         """
         offset = int(self.rig.parents[control])
         record = self.rig.records(OffsetRecord).get(offset)
-        if record is None or record.axes is None:
-            return axes
+        own = self._frame(joint)
+        if record is None:
+            return own
         if control in moved_controls(self.rig):
-            return to_axes(multiply(from_axes(axes), conjugate(np.array(record.axes))))
-        self.rig = with_record(self.rig, offset, replace(record, axes=None))
-        return axes
+            rest = IDENTITY if record.axes is None else np.array(record.axes)
+            return own if record.axes is None else to_axes(multiply(from_axes(own), conjugate(rest)))
+        axes = self.frames.get((joint, kind), own)
+        rest = multiply(conjugate(from_axes(axes)), from_axes(own))
+        same = float(rotation_angle(rest)) <= SAME_AXES
+        if record.axes is None or float(angle_between(np.array(record.axes), rest)) > SAME_AXES:
+            x, y, z, w = rest.tolist()
+            record = replace(record, axes=(x, y, z, w))
+        record = with_style(replace(record, axes=None) if same else record, style)
+        self.rig = with_record(self.rig, offset, record)
+        return own if same else axes
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
@@ -260,9 +309,19 @@ class _Builder:
         self.rig = draw(self.rig, control, drawing)
         return control
 
-    def _again(self, control: int, kind: ControlKind, joint: int, drawing: Drawing) -> None:
-        """A control that is there already gets what was asked for."""
-        self.rig = draw_anew(self.rig, control, drawing, self._requested(kind, joint), self.report)
+    def _again(
+        self,
+        control: int,
+        kind: ControlKind,
+        joint: int,
+        drawing: Drawing,
+        style: AxisStyle | None = None,
+    ) -> None:
+        """A control that is there already gets what was asked for; drawn anew where its axes are others."""
+        requested, offset = self._requested(kind, joint), int(self.rig.parents[control])
+        record = self.rig.records(OffsetRecord).get(offset)
+        turned = record is not None and stored_style(record) != style
+        self.rig = draw_anew(self.rig, control, drawing, requested, self.report, turned=turned)
 
     def _drawing(
         self, kind: str, joint: int, size: float, normal: Floats, front: Floats | None = None
@@ -294,14 +353,22 @@ class _Builder:
         self.rig, parent = home(self.rig)
         return parent
 
-    def _size(self, joint: int) -> tuple[float, Floats]:
-        """The radius of a joint's shape, and which of the joint's axes lies along the bone, (3,)."""
+    def _size(
+        self, joint: int, axes: Floats | None = None, style: AxisStyle | None = None
+    ) -> tuple[float, Floats]:
+        """The radius of a joint's shape, and which axis of its control lies along the bone, (3,).
+
+        axes: of a control that has its own, aimed by ``style``.
+        """
         aim = self.aims.get(joint, Aim("keep"))
         above = self.aims.get(self.tree.above.get(joint, -1), Aim("keep"))
         bone = aim.length or 0.5 * above.length
         direction = aim.direction if aim.direction is not None else above.direction
         normal = np.array([1.0, 0.0, 0.0])
-        if direction is not None:
+        if axes is not None and style is not None and not style.world:
+            letter, sign = axis_of(style.aim)
+            normal = np.where(np.arange(3) == letter, sign, 0.0)
+        elif direction is not None:
             axis = int(np.argmax(np.abs(direction)))
             normal = np.where(np.arange(3) == axis, np.sign(direction[axis]), 0.0)
         least = GIRTH * self.girths.get(joint, 0.0)

@@ -47,12 +47,20 @@ def _record(rig: Rig, node: int) -> ControlRecord | PoleVectorRecord:
     return record
 
 
-def draw_anew(rig: Rig, node: int, drawing: Drawing, requested: frozenset[str], report: Report) -> Rig:
-    """Draw at a known node what is ``requested`` of shape, size and color.
+def draw_anew(
+    rig: Rig,
+    node: int,
+    drawing: Drawing,
+    requested: frozenset[str],
+    report: Report,
+    *,
+    turned: bool = False,
+) -> Rig:
+    """Draw at a known node what is ``requested`` of shape, size and color, or all where it has ``turned``.
 
     The rest stays, and what a user has edited.
     """
-    if not requested:
+    if not (requested or turned):
         return rig
     now = _drawn(rig, node, drawing)
     if now is None or not (node in rig.pending.shapes or _is_shown(rig, node, now)):
@@ -68,7 +76,9 @@ def draw_anew(rig: Rig, node: int, drawing: Drawing, requested: frozenset[str], 
         color=drawing.color if "color" in requested else now.color,
     )
     same = abs(target.size - now.size) <= _SAME_SIZE * now.size
-    return rig if same and (target.shape, target.color) == (now.shape, now.color) else draw(rig, node, target)
+    if same and not turned and (target.shape, target.color) == (now.shape, now.color):
+        return rig
+    return draw(rig, node, target)
 
 
 def _is_shown(rig: Rig, node: int, drawing: Drawing) -> bool:

@@ -10,10 +10,11 @@ import numpy as np
 from rigtri.frames.mirroring import mirrored_axes
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.triangle import bend_sine
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord, Triple
+from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import NO_PLANE
+from rigtri.operations.control_frames import frame_options
 from rigtri.operations.mirror.counterparts import (
     existing_twin_record,
     mirror_each,
@@ -60,12 +61,15 @@ def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions,
     before = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     drawn = before is not None and rig.records(ControlRecord)[before].shape == record.shape
     shapes: Any = {record.kind: record.shape} if record.shape and not drawn else {}
+    above = int(rig.parents[node])
+    frame = frame_options(rig.records(OffsetRecord)[above]) if rig.type_of(above) == "offset" else {}
     if record.kind == "fk":
-        made = AddControlsOptions(joints=(there.joint,), shape=shapes)
+        made = AddControlsOptions(joints=(there.joint,), shape=shapes, **frame)
     else:
         made = AddControlsOptions(
             ik=(given(rig, *there.chain),),
             shape=shapes,
+            **frame,
             bend=_bends(rig, record, there, options),
             as_=None if before is not None else "joint" if rig.is_joint[node] else "locator",
             soft=record.soft or 0.0,

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.model.control_shapes import KINDS
+from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
     Above,
     Auto,
+    Axis,
     Bends,
     Chains,
     EndKind,
@@ -24,8 +26,10 @@ from rigtri.operations.declaration import (
     Vector,
     check_tokens,
     option,
+    refuse,
     vector,
 )
+from rigtri.operations.options import axes
 
 TOKENS = ("joint", "side", "kind")
 NAME = "{joint}_{kind}"
@@ -88,6 +92,15 @@ class AddControlsOptions:
     shape: Annotated[Mapping[str, str], Kind("assignments", "[KIND=]SHAPE", read=_shapes)] = option(
         {}, help=f"Shape of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}."
     )
+    preset: str | None = axes.preset()
+    aim: Axis | None = axes.aim()
+    up: Axis | None = axes.up()
+    up_from: str | None = axes.up_from()
+    frame: Literal["bone", "joint"] | None = option(
+        None,
+        help="Aim controls along the bone, whatever axes their joints have, or give them the axes of their "
+        "joints. [as stored, else joint; bone with --aim, --up, --up-from or --preset]",
+    )
     size: Above | None = option(
         None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]"
     )
@@ -115,6 +128,12 @@ class AddControlsOptions:
         """The joints that get FK controls."""
         return Selection(self.joints, self.chain, self.below, self.skin, self.exclude)
 
+    @cached_property
+    def style(self) -> AxisStyle | None:
+        """What the options say of axes, to be obeyed also by controls that are there; None for nothing."""
+        named = self.preset or self.aim or self.up or self.up_from or self.frame == "bone"
+        return preset_style(self.preset).with_axes(self) if named else None
+
     def check(self, given: Collection[str]) -> None:
         """UsageError for what fits no control."""
         for kind in self.shape.values():
@@ -126,6 +145,12 @@ class AddControlsOptions:
             raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
         if self.as_ is not None and not (self.ik or self.limbs or self.whole_character):
             raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
+        if self.frame == "joint":
+            refuse(given, ("preset", *AXES), "does not go with --frame joint")
+        elif self.preset == "vrm":
+            refuse(given, AXES, "does not go with axes parallel to the world")
+        elif self.style is not None:
+            self.style.checked()
         check_tokens(self.name or NAME, TOKENS)
         named = self.joints or self.chain or self.below or self.ik or self.limbs
         if not (named or self.whole_character or self.root_control):

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Annotated, Any, Literal, get_args
 
 from rigtri.errors import UsageError
-from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
+from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
     Above,
     Axis,
@@ -29,6 +29,7 @@ from rigtri.operations.declaration import (
     refuse,
     three,
 )
+from rigtri.operations.options import axes
 
 Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
@@ -82,17 +83,10 @@ class OrientJointsOptions:
     character's own space; across: the same in the world, where that is known already.
     """
 
-    preset: str | None = option(
-        None, choices=PRESETS, help="The axes of another program: aim, up and where up comes from."
-    )
-    aim: Axis | None = option(None, help="Axis that aims at the child. [x]")
-    up: Axis | None = option(None, help="Axis that goes up. [y]")
-    up_from: str | None = option(
-        None,
-        metavar="SOURCE",
-        help="plane (the hinge, +n), pole (towards the bend), world:+y, vector:x,y,z, node:NAME, "
-        "noderot:axis:NAME, parent, child, keep. [plane]",
-    )
+    preset: str | None = axes.preset()
+    aim: Axis | None = axes.aim()
+    up: Axis | None = axes.up()
+    up_from: str | None = axes.up_from()
     joints: Nodes = option((), help="Re-orient these joints. Repeatable.")
     chain: Annotated[
         tuple[StyledChain | tuple[str, str], ...], Kind("styled chains", "START END", read=_chains)

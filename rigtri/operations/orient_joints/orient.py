@@ -62,10 +62,10 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     policy ``error``, or ``split`` in a file that allows none), FileError (no skeleton; no axes may change).
     Not handled: poses stored as differences to rest (additive clips).
     """
-    plan = _plan(rig, options)
+    plan = plan_frames(rig, options)
     noise = _without_noise(rig, plan, options)
     if noise is not None:
-        rig, plan = noise.rig, _plan(noise.rig, options)
+        rig, plan = noise.rig, plan_frames(noise.rig, options)
         messages.warn_noise(noise, report)
     targets, policy, tied, requested = plan.targets, plan.policy, plan.tied, plan.requested
     report.merge(plan.notes)
@@ -101,7 +101,7 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class _Plan:
+class FramePlan:
     """What is requested of which joints. tied: what ties joints to parents. notes: warnings so far."""
 
     targets: Targets
@@ -111,8 +111,8 @@ class _Plan:
     notes: Report
 
 
-def _plan(rig: Rig, options: OrientJointsOptions, uniform: Sequence[int] = ()) -> _Plan:
-    """uniform: joints whose scales are taken as uniform."""
+def plan_frames(rig: Rig, options: OrientJointsOptions, uniform: Sequence[int] = ()) -> FramePlan:
+    """What options ask of which joints, before any policy. uniform: joints taken as of uniform scale."""
     targets, notes = find_targets(rig, options), Report()
     lever_arm, scales = LeverArm(rig), ScaleTable.of(rig)
     scales.apart[list(uniform)] = 0.0
@@ -121,17 +121,17 @@ def _plan(rig: Rig, options: OrientJointsOptions, uniform: Sequence[int] = ()) -
     rotated = {k for c in axes_compared(rig) for k in (c.node, c.source) if c.kind != "aim" or k == c.node}
     unsplittable = frozenset(rotated | {tie.node for tie in tied})
     policy = ScalePolicy(options.on_nonuniform_scale, rig, replace(scales, same=same), unsplittable)
-    return _Plan(targets, policy, tied, requested_frames(targets, options, policy, notes), notes)
+    return FramePlan(targets, policy, tied, requested_frames(targets, options, policy, notes), notes)
 
 
-def _without_noise(rig: Rig, plan: _Plan, options: OrientJointsOptions) -> Frozen | None:
+def _without_noise(rig: Rig, plan: FramePlan, options: OrientJointsOptions) -> Frozen | None:
     """The rig with uniform scales where only noise of a scale stands against what is requested."""
     policy = plan.policy
     noisy = noisy_joints(rig, policy.scales)
     if not noisy:
         return None
     # As if none were in the way: joints may copy the axes of others.
-    free = _plan(rig, options, noisy)
+    free = plan_frames(rig, options, noisy)
     delta = _at_nodes(rig, free.requested.delta)
     refused = policy.refused(delta, policy.nearest(delta, free.targets.styles))
     noisy = [joint for joint in noisy if joint in refused]

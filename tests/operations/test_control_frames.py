@@ -1,0 +1,119 @@
+"""Controls with axes of their own: aimed along their bones, on skeletons whose joints keep theirs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from avatars import avatar_0
+from carried import EDITS, SAME_MOTION, carried
+from places import SAMPLES, asset_files, slow
+
+import rigtri
+from rigtri.errors import RigtriError, UsageError
+from rigtri.model.metadata import ControlRecord, OffsetRecord
+from rigtri.model.rig import Rig
+
+# Degrees between a control's aim axis and its bone that float32 rotations leave.
+ALONG = 0.01
+LIMBS = ("upper_arm_L", "forearm_L", "thigh_R", "shin_R", "spine")
+
+
+def off_bone(rig: Rig, joint: str, axis: int = 0, sign: float = 1.0) -> float:
+    """Degrees between an axis of a joint's FK control and the line to its one child that is a joint."""
+    node = rig.find(joint)
+    control = next(k for k, r in rig.records(ControlRecord).items() if r.kind == "fk" and r.joint == joint)
+    (child,) = (k for k in rig.children[node] if rig.is_joint[k])
+    bone = rig.world[child, 3, :3] - rig.world[node, 3, :3]
+    aim = rig.world[control, axis, :3] * sign
+    cosine = float(aim @ bone) / float(np.linalg.norm(aim) * np.linalg.norm(bone))
+    return float(np.degrees(np.arccos(min(1.0, cosine))))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+@pytest.mark.parametrize(
+    ("options", "axis", "sign"),
+    [({"frame": "bone"}, 0, 1.0), ({"preset": "blender"}, 1, 1.0), ({"aim": "-z", "up": "x"}, 2, -1.0)],
+    ids=str,
+)
+def test_controls_are_aimed_along_their_bones_and_joints_keep_their_axes(
+    name: str, options: dict[str, str], axis: int, sign: float
+) -> None:
+    rig = rigtri.read(SAMPLES / name)
+    built = rigtri.add_controls(rig, whole_character=True, **options)
+    assert max(off_bone(built, joint, axis, sign) for joint in LIMBS) < ALONG
+    assert np.array_equal(built.world[: len(rig)], rig.world)
+
+
+def test_a_joint_stands_to_its_control_by_the_rest_offset() -> None:
+    """joint_world = rest_offset · control_world, by matrices alone."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True, frame="bone")
+    for node, record in rig.records(OffsetRecord).items():
+        if record.kind != "fk":
+            continue
+        x, y, z, w = record.axes or (0.0, 0.0, 0.0, 1.0)
+        turn = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)],
+                [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)],
+                [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        joint = rig.world[rig.find(record.joint)]
+        assert np.abs(turn @ rig.world[node, :3, :3] - joint[:3, :3]).max() < 1e-6
+        assert np.abs(rig.world[node, 3, :3] - joint[3, :3]).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", ["tpose.glb", slow("biped.glb"), slow("biped.usda")])
+@pytest.mark.parametrize("edit", ["orient-joints", "add-controls", slow("mirror"), slow("pose")])
+def test_aimed_controls_hold_the_motion_through_bakes_and_edits(name: str, edit: str, tmp_path: Path) -> None:
+    source, baked = tmp_path / name, tmp_path / f"baked_{name}"
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / name), whole_character=True, preset="blender")
+    rigtri.write(rigtri.bake(rig, to="controls"), source, verify=False)
+    rigtri.write(rigtri.bake(rigtri.read(source), to="joints"), baked, verify=False)
+    found = rigtri.verify(SAMPLES / name, baked)
+    assert found.deviation <= 2e-3  # between samples a bake may be off by --between
+    assert edit in EDITS
+    assert carried(source, edit, tmp_path) <= SAME_MOTION
+
+
+def test_a_second_run_keeps_what_controls_are_aimed_by(tmp_path: Path) -> None:
+    one, two, joint = (tmp_path / f"{word}.glb" for word in ("one", "two", "joint"))
+    rigtri.write(
+        rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True, preset="maya"), one
+    )
+    rigtri.write(rigtri.add_controls(rigtri.read(one), whole_character=True), two)
+    assert one.read_bytes() == two.read_bytes()
+    rigtri.write(rigtri.add_controls(rigtri.read(one), whole_character=True, frame="joint"), joint)
+    records = rigtri.read(joint).records(OffsetRecord).values()
+    assert not any(record.axes or record.aim for record in records if record.kind == "fk")
+
+
+def test_a_skeleton_that_may_not_change_gets_aimed_controls(tmp_path: Path) -> None:
+    """VRM 0.x: no joint may have axes of its own."""
+    path = avatar_0(1).glb(tmp_path / "avatar.vrm")
+    rig = rigtri.add_controls(rigtri.read(path), joints=("hair",), frame="bone")
+    assert off_bone(rig, "hair") < ALONG
+
+
+def test_the_axes_of_joints_do_not_go_with_others() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    with pytest.raises(UsageError, match="--aim does not go with --frame joint"):
+        rigtri.add_controls(rig, whole_character=True, frame="joint", aim="y")
+    with pytest.raises(UsageError, match="same letter"):
+        rigtri.add_controls(rig, whole_character=True, aim="y", up="y")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
+def test_controls_of_real_limbs_are_aimed(path: Path) -> None:
+    try:
+        rig = rigtri.add_controls(rigtri.read(path), whole_character=True, frame="bone")
+    except RigtriError:
+        pytest.skip("nothing in this file is there to build it for")
+    chains = {r.chain for r in rig.records(ControlRecord).values() if r.kind == "ik"}
+    for start, middle, _ in chains:
+        for joint in (start, middle):
+            if sum(bool(rig.is_joint[k]) for k in rig.children[rig.find(joint)]) == 1:
+                assert off_bone(rig, joint) < ALONG
