@@ -29,6 +29,13 @@ NodeConstraintKind = Literal["rotation", "roll", "aim"]
 ReaderKind = Literal["dot", "cone", "rbf"]
 Kernel = Literal["linear", "gaussian"]
 ReaderMode = Literal["swing", "twist", "both"]
+# Keys of metadata, at any depth, that hold addresses of nodes.
+REFERENCES = frozenset(
+    [
+        *("joint", "to", "driver", "child", "control", "mesh", "worldUpObject", "frame", "node", "middle"),
+        *("endAim", "drivers", "chain", "locators"),
+    ]
+)
 # The channels that each kind of constraint sets on its child.
 CHANNELS: Mapping[ConstraintKind, tuple[str, ...]] = {
     "parent": TRANSLATION + ROTATION + SCALE,

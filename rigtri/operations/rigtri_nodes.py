@@ -17,7 +17,7 @@ from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axe
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import ControlRecord, GroupRecord, Record
+from rigtri.model.metadata import REFERENCES, ControlRecord, GroupRecord, Record
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -26,13 +26,6 @@ GROUP = "rigtri_controls"
 _SAME_PLACE = 1e-7
 # The fields of a rig that hold its rest pose.
 _REST = ("translation", "rotation", "scale", "matrix")
-# Keys of metadata, at any depth, that hold addresses of nodes.
-_ADDRESSES = frozenset(
-    [
-        *("joint", "to", "driver", "child", "control", "mesh", "worldUpObject", "frame", "node", "middle"),
-        *("endAim", "drivers", "chain", "locators"),
-    ]
-)
 
 
 def group(rig: Rig) -> tuple[Rig, int]:
@@ -231,7 +224,7 @@ def _addressed(before: Rig, rig: Rig, nodes: list[int]) -> Rig:
 
 def _follow(key: str, value: Any, now: Mapping[str, str]) -> Any:
     if isinstance(value, str):
-        return now.get(value, value) if key in _ADDRESSES else value
+        return now.get(value, value) if key in REFERENCES else value
     if isinstance(value, Mapping):
         return {inner: _follow(inner, item, now) for inner, item in value.items()}
     if isinstance(value, list):
