@@ -18,7 +18,7 @@ from rigtri.evaluation.sampling import world_of
 from rigtri.evaluation.zero_pose import ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import nearest_rotation
+from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
     IDENTITY,
     angle_between,
@@ -30,7 +30,7 @@ from rigtri.maths.quaternions import (
 )
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot
+from rigtri.maths.vectors import dot, normalise
 from rigtri.model.control_shapes import COLORS, Kind
 from rigtri.model.joint_names import Side, side
 from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, PoleVectorRecord
@@ -57,7 +57,8 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.limbs import Limb, forward, girths, named_limbs, recognise, with_recognised
+from rigtri.operations.skin_sections import SkinSections
+from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.report import Report
 
 # Axes of a control and a joint that differ by less (radians) are the same: rotations are float32.
@@ -65,11 +66,11 @@ SAME_AXES = 2e-6
 # What {kind} stands for in a name, by the kind of control.
 _WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
 _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
-# The radius of a shape as a share of the bone; bones shorter than this share of the median count as that.
-RADIUS = 0.5
+# The radius of a shape as a share of how far the skin reaches around the joint; at least, and without skin,
+# as a share of the bone. Bones shorter than this share of the median count as that.
+MARGIN = 1.2
+LEAST, RADIUS = 0.25, 0.5
 SHORTEST = 0.5
-# Around the trunk a shape is as wide as the shoulders, as a share of half the way between the limbs.
-GIRTH = 1.25
 
 
 def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
@@ -105,8 +106,8 @@ class _Builder:
         self.aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
-        self.girths = girths(rig, self.limbs or recognise(rig), self.ref.world)
         self.frames: dict[tuple[int, ControlKind], Floats] = {}
+        self.sections = SkinSections(rig)
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
@@ -371,8 +372,11 @@ class _Builder:
         elif direction is not None:
             axis = int(np.argmax(np.abs(direction)))
             normal = np.where(np.arange(3) == axis, np.sign(direction[axis]), 0.0)
-        least = GIRTH * self.girths.get(joint, 0.0)
-        return max(RADIUS * max(bone, SHORTEST * self.typical), least), normal
+        stand = self.world[joint] if axes is None else from_frame(axes, self.world[joint, 3, :3])
+        along = normalise(transform_directions(normal, stand))
+        around = self.sections.radius(joint, stand[3, :3], along)
+        bone = max(bone, SHORTEST * self.typical)
+        return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal
 
     def _side(self, joint: int) -> Side:
         """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""

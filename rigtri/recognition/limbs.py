@@ -1,19 +1,18 @@
 """Limbs: three joints, root, mid and end, that bend like an arm or a leg.
 
-A limb is given by name, or one of those that `rigtri.recognition` is sure of. Of limbs alone, too: how wide
-a trunk is, and where a character looks.
+A limb is given by name, or one of those that `rigtri.recognition` is sure of. And where a character looks.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from typing import Literal
 
 import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, dot, length
+from rigtri.maths.vectors import cross, dot
 from rigtri.model.joint_names import side
 from rigtri.model.limb import Limb as Limb
 from rigtri.model.limb import LimbKind
@@ -96,21 +95,6 @@ def _source(chain: Chain) -> Literal["vrm", "names", "shape"]:
     return "vrm" if first == MAP else "names" if first.startswith(NAMES) else "shape"
 
 
-def girths(rig: Rig, limbs: Sequence[Limb], world: Floats) -> dict[int, float]:
-    """For each node that a left and a right limb hang below, half the widest way between two, file units.
-
-    world: (n, 4, 4), the pose in which the starts of the limbs are taken.
-    """
-    found: dict[int, float] = {}
-    for left, right in _pairs(limbs):
-        wide = 0.5 * float(length(world[left.start, 3, :3] - world[right.start, 3, :3]))
-        others = set(_above(rig, right.start))
-        for node in _above(rig, left.start):
-            if node in others:
-                found[node] = max(found.get(node, 0.0), wide)
-    return found
-
-
 def facing(rig: Rig) -> Floats | None:
     """Where a character looks, unit, (3,): as the surest of a rig was recognised, else as its format says."""
     known = [character for character in layout_of(rig).characters if any(character.facing)]
@@ -132,18 +116,3 @@ def forward(rig: Rig) -> Floats:
         level = usual
     axis = int(np.argmax(np.abs(level)))
     return np.where(np.arange(3) == axis, np.sign(level[axis]), 0.0)
-
-
-def _pairs(limbs: Sequence[Limb]) -> Iterator[tuple[Limb, Limb]]:
-    """Left and right limbs of one kind."""
-    for left in limbs:
-        for right in limbs:
-            if left.side == "left" and right.side == "right" and left.kind == right.kind:
-                yield left, right
-
-
-def _above(rig: Rig, node: int) -> Iterator[int]:
-    node = int(rig.parents[node])
-    while node >= 0:
-        yield node
-        node = int(rig.parents[node])

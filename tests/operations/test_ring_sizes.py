@@ -1,0 +1,43 @@
+"""Rings of controls stand outside the skin, measured by the winding number of the whole mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from places import SAMPLES
+
+import rigtri
+from rigtri.evaluation.skinning import deformed
+from rigtri.formats import read
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.mesh_triangles import triangles
+from rigtri.model.rig import Rig
+
+
+def skin(rig: Rig) -> Floats:
+    """All triangles at rest, (t, 3, 3)."""
+    world = rig.normalised_world[np.newaxis]
+    return np.concatenate(
+        [deformed(mesh, rig, world, np.zeros((1, 0)))[0][triangles(mesh)] for mesh in rig.meshes]
+    )
+
+
+def winding(point: Floats, faces: Floats) -> float:
+    """How often a surface goes round a point. A. van Oosterom and J. Strackee, 1983."""
+    a, b, c = (faces[:, k] - point for k in range(3))
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    over = (a * np.cross(b, c)).sum(axis=1)
+    under = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
+    return float(np.arctan2(over, under).sum() / (2 * np.pi))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "tpose.glb", "hand.glb", "tail.glb"])
+def test_rings_are_outside_the_skin(name: str) -> None:
+    source = read(SAMPLES / name).rig
+    rig, faces = rigtri.add_controls(source, whole_character=True), skin(source)
+    rings = {k: v for k, v in rig.pending.shapes.items() if rig.metadata[k].get("kind") == "fk"}
+    assert rings
+    for node, lines in rings.items():
+        points = lines.segments[::4, 0] @ rig.world[node][:3, :3] + rig.world[node][3, :3]
+        inside = [abs(winding(point, faces)) > 0.5 for point in points]
+        assert np.mean(inside) <= 0.5, rig.names[node]
