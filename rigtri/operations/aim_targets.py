@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import sqrt
@@ -47,13 +47,17 @@ class Aim:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """The user's word on aims: branch and end rules, children named, targets named, `limb_children`."""
+    """The user's word on aims: branch and end rules, children named, targets named, `limb_children`.
+
+    apart: ends that go on as they arrive where they have no tip, for their parents point elsewhere (thumbs).
+    """
 
     branch: Branch = "chain"
     branch_to: tuple[int, ...] = ()
     end: End = "tip"
     aim_at: Mapping[int, int] | None = None
     limb_child: Mapping[int, int] = field(default_factory=dict)
+    apart: Container[int] = ()
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -107,8 +111,8 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
         return _branching(tree, ref, joint, candidates, rules.branch)
     child = chain_child(tree, ref, joint)
     if child is not None:
-        return _through_zero(tree, ref, joint, child) or _ending(tree, ref, joint, rules.end)
-    return _ending(tree, ref, joint, rules.end)
+        return _through_zero(tree, ref, joint, child) or _ending(tree, ref, joint, rules)
+    return _ending(tree, ref, joint, rules)
 
 
 def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
@@ -198,13 +202,14 @@ def _average(tree: Skeleton, ref: ReferencePose, joint: int, candidates: list[in
     return Aim("average", normalise(mean), None, _world_length(ref, joint, mean))
 
 
-def _ending(tree: Skeleton, ref: ReferencePose, joint: int, end: End) -> Aim:
+def _ending(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
+    end = rules.end
     if end == "tip":
         tip = _tip(tree, joint)
         aim = _at(ref, joint, tip, "tip") if tip is not None else None
         if aim is not None and aim.length > ZERO_LENGTH * ref.extent:
             return aim
-        end = "parent"
+        end = "incoming" if joint in rules.apart else "parent"
     if end == "incoming":
         return _incoming(tree, ref, joint) or Aim("keep")
     if end == "parent" and tree.above[joint] < 0:

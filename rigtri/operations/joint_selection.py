@@ -30,17 +30,18 @@ def select(
     aimed: Collection[int] = (),
     all_named: bool = False,
     hips: Container[int] = (),
+    fingers: Container[int] = (),
 ) -> tuple[list[int], dict[int, str]]:
     """The joints to turn, parents first, and for every other joint the reason it is kept.
 
     aimed: joints and nodes that the user has aimed at something, which are as good as selected.
     all_named: the user named the top node of a plain hierarchy, so all of it is meant. hips: top joints that
-    are part of a body.
+    are part of a body. fingers: joints of fingers, which belong to their hand.
     Raises NameNotFoundError for names that the rig does not have.
     """
     rig = tree.rig
     _check_named(rig, selection, aimed)
-    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips)
+    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips, fingers)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)
@@ -112,7 +113,9 @@ def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
     raise NameNotFoundError("skin", name, [skin.name for skin in rig.skins])
 
 
-def _unnamed_stay(tree: Skeleton, ref: ReferencePose, hips: Container[int]) -> dict[int, str]:
+def _unnamed_stay(
+    tree: Skeleton, ref: ReferencePose, hips: Container[int], fingers: Container[int]
+) -> dict[int, str]:
     """Why joints that nobody named keep their axes."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
     driven = {c.node for c in tree.rig.node_constraints if c.kind == "roll"}
@@ -130,6 +133,8 @@ def _unnamed_stay(tree: Skeleton, ref: ReferencePose, hips: Container[int]) -> d
             found[joint] = EYE
         elif joint in driven:
             found[joint] = "a roll constraint drives it"
-        elif not tree.below[joint] and carrying[above] > 1 and chain_child(tree, ref, above) != joint:
+        elif joint in fingers or tree.below[joint] or carrying[above] < 2:
+            continue
+        elif chain_child(tree, ref, above) != joint:
             found[joint] = LONE
     return found

@@ -213,62 +213,114 @@ def _hand(
     chains: Sequence[Chain], side: str, at: Floats, up: Floats, *, is_left: bool
 ) -> Iterator[tuple[int, Hinge]]:
     """The hinge that the fingers of a hand and its wrist share, and the thumb's own."""
-    fingers = [k for k in chains if k.kind == "finger" and k.side == side]
-    thumb = next((k for k in fingers if "thumb" in k.name), None)
+    own = [k for k in chains if k.kind in ("finger", "hand", "arm") and k.side == side]
+    fingers = [k for k in own if k.kind == "finger"]
+    thumb = next((k.joints for k in fingers if "thumb" in k.name), ())
     # From the index finger to the little one, in whatever order the file has them.
     four = list({name: k for name in FOUR for k in fingers if name in k.name}.values())
-    wrist = next((k.joints[-1] for k in chains if k.kind == "hand" and k.side == side), -1)
-    palm = _palm(four, thumb, at, up, is_left=is_left)
+    four = four or [k for k in fingers if k.joints != thumb]
+    wrist = next((k.joints for k in own if k.kind == "hand"), ())
+    arm = next((k.bend for k in own if k.kind == "arm" and len(k.bend) == 3), wrist[:1])
+    if not wrist or not fingers:
+        return
+    hand = _PosedHand([k.joints for k in four], thumb, wrist[0], at[wrist[0]] - at[arm[-2:][0]], at)
+    palm = hand.palm(up, is_left=is_left, guessed=all(k.evidence[0] == BY_PLACE for k in four))
     if palm is None:
         return
-    for joint in (wrist, *(joint for finger in four for joint in finger.joints)):
-        if joint >= 0:
-            yield joint, palm
-    if thumb is not None and len(thumb.joints) > 1:
-        own = _thumb(thumb.joints, four, at, palm.direction)
-        for joint in thumb.joints:
-            yield joint, own
+    for joint in (*wrist, *(joint for finger in four for joint in finger.joints)):
+        yield joint, palm
+    if thumb:
+        closing = hand.thumb_hinge(palm.direction)
+        for joint in thumb:
+            yield joint, closing
 
 
-def _palm(
-    fingers: Sequence[Chain], thumb: Chain | None, at: Floats, up: Floats, *, is_left: bool
-) -> Hinge | None:
-    """About which axis a hand closes, unit, (3,); None for a hand of one finger or none."""
-    if len(fingers) < 2:
-        return None
-    knuckles = [finger.joints[0] for finger in fingers]
-    across = normalise(at[knuckles[-1]] - at[knuckles[0]])
-    # Seen along the fingers of a left hand with its palm down, the little finger is to the left.
-    across = across if is_left else -across
-    curl = _curl(fingers, at)
-    if curl is not None:
-        return Hinge("plane of the bent fingers", curl)
-    if not np.isfinite(across).all():
-        return None
-    along = normalise(np.array([at[k.joints[-1]] - at[k.joints[0]] for k in fingers]).cumsum(axis=0)[-1])
-    if not _is_apart(thumb, along, at) and all(k.evidence[0] == BY_PLACE for k in fingers):
-        # Which finger is the first is a guess then: a bend of all shows the palm, else it faces down.
-        shown = _shown(fingers, at)
-        away = dot(shown, across) if shown is not None else -dot(cross(across, along), up)
-        across = -across if away < 0 else across
-    return Hinge("palm of the hand", across)
+@dataclass(frozen=True, eq=False)
+class _PosedHand:
+    """A hand in a pose. fingers: from the index finger on, without the thumb. arm: of the lower arm, (3,).
+
+    at: the places of all nodes, (n, 3).
+    """
+
+    fingers: Sequence[Sequence[int]]
+    thumb: Sequence[int]
+    wrist: int
+    arm: Floats
+    at: Floats
+
+    def line(self, finger: Sequence[int]) -> Floats:
+        """Where a finger points, unit, (3,); one of a single joint as the hand does there."""
+        start = finger[0] if len(finger) > 1 else self.wrist
+        return normalise(self.at[finger[-1]] - self.at[start])
+
+    @property
+    def along(self) -> Floats:
+        """Where the fingers point together, unit, (3,); without any as the lower arm does."""
+        lines = [self.line(finger) for finger in self.fingers]
+        return normalise(np.nan_to_num(lines).cumsum(axis=0)[-1]) if lines else normalise(self.arm)
+
+    def palm(self, up: Floats, *, is_left: bool, guessed: bool) -> Hinge | None:
+        """About which axis the hand closes; None for one finger that is straight, without a thumb.
+
+        guessed: which finger is the first is known by place alone.
+        """
+        across = self._across(is_left=is_left)
+        known = across is not None and (self._is_apart or not guessed)
+        curl = _curl(self.fingers, self.at)
+        if curl is not None:
+            # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
+            turned = known and not guessed and across is not None and dot(curl, across) < 0
+            return Hinge("plane of the bent fingers", -curl if turned else curl)
+        if across is None:
+            return None
+        if not known:  # a bend of all shows the palm, else it faces down
+            shown = _shown(self.fingers, self.at)
+            away = dot(shown, across) if shown is not None else -dot(cross(across, self.along), up)
+            across = -across if away < 0 else across
+        return Hinge("palm of the hand", across)
+
+    def _across(self, *, is_left: bool) -> Floats | None:
+        """The hinge by the order of the fingers, unit, (3,); None for one finger without a thumb, or none."""
+        if len(self.fingers) > 1:
+            across = self.at[self.fingers[-1][0]] - self.at[self.fingers[0][0]]
+        elif self.fingers and self.thumb:  # as if the thumb were the first of two fingers
+            (finger,) = self.fingers
+            across = perpendicular(self.at[finger[0]] - self.at[self.thumb[-1]], self.along)
+        else:
+            return None
+        across = normalise(across)
+        # Seen along the fingers of a left hand with its palm down, the little finger is to the left.
+        return (across if is_left else -across) if np.isfinite(across).all() else None
+
+    @property
+    def _is_apart(self) -> bool:
+        """Whether the thumb points elsewhere than the fingers do, so that it surely is one."""
+        return len(self.thumb) > 1 and float(dot(self.line(self.thumb), self.along)) < THUMB_APART
+
+    def thumb_hinge(self, palm: Floats) -> Hinge:
+        """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
+        at, thumb = self.at, self.thumb
+        bone = self.line(thumb)
+        towards = at[self.fingers[-1][0]] - at[thumb[0]] if self.fingers else self.arm
+        along = [finger[:2] for finger in self.fingers if len(finger) > 1]
+        ahead = normalise(at[along[0][1]] - at[along[0][0]]) if along else normalise(towards)
+        inside = cross(palm, ahead)  # where finger tips move as they close
+        closing = normalise(cross(bone, normalise(towards) + inside))
+        if len(thumb) > 2:
+            a, b, c = (at[joint] for joint in thumb[:3])
+            own = normalise(cross(b - a, c - b))
+            if float(bend_angle(a, b, c)) > THUMB_BENT and dot(own, closing) > 0:
+                return Hinge("plane of the thumb", own)
+        return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)
 
 
-def _is_apart(thumb: Chain | None, along: Floats, at: Floats) -> bool:
-    """Whether a thumb points elsewhere than the fingers do, so that it surely is one."""
-    if thumb is None or len(thumb.joints) < 2:
-        return False
-    own = normalise(at[thumb.joints[-1]] - at[thumb.joints[0]])
-    return float(dot(own, along)) < THUMB_APART
-
-
-def _shown(fingers: Sequence[Chain], at: Floats) -> Floats | None:
+def _shown(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
     """The hinge about which all fingers bend a little, unit, (3,); None where they do not agree."""
     found = []
     for finger in fingers:
-        if len(finger.joints) < 3:
+        if len(finger) < 3:
             return None
-        a, b, c = (at[joint] for joint in finger.joints[:3])
+        a, b, c = (at[joint] for joint in finger[:3])
         if float(bend_angle(a, b, c)) < SHOWN:
             return None
         found.append(normalise(cross(b - a, c - b)))
@@ -276,11 +328,11 @@ def _shown(fingers: Sequence[Chain], at: Floats) -> Floats | None:
     return normalise(common) if length(common) > 0.9 * len(found) else None
 
 
-def _curl(fingers: Sequence[Chain], at: Floats) -> Floats | None:
+def _curl(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
     """The hinge that clearly bent fingers have in common, unit, (3,); None where they are nearly straight."""
     normals, most = [], []
     for finger in fingers:
-        triples = list(zip(finger.joints, finger.joints[1:], finger.joints[2:], strict=False))
+        triples = list(zip(finger, finger[1:], finger[2:], strict=False))
         if triples:
             a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
             most.append(float(bend_angle(a, b, c).max()))
@@ -289,19 +341,3 @@ def _curl(fingers: Sequence[Chain], at: Floats) -> Floats | None:
         return None
     common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
     return normalise(common) if length(common) > 0.7 * len(normals) else None
-
-
-def _thumb(thumb: Sequence[int], fingers: Sequence[Chain], at: Floats, palm: Floats) -> Hinge:
-    """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
-    bone = at[thumb[-1]] - at[thumb[0]]
-    towards = at[fingers[-1].joints[0]] - at[thumb[0]]
-    along = [finger.joints[:2] for finger in fingers if len(finger.joints) > 1]
-    ahead = normalise(at[along[0][1]] - at[along[0][0]]) if along else towards
-    inside = cross(palm, ahead)  # where finger tips move as they close
-    closing = normalise(cross(bone, normalise(towards) + inside))
-    if len(thumb) > 2:
-        a, b, c = (at[joint] for joint in thumb[:3])
-        own = normalise(cross(b - a, c - b))
-        if float(bend_angle(a, b, c)) > THUMB_BENT and dot(own, closing) > 0:
-            return Hinge("plane of the thumb", own)
-    return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)

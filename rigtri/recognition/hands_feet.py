@@ -65,7 +65,9 @@ def _hand(draft: Draft, arm: Found) -> None:
         chains += _beside(draft, arm)
     way = [arm.joints[2]]
     if len(chains) == 1 and not _names_finger(draft.tree.rig.names[chains[0][0]]):
-        way, chains = way + [k for k in chains[0] if not _is_other(draft, k)], []
+        if not draft.poses.moves_points(way[0]) or any(draft.poses.moves_points(k) for k in chains[0]):
+            way += [k for k in chains[0] if not _is_other(draft, k)]  # else it is held, whatever its name
+        chains = []
     draft.add_chain("hand", "hand", arm.side, way, arm.confidence, ("follows the arm",))
     lay_fingers(draft, arm.joints[2], chains, arm.side, arm.confidence)
 
@@ -89,17 +91,27 @@ def _lower(draft: Draft, arm: Found) -> float:
 
 
 def finger_chains(draft: Draft, hand: int, size: float) -> list[list[int]]:
-    """The chains that begin at a hand, or at a joint that it branches in, and are short: root to end."""
+    """The chains that begin at a hand, or at a joint that it branches in, and are short: root to end.
+
+    What is called a finger is one, however long; and of three chains or more most are.
+    """
     tree, found = draft.tree, []
-    for child in tree.below[hand]:
-        if _is_other(draft, child):
-            continue
-        long = tree.bone[child] + tree.reach[child]
+    below = [child for child in tree.below[hand] if not _is_other(draft, child)]
+    long = {child: tree.bone[child] + tree.reach[child] for child in below}
+    usual = sorted(long.values())[len(long) // 2] if len(long) > 2 else 0.0
+    for child in below:
         if len([k for k in tree.below[child] if tree.reach[k] > 0 or tree.bone[k] > 0]) > 1:
             found += finger_chains(draft, child, size)
-        elif long < _LONG * size or not size > 0:
+        elif long[child] < _LONG * max(size, usual) or not size > 0 or _is_called_finger(draft, child):
             found.append(_without_end(draft, [*tree.paths[child]]))
     return found
+
+
+def _is_called_finger(draft: Draft, node: int) -> bool:
+    """Whether a name, or the file's own map of bones, says that a joint is of a finger."""
+    bones = (bone for bone, joint in draft.known_bones.items() if joint == node)
+    called = any(finger in bone for bone in bones for finger in FINGERS)
+    return called or bool(finger_in_name(draft.tree.rig.names[node]))
 
 
 def _without_end(draft: Draft, chain: list[int]) -> list[int]:

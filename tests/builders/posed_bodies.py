@@ -104,7 +104,8 @@ class Pose:
     all places, seeded. forward: of the arms. hunch: of the spine. palm: 0 faces down in a level arm, 90
     ahead. fingers: of each hand besides the thumb; 0 for a hand without any. unit: of the file in metres.
     yaw: of the root. flip: the root mirrors all. legs: how much of the height. slots: for weapons, in hands.
-    little_first: the fingers stand in the file from the little one.
+    little_first: the fingers stand in the file from the little one. hands: their size. knuckles: how far they
+    are bent back. phalanges: joints of each finger and thumb.
     """
 
     names: str = "mixamo"
@@ -125,6 +126,9 @@ class Pose:
     legs: float = 0.5
     slots: bool = False
     little_first: bool = False
+    hands: float = 1.0
+    knuckles: float = 0.0
+    phalanges: int = 3
 
     @property
     def title(self) -> str:
@@ -214,17 +218,18 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
     if not pose.fingers:
         return
     for k in sorted(range(pose.fingers), reverse=pose.little_first):
-        across = thumbs * (0.03 - 0.06 * k / max(pose.fingers - 1, 1))
-        place, along = wrist + lower * (0.09 - 0.006 * abs(k - 1)) + across, lower
+        across = thumbs * (0.03 - 0.06 * k / (pose.fingers - 1) if pose.fingers > 1 else 0.0)
+        place = wrist + (lower * (0.09 - 0.006 * abs(k - 1)) + across) * pose.hands
+        along = lower @ _about(close, -pose.knuckles)
         parent = f"{side} hand"
-        for joint in range(3):
+        for joint in range(pose.phalanges):
             put(f"{side} {FINGERS[k]} {joint + 1}", parent, place, close)
             parent = f"{side} {FINGERS[k]} {joint + 1}"
             along = along @ _about(close, pose.curl)
-            place = place + along * (0.04, 0.027, 0.02)[joint]
+            place = place + along * (0.04, 0.027, 0.02)[joint] * pose.hands
     place, along = wrist + lower * 0.025 + thumbs * 0.03, lower * 0.75 + thumbs * 0.6 + inside * 0.25
     parent, along = f"{side} hand", along / np.linalg.norm(along)
-    for joint in range(3):
+    for joint in range(pose.phalanges):
         put(f"{side} thumb {joint + 1}", parent, place)
         parent = f"{side} thumb {joint + 1}"
         place = place + along * (0.035, 0.03, 0.02)[joint]

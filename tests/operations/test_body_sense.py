@@ -97,6 +97,28 @@ def test_a_report_names_the_rule_that_each_joint_follows() -> None:
     assert rules["LeftShoulder"] == "facing direction of the chest"
 
 
+HANDS = [
+    Pose(hands=2.0),
+    Pose("unreal", hands=2.5, arms=90.0),
+    Pose(knuckles=40.0, curl=15.0),
+    Pose("blender", knuckles=80.0, curl=30.0),
+    Pose(fingers=1),
+    Pose(fingers=1, arms=90.0, names="unreal"),
+    Pose(fingers=2, names="blender"),
+    Pose(phalanges=1),
+    Pose(phalanges=1, fingers=1, arms=80.0),
+    Pose(phalanges=2, curl=15.0),
+]
+
+
+@pytest.mark.parametrize("pose", HANDS, ids=lambda pose: pose.title)
+def test_hands_of_every_kind_close(pose: Pose) -> None:
+    """Big ones, mittens, fingers of a single joint, and knuckles that are bent back."""
+    body = posed_body(pose)
+    for preset, hinge in HINGES.items():
+        assert broken_laws(body, pose, orient_joints(body.rig, preset=preset), hinge) == [], preset
+
+
 def test_fingers_that_are_clearly_bent_share_their_own_plane() -> None:
     report = Report()
     orient_joints(posed_body(Pose(curl=25.0)).rig, report=report)

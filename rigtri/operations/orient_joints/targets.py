@@ -99,7 +99,11 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
         tree = replace(tree, sockets=sockets(rig, characters))
     hips = frozenset(k.hips for k in characters if any(c.kind == "spine" and c.is_sure for c in k.chains))
-    joints, skipped = select(tree, ref, selection, aimed=aim_at, all_named=everything, hips=hips)
+    sure = [chain for k in characters if k.form == "biped" for chain in k.chains if chain.is_sure]
+    fingers = frozenset(joint for chain in sure if chain.kind == "finger" for joint in chain.joints)
+    joints, skipped = select(
+        tree, ref, selection, aimed=aim_at, all_named=everything, hips=hips, fingers=fingers
+    )
     styles = dict.fromkeys(tree.joints, options.style)
     for start, end, style in options.chain_styles:
         styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
@@ -112,6 +116,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         options.end,
         aim_at,
         trunk | limb_children(tree, limbs),
+        frozenset(chain.joints[0] for chain in sure if "thumb" in chain.name and len(chain.joints) == 1),
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
