@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from figure import about
 
 from recognition_bodies.words import FOUR_LEGS, LEGS, MECHS, TWO_LEGS
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
-
-from figure import about  # isort: skip - bodies has put the samples on the path
 
 Random = np.random.Generator
 

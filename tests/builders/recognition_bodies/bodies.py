@@ -6,22 +6,15 @@ A body is a tree of bones, called as in VRM 1.0, at places in metres: y is up, +
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from places import SAMPLES
-
-from rigtri.maths.trigonometry import Floats
-
-if str(SAMPLES) not in sys.path:
-    sys.path.append(str(SAMPLES))
-
 from figure import Figure, about
 
 from rigtri.maths.quaternions import rotate
+from rigtri.maths.trigonometry import Floats
 
 SIDES = (("left", 1.0), ("right", -1.0))
 FINGERS = {

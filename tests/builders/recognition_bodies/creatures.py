@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from figure import Figure, about
 
 from recognition_bodies.bodies import (
     SIDES,
@@ -17,8 +18,6 @@ from recognition_bodies.bodies import (
     standing,
     with_truth,
 )
-
-from figure import Figure, about  # isort: skip - bodies has put the samples on the path
 
 
 def quadruped() -> Body:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
+from figure import about
 from rigs import rig_of
 
 from recognition_bodies.anatomy import (
@@ -31,8 +32,6 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-
-from figure import about  # isort: skip - bodies has put the samples on the path
 
 # So many bodies of each kind are in each set.
 KINDS: dict[str, tuple[Callable[[Random], Skeleton], int]] = {

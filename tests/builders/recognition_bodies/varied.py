@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from figure import Figure, about
 
 from recognition_bodies.bodies import FINGERS, SIDES, Body, Extra, Places, build, ordered, parents, standing
 from rigtri.maths.quaternions import IDENTITY, rotate, unit
 from rigtri.maths.trigonometry import Floats
-
-from figure import Figure, about  # isort: skip - bodies has put the samples on the path
 
 _STANCES = (IDENTITY, about((0, 1, 0), 90), about((0, 1, 0), 180), about((1, 0, 0), -90))
 _PARTS = ("leg", "arm", "trunk", "finger", "wide")
