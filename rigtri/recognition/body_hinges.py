@@ -185,7 +185,9 @@ def _hinges(
     character: Character, at: Floats, left: Floats, up: Floats, *, mirrored: bool
 ) -> Iterator[tuple[int, Hinge]]:
     """What a character says of its joints; later ones count."""
-    chains = [chain for chain in character.chains if chain.is_sure]
+    # Fingers belong to their hand as surely as that is one, even where it is a guess which finger each is.
+    hands = {chain.side for chain in character.chains if chain.kind == "hand" and chain.is_sure}
+    chains = [k for k in character.chains if k.is_sure or (k.kind == "finger" and k.side in hands)]
     if character.hips >= 0:
         yield character.hips, Hinge("lateral axis of the body", left)
     for chain in chains:

@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import asset_files
+from places import SAMPLES, asset_files
 from rigs import chain, rig_of
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats import read
 from rigtri.model.rig import Rig
+from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.limbs import along, given, recognise
+from rigtri.recognition.recognise import recognise as recognise_characters
 
 
 def named(names: list[str], parents: list[int]) -> Rig:
@@ -88,3 +90,15 @@ def test_limbs_of_real_characters_are_found(name: str, assets: Path) -> None:
     limbs = recognise(read(path).rig)
     assert len(limbs) == LIMBS[name]
     assert all(len(set(limb.triple)) == 3 for limb in limbs)
+
+
+def test_fingers_close_with_a_sure_hand_whichever_they_are() -> None:
+    """Which finger each is may be a guess; that they are of the hand is as sure as the hand."""
+    rig = read(SAMPLES / "biped.glb").rig
+    (character,) = recognise_characters(rig).characters
+    guessed = tuple(replace(k, confidence=0.7) if k.kind == "finger" else k for k in character.chains)
+    assert any(k.kind == "finger" for k in guessed)
+    sure, unsure = (
+        bodies(rig, [one], rig.world, None)[0].hinges for one in (character, replace(character, chains=guessed))
+    )
+    assert sure.keys() == unsure.keys()
