@@ -20,7 +20,6 @@ from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
-    IDENTITY,
     angle_between,
     conjugate,
     from_axes,
@@ -108,6 +107,8 @@ class _Builder:
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
         self.frames: dict[tuple[int, ControlKind], Floats] = {}
         self.sections = SkinSections(rig)
+        # Of earlier runs; what this run makes has neither keys nor been moved.
+        self.moved = moved_controls(rig)
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
@@ -209,7 +210,7 @@ class _Builder:
             stored = stored_style(self.rig.records(OffsetRecord)[known])
             if self.options.style is None and self.options.frame is None:
                 return stored
-            if moved_controls(self.rig).intersection(self.rig.children[known]):
+            if self.moved.intersection(self.rig.children[known]):
                 return stored
         return self.options.style
 
@@ -243,9 +244,10 @@ class _Builder:
         own = self._frame(joint)
         if record is None:
             return own
-        if control in moved_controls(self.rig):
-            rest = IDENTITY if record.axes is None else np.array(record.axes)
-            return own if record.axes is None else to_axes(multiply(from_axes(own), conjugate(rest)))
+        if control in self.moved:
+            if record.axes is None:
+                return own
+            return to_axes(multiply(from_axes(own), conjugate(np.array(record.axes))))
         axes = self.frames.get((joint, kind), own)
         rest = multiply(conjugate(from_axes(axes)), from_axes(own))
         same = float(rotation_angle(rest)) <= SAME_AXES
