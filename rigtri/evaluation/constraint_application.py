@@ -1,30 +1,12 @@
-"""Constraints applied to the nodes of a rig, all frames at once; one constraint: `constraint_solver`."""
+"""What one constraint gives its child, from the matrices of a whole rig; of its own: `constraint_solver`."""
 
 from __future__ import annotations
 
 from rigtri.evaluation.constraint_solver import evaluate_constraint
-from rigtri.evaluation.dependency_graph import constraints_in_order
-from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import identity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
-
-
-def apply_constraints(rig: Rig, local: Floats) -> Floats:
-    """Local matrices, (f, n, 4, 4), with every child where its constraints put it.
-
-    Controls and IK are not evaluated, nor are ``polevector`` constraints, which only IK reads.
-    Raises ControlCycleError.
-    """
-    local = local.copy()
-    for rule in constraints_in_order(rig):
-        if rule.kind == "polevector":
-            continue
-        world = worlds(rig, local)
-        own = local[:, rule.child]
-        local[:, rule.child] = constrained_local(rig, rule, world, local, own)
-    return local
 
 
 def constrained_local(rig: Rig, rule: Constraint, world: Floats, local: Floats, own: Floats) -> Floats:

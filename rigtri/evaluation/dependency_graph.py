@@ -99,20 +99,6 @@ def find_cycle(needs: Dependencies, children: Sequence[int], sources: Sequence[i
     return []
 
 
-def constraints_in_order(rig: Rig) -> list[Constraint]:
-    """The constraints of a rig, each after all that its sources and its child's parents depend on.
-
-    Of one child those that set its translation come before those of its rotation, scale is last.
-    Raises ControlCycleError.
-    """
-    try:
-        order = TopologicalSorter(dependencies(rig)).static_order()
-        place = {node: k for k, node in enumerate(order)}
-    except CycleError as error:
-        raise ControlCycleError(rig, error.args[1][:0:-1]) from error
-    return sorted(constraints_of(rig).values(), key=lambda rule: (place[rule.child], channel_order(rule)))
-
-
 def channel_order(rule: Constraint) -> int:
     """0 for constraints that set translations, 1 for those of rotations, 2 for scale alone."""
     return 0 if rule.sets & set(TRANSLATION) else 1 if rule.sets & set(ROTATION) else 2
