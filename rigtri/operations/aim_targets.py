@@ -18,6 +18,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.orient_joints import Branch, End
 from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb
+from rigtri.recognition.naming_schemes import roles_in_name
 
 # A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
 CONTINUES = 0.8660254037844387
@@ -27,6 +28,8 @@ AVERAGE_OFF = 0.5
 AVERAGE_SHORT = 0.3
 
 _EYES = ("leftEye", "rightEye")
+# Chains whose last joint may have one below it that only says where it ends.
+_ENDED = ("finger", "foot", "head")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,7 @@ class Rules:
     """The user's word on aims: branch and end rules, children named, targets named, `limb_children`.
 
     apart: ends that go on as they arrive where they have no tip, for their parents point elsewhere (thumbs).
+    heads: heads, with the hips of their bodies; a head goes on as its trunk, whatever hangs at it.
     """
 
     branch: Branch = "chain"
@@ -58,6 +62,7 @@ class Rules:
     aim_at: Mapping[int, int] | None = None
     limb_child: Mapping[int, int] = field(default_factory=dict)
     apart: Container[int] = ()
+    heads: Mapping[int, int] = field(default_factory=dict)
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -106,6 +111,8 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
     named = [k for k in rules.branch_to if k in tree.below[joint]]
     if named:
         return _at(ref, joint, named[0], "named") or Aim("keep")
+    if joint in rules.heads:
+        return _head(tree, ref, joint, rules)
     candidates = _candidates(tree, ref, joint)
     if len(candidates) > 1:
         return _branching(tree, ref, joint, candidates, rules.branch)
@@ -171,6 +178,39 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
     return after
 
 
+def chain_ends(tree: Skeleton, ref: ReferencePose, characters: Iterable[Character]) -> dict[int, int]:
+    """For the last joint of each sure finger, foot and head the one that only says where it ends, if any."""
+    found = {}
+    for character in characters:
+        chains = (chain for chain in character.chains if chain.kind in _ENDED and chain.is_sure)
+        for last in (chain.joints[-1] for chain in chains):
+            end = _end_joint(tree, ref, last) if last in tree.below else None
+            if end is not None:
+                found[last] = end
+    return found
+
+
+def _end_joint(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
+    """The joint below that its name calls an end; else the only bare one, where it continues the bone."""
+    names, below = tree.rig.names, tree.below[joint]
+    called = [k for k in below if "end" in roles_in_name(names[k])]
+    bare = [k for k in below if not (tree.carries[k] or tree.below[k] or roles_in_name(names[k]))]
+    ends = called or [k for k in bare if _within(tree, ref, joint, k, AVERAGE_OFF)]
+    apart = [k for k in ends if _distance(ref, joint, k) > ZERO_LENGTH * ref.extent]
+    return apart[0] if len(apart) == 1 else None
+
+
+def _head(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
+    """A head without an end goes on as the neck: eyes, jaw and hair would tilt each head differently."""
+    aim, hips, parent = _ending(tree, ref, joint, rules), rules.heads[joint], tree.above[joint]
+    if aim.how != "parent" or rules.end == "parent" or min(hips, parent) < 0:
+        return aim
+    (x, y, z), (u, v, w) = _way(ref, hips, joint), _way(ref, parent, joint)
+    along = x * u + y * v + z * w >= AVERAGE_OFF * _distance(ref, hips, joint) * _distance(ref, parent, joint)
+    # A joint above that stands elsewhere says nothing of where the trunk goes.
+    return aim if along else _incoming(tree, ref, joint, hips) or aim
+
+
 def _branching(tree: Skeleton, ref: ReferencePose, joint: int, candidates: list[int], branch: Branch) -> Aim:
     if branch == "keep":
         return Aim("keep")
@@ -230,9 +270,9 @@ def _tip(tree: Skeleton, joint: int) -> int | None:
     return one[0] if len(one) == 1 else None
 
 
-def _incoming(tree: Skeleton, ref: ReferencePose, joint: int) -> Aim | None:
-    """The direction in which the bone from the parent arrives."""
-    parent = tree.above[joint]
+def _incoming(tree: Skeleton, ref: ReferencePose, joint: int, start: int | None = None) -> Aim | None:
+    """The direction in which the bone from the parent arrives, or from ``start``."""
+    parent = tree.above[joint] if start is None else start
     if parent < 0 or not _distance(ref, parent, joint) > ZERO_LENGTH * ref.extent:
         return None
     back = _seen_from(ref, joint, [parent])[0]

@@ -30,18 +30,19 @@ def select(
     aimed: Collection[int] = (),
     all_named: bool = False,
     hips: Container[int] = (),
-    fingers: Container[int] = (),
+    heads: Container[int] = (),
+    whole: Container[int] = (),
 ) -> tuple[list[int], dict[int, str]]:
     """The joints to turn, parents first, and for every other joint the reason it is kept.
 
     aimed: joints and nodes that the user has aimed at something, which are as good as selected.
     all_named: the user named the top node of a plain hierarchy, so all of it is meant. hips: top joints that
-    are part of a body. fingers: joints of fingers, which belong to their hand.
+    are part of a body. heads: of bodies, whose faces are kept. whole: end joints that belong to a body.
     Raises NameNotFoundError for names that the rig does not have.
     """
     rig = tree.rig
     _check_named(rig, selection, aimed)
-    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips, fingers)
+    stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips, heads, whole)
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)
@@ -114,7 +115,11 @@ def _of_skin(rig: Rig, name: str | None, joints: Sequence[int]) -> set[int]:
 
 
 def _unnamed_stay(
-    tree: Skeleton, ref: ReferencePose, hips: Container[int], fingers: Container[int]
+    tree: Skeleton,
+    ref: ReferencePose,
+    hips: Container[int],
+    heads: Container[int],
+    whole: Container[int],
 ) -> dict[int, str]:
     """Why joints that nobody named keep their axes."""
     eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
@@ -133,8 +138,8 @@ def _unnamed_stay(
             found[joint] = EYE
         elif joint in driven:
             found[joint] = "a roll constraint drives it"
-        elif joint in fingers or tree.below[joint] or carrying[above] < 2:
+        elif joint in whole or tree.below[joint] or (carrying[above] < 2 and above not in heads):
             continue
-        elif chain_child(tree, ref, above) != joint:
+        elif above in heads or chain_child(tree, ref, above) != joint:
             found[joint] = LONE
     return found

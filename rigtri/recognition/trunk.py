@@ -116,6 +116,8 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     bones = draft.known_bones
     neck, head = bones.get("neck", -1), bones.get("head", -1)
     sure, why = (0.99 if draft.certain else 0.92), _whose(draft)
+    if head >= 0 and not draft.certain:
+        head = _last_numbered(draft, head)
     if head < 0 or (neck >= 0 and not draft.tree.is_below(head, neck)):
         chain = _beyond(draft, limbs)
         if not chain:
@@ -131,6 +133,18 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
     for bone in ("jaw", "leftEye", "rightEye"):
         if bone in bones:
             draft.call(bone, bones[bone])
+
+
+def _last_numbered(draft: Draft, head: int) -> int:
+    """The head of a trunk that is numbered throughout (Rigify) is its last joint, however many there are."""
+    tree, names = draft.tree, draft.tree.rig.names
+    spine = parse_name(names[head]).plain
+    while roles_in_name(names[head]) == ("trunk",):
+        more = [k for k in tree.below[head] if parse_name(names[k]).plain == spine]
+        if len(more) != 1:
+            break
+        head = more[0]
+    return head
 
 
 def _beyond(draft: Draft, limbs: Sequence[Found]) -> list[int]:

@@ -43,6 +43,10 @@ _MIXAMO = {
     "foot": "mixamorig:{Side}Foot",
     "toes": "mixamorig:{Side}ToeBase",
     "slot": "mixamorig:{Side}HandSlot",
+    "eye": "mixamorig:{Side}Eye",
+    "jaw": "mixamorig:Jaw",
+    "head end": "mixamorig:HeadTop_End",
+    "toes end": "mixamorig:{Side}Toe_End",
 }
 _UNREAL = {
     "hips": "pelvis",
@@ -65,6 +69,10 @@ _UNREAL = {
     "foot": "foot_{s}",
     "toes": "ball_{s}",
     "slot": "weapon_{s}",
+    "eye": "eye_{s}",
+    "jaw": "jaw",
+    "head end": "head_end",
+    "toes end": "ball_end_{s}",
 }
 _BLENDER = {
     "hips": "hips",
@@ -87,6 +95,10 @@ _BLENDER = {
     "foot": "foot.{S}",
     "toes": "toe.{S}",
     "slot": "weapon_slot.{S}",
+    "eye": "eye.{S}",
+    "jaw": "jaw",
+    "head end": "head_end",
+    "toes end": "toe_end.{S}",
 }
 NAMES: Mapping[str, Mapping[str, str]] = {
     "mixamo": _MIXAMO,
@@ -105,7 +117,8 @@ class Pose:
     ahead. fingers: of each hand besides the thumb; 0 for a hand without any. unit: of the file in metres.
     yaw: of the root. flip: the root mirrors all. legs: how much of the height. slots: for weapons, in hands.
     little_first: the fingers stand in the file from the little one. hands: their size. knuckles: how far they
-    are bent back. phalanges: joints of each finger and thumb.
+    are bent back. phalanges: joints of each finger and thumb. face: eyes and a jaw. ends: joints without
+    weight that only say where head, fingers and toes end.
     """
 
     names: str = "mixamo"
@@ -129,6 +142,8 @@ class Pose:
     hands: float = 1.0
     knuckles: float = 0.0
     phalanges: int = 3
+    face: bool = False
+    ends: bool = False
 
     @property
     def title(self) -> str:
@@ -176,6 +191,12 @@ def posed_body(pose: Pose) -> PosedBody:
         spine = spine + (Y @ _about(X, lean)) * trunk * (0.3, 0.27, 0.25, 0.3, 0.15)[k]
         put(part, parent, spine, X)
         parent = part
+    if pose.ends:
+        put("head end", "head", spine + Y * 0.2)
+    if pose.face:
+        put("jaw", "head", spine + Z * 0.03 + Y * 0.01)
+        for side, s in SIDES.items():
+            put(f"{side} eye", "head", spine + X * s * 0.03 + Y * 0.07 + Z * 0.08)
     for side, s in SIDES.items():
         _leg(put, pose, side, s, hips, legs)
         _arm(put, pose, side, s, at["upper chest"])
@@ -193,6 +214,8 @@ def _leg(put, pose: Pose, side: str, s: float, hips: Floats, legs: float) -> Non
     put(f"{side} lower leg", f"{side} upper leg", knee, X)
     put(f"{side} foot", f"{side} lower leg", ankle, X)
     put(f"{side} toes", f"{side} foot", ankle + Z * 0.13 - Y * 0.05)
+    if pose.ends:
+        put(f"{side} toes end", f"{side} toes", ankle + Z * 0.2 - Y * 0.05)
 
 
 def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: ignore[no-untyped-def]
@@ -227,6 +250,8 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
             parent = f"{side} {FINGERS[k]} {joint + 1}"
             along = along @ _about(close, pose.curl)
             place = place + along * (0.04, 0.027, 0.02)[joint] * pose.hands
+        if pose.ends:
+            put(f"{parent[:-1]}{pose.phalanges + 1}", parent, place)
     place, along = wrist + lower * 0.025 + thumbs * 0.03, lower * 0.75 + thumbs * 0.6 + inside * 0.25
     parent, along = f"{side} hand", along / np.linalg.norm(along)
     for joint in range(pose.phalanges):
@@ -273,7 +298,8 @@ def _assembled(
     rig = replace(rig, translation=_translations(rig, places @ whole))
     joints = np.arange(1, n)
     sockets = [index[p] for p in parts if p.endswith("slot")]
-    weighted = ~np.isin(joints, sockets)
+    ends = [index[p] for p in parts if p.endswith(("end", " 4"))]
+    weighted = ~np.isin(joints, [*sockets, *ends])
     skin = Skin("skin", joints, inverse(rig.world[joints]), weigh=lambda: weighted, key=0)
     # A mirrored body closes about mirrored axes: a hinge is an axial vector.
     sign = -1.0 if pose.flip else 1.0

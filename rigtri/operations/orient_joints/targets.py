@@ -16,7 +16,14 @@ from rigtri.maths.matrices import determinant, transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise
 from rigtri.model.rig import Rig
-from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children, trunk_children
+from rigtri.operations.aim_targets import (
+    Aim,
+    Rules,
+    aim_targets,
+    chain_ends,
+    limb_children,
+    trunk_children,
+)
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
@@ -99,24 +106,28 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
         tree = replace(tree, sockets=sockets(rig, characters))
     hips = frozenset(k.hips for k in characters if any(c.kind == "spine" and c.is_sure for c in k.chains))
-    sure = [chain for k in characters if k.form == "biped" for chain in k.chains if chain.is_sure]
-    fingers = frozenset(joint for chain in sure if chain.kind == "finger" for joint in chain.joints)
+    bodies = [k for k in characters if k.form in ("biped", "hand")]
+    fingers = [c for k in bodies for c in k.chains if c.kind == "finger" and c.is_sure]
+    heads = {c.joints[-1]: k.hips for k in bodies for c in k.chains if c.kind == "head" and c.is_sure}
+    whole = frozenset([*heads, *(joint for finger in fingers for joint in finger.joints)])
     joints, skipped = select(
-        tree, ref, selection, aimed=aim_at, all_named=everything, hips=hips, fingers=fingers
+        tree, ref, selection, aimed=aim_at, all_named=everything, hips=hips, heads=heads, whole=whole
     )
     styles = dict.fromkeys(tree.joints, options.style)
     for start, end, style in options.chain_styles:
         styles |= dict.fromkeys(along(rig, rig.find(start), rig.find(end)), style)
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
-    # A rule that the user names for branches goes before what is known of the trunk.
-    trunk = {} if options.branch else trunk_children(tree, characters)
+    known = limb_children(tree, limbs)
+    if not options.branch:  # a rule that the user names goes before what is known of a body
+        known = trunk_children(tree, characters) | chain_ends(tree, ref, bodies) | known
     rules = Rules(
         options.branch_rule,
         tuple(rig.find(name) for name in options.branch_to),
         options.end,
         aim_at,
-        trunk | limb_children(tree, limbs),
-        frozenset(chain.joints[0] for chain in sure if "thumb" in chain.name and len(chain.joints) == 1),
+        known,
+        frozenset(k.joints[0] for k in fingers if "thumb" in k.name and len(k.joints) == 1),
+        {} if options.branch else heads,
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
