@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.model.joint_names import Side
@@ -21,6 +22,8 @@ _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: ("Proximal", "Intermediate", "Distal")}
 # Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
+# A thumb begins this much nearer to the wrist than fingers do, or points this far aside (the cosine of 20°).
+_NEAR, _APART = 0.7, 0.9396926207859084
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
 # A hand alone has no more joints than this.
@@ -170,20 +173,41 @@ def _finger(
 
 
 def _in_order(draft: Draft, hand: int, chains: list[list[int]]) -> list[tuple[str, list[int]]]:
-    """Fingers from the thumb on. The thumb begins nearest to the wrist and points most aside."""
+    """Fingers from the thumb on; without a thumb, from one side of the hand to the other, and no names.
+
+    By knuckles and first bones, which a fist does not exchange: where a finger ends says nothing.
+    """
     if len(chains) < 3 or len(chains) > 5:
         return [("", chain) for chain in chains]
-    at, common = draft.tree.at, Vector()
-    tips = [at[chain[-1]] - at[hand] for chain in chains]
-    for tip in tips:
-        common = common + tip.unit
-    size = max(tip.length for tip in tips)
-    if not size > 0:
-        return [("", chain) for chain in chains]
-    thumb_like = [1.0 - tip.unit.dot(common.unit) - tip.length / size for tip in tips]
-    thumb = chains[thumb_like.index(max(thumb_like))]
-    order = sorted(chains, key=lambda chain: (chain is not thumb, (at[chain[0]] - at[thumb[0]]).length))
-    return list(zip(FINGERS, order, strict=False))
+    at = draft.tree.at
+    thumb = _thumb(draft, hand, chains)
+    others = [chain for chain in chains if chain is not thumb]
+    start, end = max(combinations(others, 2), key=lambda two: (at[two[0][0]] - at[two[1][0]]).length)
+    if thumb and (at[end[0]] - at[thumb[0]]).length < (at[start[0]] - at[thumb[0]]).length:
+        start, end = end, start
+    row = (at[end[0]] - at[start[0]]).unit
+    others.sort(key=lambda chain: (at[chain[0]] - at[start[0]]).dot(row))
+    return list(zip(FINGERS, [thumb, *others], strict=False)) if thumb else [("", chain) for chain in others]
+
+
+def _thumb(draft: Draft, hand: int, chains: Sequence[list[int]]) -> list[int]:
+    """The chain that begins clearly nearer to the wrist than the others; empty for none.
+
+    Fingers with metacarpals all begin there: of these the one whose first bone goes another way than any
+    other, and that of fewer joints where one has.
+    """
+    at = draft.tree.at
+    far = [(at[chain[0]] - at[hand]).length for chain in chains]
+    usual = sorted(far)[len(far) // 2]
+    near = [chain for chain, size in zip(chains, far, strict=True) if size < _NEAR * usual]
+    if len(near) == 1:
+        return near[0]
+    first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
+    alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
+    least = min(len(chain) for chain in chains)
+    short = [k for k, chain in enumerate(chains) if len(chain) == least]
+    apart = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
+    return chains[apart] if alike[apart] < _APART else []
 
 
 def lay_others(draft: Draft, found: Sequence[Found]) -> None:

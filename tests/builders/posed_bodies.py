@@ -118,7 +118,8 @@ class Pose:
     yaw: of the root. flip: the root mirrors all. legs: how much of the height. slots: for weapons, in hands.
     little_first: the fingers stand in the file from the little one. hands: their size. knuckles: how far they
     are bent back. phalanges: joints of each finger and thumb. face: eyes and a jaw. ends: joints without
-    weight that only say where head, fingers and toes end.
+    weight that only say where head, fingers and toes end. metacarpals: a joint of each finger in the palm.
+    thumb: whether there is one.
     """
 
     names: str = "mixamo"
@@ -144,6 +145,8 @@ class Pose:
     phalanges: int = 3
     face: bool = False
     ends: bool = False
+    metacarpals: bool = False
+    thumb: bool = True
 
     @property
     def title(self) -> str:
@@ -245,6 +248,9 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
         place = wrist + (lower * (0.09 - 0.006 * abs(k - 1)) + across) * pose.hands
         along = lower @ _about(close, -pose.knuckles)
         parent = f"{side} hand"
+        if pose.metacarpals:
+            parent = f"{side} {FINGERS[k]} 0"
+            put(parent, f"{side} hand", wrist + (lower * 0.02 + across * 0.5) * pose.hands, close)
         for joint in range(pose.phalanges):
             put(f"{side} {FINGERS[k]} {joint + 1}", parent, place, close)
             parent = f"{side} {FINGERS[k]} {joint + 1}"
@@ -252,6 +258,8 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
             place = place + along * (0.04, 0.027, 0.02)[joint] * pose.hands
         if pose.ends:
             put(f"{parent[:-1]}{pose.phalanges + 1}", parent, place)
+    if not pose.thumb:
+        return
     place, along = wrist + lower * 0.025 + thumbs * 0.03, lower * 0.75 + thumbs * 0.6 + inside * 0.25
     parent, along = f"{side} hand", along / np.linalg.norm(along)
     for joint in range(pose.phalanges):
