@@ -17,16 +17,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.usd.reading.metadata_attributes import api_name
+from rigtri.formats.usd.reading.metadata_attributes import INDICES, TARGET, api_name, usd_type
+from rigtri.model.metadata import RECORDS, REFERENCES, kinds
 
 HERE = Path(__file__).resolve().parent
 # Types of notes that stand on prims; those of joints are texts on a Skeleton.
 ON_JOINTS = frozenset({"frame"})
-# What only USD has, by type of note: relationships, which its tools follow.
-RELATIONS = {
-    "constraint": {"source": "Its drivers that are prims; joints are none, and stand in drivers alone"},
-}
-_TYPES = {"string": "string", "number": "double", "integer": "int", "boolean": "bool"}
 
 
 def generated(schema: dict[str, Any]) -> tuple[str, str]:
@@ -57,16 +53,23 @@ def generated(schema: dict[str, Any]) -> tuple[str, str]:
 
 def _class(kind: str, schema: dict[str, Any]) -> str:
     about = schema["$defs"][kind]
-    members = [_property(key, value, schema) for key, value in about["properties"].items()]
-    members += [f"    rel rigtri:{name}{_doc(doc)}\n" for name, doc in RELATIONS.get(kind, {}).items()]
+    members = [_property(kind, key, value, schema) for key, value in about["properties"].items()]
     return f'class "{api_name(kind)}" (\n    doc = "{about["title"]}"\n)\n{{\n{"".join(members)}}}\n'
 
 
-def _property(key: str, about: Any, schema: dict[str, Any]) -> str:
+def _property(kind: str, key: str, about: Any, schema: dict[str, Any]) -> str:
+    """The attribute of a member and, of a reference, its relationship; "" for what namespaces hold."""
     said = _resolved(about if about is not True else schema["properties"].get(key, {}), schema)
-    name, kind = _type_of(key, said)
+    type_name = {"v": "int", "type": "token"}.get(key) or usd_type(kinds(RECORDS[kind])[key])
+    if not type_name:
+        return ""
     title = (about.get("title") if isinstance(about, dict) else None) or said.get("title", "")
-    return f"    uniform {kind} rigtri:{name}{_doc(title)}\n"
+    found = f"    uniform {type_name} rigtri:{key}{_doc(title)}\n"
+    if key in REFERENCES:
+        found += f"    rel rigtri:{key}{TARGET}{_doc('The prim, or the skeleton of the joint')}\n"
+        if type_name == "token[]":
+            found += f"    uniform int[] rigtri:{key}{INDICES}{_doc('The target of each')}\n"
+    return found
 
 
 def _doc(title: str) -> str:
@@ -77,24 +80,6 @@ def _resolved(about: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
     """What a property is, with what it refers to."""
     target = about.get("$ref", "").rpartition("/")[2]
     return {**_resolved(schema["$defs"][target], schema), **about} if target else about
-
-
-def _type_of(key: str, said: dict[str, Any]) -> tuple[str, str]:
-    """The attribute's name and USD type, as `rigtri.formats.usd.reading.metadata_attributes` writes it."""
-    if key == "type":
-        return key, "token"
-    if key == "v":
-        return key, "int"
-    words = "enum" in said or "const" in said
-    kind = said.get("type", "string" if words else "object")
-    if kind == "array":
-        items = said.get("items", {})
-        if items.get("type", "string" if "$ref" in items or "enum" in items else "") == "string":
-            return key, "token[]"
-        if items.get("type") in ("number", "integer"):
-            return key, "double3" if said.get("minItems") == said.get("maxItems") == 3 else "double[]"
-        return f"{key}:json", "string"
-    return (key, _TYPES[kind]) if kind in _TYPES else (f"{key}:json", "string")
 
 
 def spec_schema() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
 
 VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
@@ -20,6 +20,8 @@ SWITCH = re.compile(r"rigtri_ik([._][0-9]+)?")
 Triple = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Names = tuple[str, ...]
+# Rows of 4 × 4 matrices, one after another.
+Matrices = Annotated[tuple[float, ...], 16]
 ControlKind = Literal["fk", "ik", "root"]
 ConstraintKind = Literal["parent", "point", "orient", "scale", "aim", "polevector"]
 ConstraintSpace = Literal["world", "local", "roll"]
@@ -110,7 +112,7 @@ class ConstraintRecord(Record):
     child: str
     drivers: Names
     weights: tuple[float, ...]
-    offsets: tuple[float, ...]
+    offsets: Matrices
     chain: Names = ()
     skip: Names = ()
     rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] | None = None
@@ -354,6 +356,26 @@ RECORDS: Mapping[str, type[Record]] = {
 ADDED = frozenset(RECORDS) - {FrameRecord.type}
 
 
+Place = tuple[str | int, ...]
+
+
+def with_references(stored: Any, change: Callable[[Place, str], str], place: Place = ()) -> Any:
+    """Stored metadata with other addresses of nodes. place: the keys and numbers that lead to an address."""
+    if isinstance(stored, str):
+        key = next((step for step in reversed(place) if isinstance(step, str)), "")
+        return change(place, stored) if key in REFERENCES and stored else stored
+    if isinstance(stored, Mapping):
+        return {key: with_references(value, change, (*place, key)) for key, value in stored.items()}
+    if isinstance(stored, list):
+        return [with_references(value, change, (*place, number)) for number, value in enumerate(stored)]
+    return stored
+
+
+def kinds(record: type[Stored]) -> Mapping[str, Any]:
+    """The annotations of what a record stores, by key."""
+    return {key.name: key.kind for key in _keys(record)}
+
+
 def illegible(stored: Mapping[str, Any]) -> str:
     """Why this version cannot read a record, which stays as it is then; "" where it can."""
     if stored.get("v") != VERSION:
@@ -373,6 +395,7 @@ class _Key(NamedTuple):
 
     field: str
     name: str
+    kind: Any
     read: Callable[[Any], Any]
     required: bool
     default: Any
@@ -390,13 +413,15 @@ def _keys(cls: type[Stored]) -> tuple[_Key, ...]:
 
 
 def _keys_of(cls: type[Stored]) -> list[_Key]:
-    kinds, found = get_type_hints(cls), []
+    kinds, whole = get_type_hints(cls), get_type_hints(cls, include_extras=True)
+    found = []
     for one in fields(cls):
         if one.name not in ("stored", "problems"):
             first, *rest = one.name.rstrip("_").split("_")
             name = first + "".join(word.capitalize() for word in rest)
             read, empty = _reader(kinds[one.name])
-            found.append(_Key(one.name, name, read, one.default is MISSING, one.default, empty))
+            required = one.default is MISSING
+            found.append(_Key(one.name, name, whole[one.name], read, required, one.default, empty))
     return found
 
 

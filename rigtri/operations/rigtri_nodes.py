@@ -17,7 +17,7 @@ from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axe
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.metadata import REFERENCES, ControlRecord, GroupRecord, Record
+from rigtri.model.metadata import ControlRecord, GroupRecord, Record, with_references
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -219,14 +219,8 @@ def _addressed(before: Rig, rig: Rig, nodes: list[int]) -> Rig:
     now = {old: new for old, new in now.items() if old != new}
     if not now:
         return rig
-    return replace(rig, metadata={node: _follow("", stored, now) for node, stored in rig.metadata.items()})
-
-
-def _follow(key: str, value: Any, now: Mapping[str, str]) -> Any:
-    if isinstance(value, str):
-        return now.get(value, value) if key in REFERENCES else value
-    if isinstance(value, Mapping):
-        return {inner: _follow(inner, item, now) for inner, item in value.items()}
-    if isinstance(value, list):
-        return [_follow(key, item, now) for item in value]
-    return value
+    metadata = {
+        node: with_references(stored, lambda _, name: now.get(name, name))
+        for node, stored in rig.metadata.items()
+    }
+    return replace(rig, metadata=metadata)

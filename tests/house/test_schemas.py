@@ -171,7 +171,7 @@ from pxr import Usd
 stage = Usd.Stage.Open({str(out)!r})
 prim = next(p for p in stage.Traverse() if p.GetAttribute("rigtri:type").Get() == "constraint")
 print([name for name in prim.GetAppliedSchemas() if name.startswith("Rigtri")])
-print(bool(prim.GetPrimDefinition().GetSchemaRelationshipSpec("rigtri:source")))
+print(bool(prim.GetPrimDefinition().GetSchemaRelationshipSpec("rigtri:drivers:target")))
 """
     first = "import rigtri\nrigtri.register_usd_schemas()\n"
     done = subprocess.run([sys.executable, "-c", first + look], capture_output=True, text=True, check=True)

@@ -717,7 +717,10 @@ def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -
     edit(first, out, following(given))
     stage = Usd.Stage.Open(str(out))
     (prim,) = (p for p in stage.Traverse() if p.GetName() == "con_staff_parent")
-    assert [path.name for path in prim.GetRelationship("rigtri:source").GetTargets()] == [control]
+    assert [path.name for path in prim.GetRelationship("rigtri:drivers:target").GetTargets()] == [
+        control,
+        "skeleton",
+    ]
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])

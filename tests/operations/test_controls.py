@@ -308,8 +308,8 @@ def test_a_rule_for_names_given_later_renames_what_nobody_has_renamed(
         from pxr import Usd
 
         stage = Usd.Stage.Open(str(three))
-        (found,) = (p for p in stage.Traverse() if p.HasRelationship("rigtri:source"))
-        (target,) = found.GetRelationship("rigtri:source").GetTargets()
+        (found,) = (p for p in stage.Traverse() if p.GetRelationship("rigtri:drivers:target"))
+        (target,) = found.GetRelationship("rigtri:drivers:target").GetTargets()
         assert target.name == "hand_L_anim"
         assert stage.GetPrimAtPath(target)
     redone(three, four, name="{joint}_anim")

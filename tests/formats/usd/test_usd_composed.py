@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from program import cli
-from pxr import Usd
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
+from second_opinions import usd_errors
+from usd_files import MESH, animation, read, save, scene, skeleton, skinned
+
+from rigtri.model.metadata import ControlRecord
 
 SUBLAYERED = "#usda 1.0\n(\n    subLayers = [@./hero.usda@]\n)\n"
 INSTANCED = '#usda 1.0\ndef "A" (references = @./hero.usda@\ninstanceable = true)\n{\n}\n'
@@ -41,19 +47,141 @@ def test_what_was_added_over_an_asset_comes_out_again(
     assert before == after
 
 
-@pytest.mark.parametrize("other", ["hero.usda", "bare.usda"], ids=["twice", "beside"])
-def test_a_referenced_rig_has_its_own_controls(other: str, samples: Path, tmp_path: Path) -> None:
-    """Also beside itself, and beside a character of the same joint names."""
-    bare, built, hero, shot, out = (tmp_path / f"{n}.usda" for n in ("bare", "built", "hero", "shot", "out"))
+@pytest.fixture(scope="module")
+def built(samples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a rigged character whose motion lies on its controls, and one without a rig."""
+    folder = tmp_path_factory.mktemp("rigged")
+    bare, rigged, hero = (folder / f"{name}.usda" for name in ("bare", "rigged", "hero"))
     bare.write_bytes((samples / "biped.usda").read_bytes())
-    cli("add-controls", bare, "-o", built, "--whole-character", code=0)
-    cli("bake", built, "--to", "controls", "-o", hero, code=0)
-    head = "".join(line for line in bare.read_text().split(")")[0].splitlines(True) if "PerSecond" in line)
-    arcs = {"A": "hero.usda", "B": other}
-    prims = (f'def "{name}" (references = @./{file}@) {{}}\n' for name, file in arcs.items())
-    shot.write_text(f'#usda 1.0\n(\n    upAxis = "Y"\n{head})\n' + "".join(prims))
+    cli("add-controls", bare, "-o", rigged, "--whole-character", code=0)
+    cli("bake", rigged, "--to", "controls", "-o", hero, code=0)
+    return folder
+
+
+def referenced(name: str, file: str = "hero.usda", more: str = "", body: str = "") -> str:
+    return f'def "{name}" (references = @./{file}@ {more}) {{\n{body}\n}}\n'
+
+
+def shown(path: Path) -> dict[tuple[str, float], Any]:
+    """The points of all meshes and curves that skeletons move, at every sample, as UsdSkel bakes them."""
+    stage = Usd.Stage.Open(str(path))
+    while instances := [prim for prim in stage.Traverse() if prim.IsInstance()]:
+        for prim in instances:
+            prim.SetInstanceable(False)
+    times = sorted(
+        {
+            time
+            for prim in stage.Traverse()
+            if prim.IsA(UsdSkel.Animation)
+            for time in UsdSkel.Animation(prim).GetRotationsAttr().GetTimeSamples()
+        }
+    )
+    assert UsdSkel.BakeSkinning(stage.Traverse(), Gf.Interval.GetFullInterval())
+    return {
+        (str(prim.GetPath()), time): np.array(UsdGeom.PointBased(prim).GetPointsAttr().Get(time))
+        for prim in stage.Traverse()
+        if prim.IsA(UsdGeom.Mesh)
+        for time in times
+    }
+
+
+SHOTS = {
+    "once": (referenced("A"), 1),
+    "twice": (referenced("A") + referenced("B"), 2),
+    "beside another": (referenced("B", "bare.usda") + referenced("A"), 1),
+    "payload": (referenced("A").replace("references", "payload"), 1),
+    "deep": (f'def Xform "Set" {{\n{referenced("A")}def Xform "Row" {{\n{referenced("B")}}}\n}}\n', 2),
+    "variant": (
+        'def "A" (variants = {string lod = "high"}\nprepend variantSets = "lod") {\nvariantSet "lod" = {\n'
+        '"high" (references = @./hero.usda@) {}\n"low" (references = @./bare.usda@) {}\n}\n}\n',
+        1,
+    ),
+    "instances": (
+        referenced("A", more="\ninstanceable = true")
+        + referenced(
+            "B",
+            more="\ninstanceable = true",
+            body="double3 xformOp:translate = (300, 0, 0)\n"
+            'uniform token[] xformOpOrder = ["xformOp:translate"]',
+        ),
+        2,
+    ),
+}
+
+
+@pytest.mark.parametrize("text", SHOTS)
+def test_a_composed_rig_bakes_as_the_rig_that_it_refers_to(text: str, built: Path) -> None:
+    """Into the shot's own layer, for each reference by itself."""
+    head = "".join(
+        line for line in (built / "bare.usda").read_text().splitlines(True)[:12] if "PerSecond" in line
+    )
+    prims, count = SHOTS[text]
+    shot, out = built / f"shot {text}.usda", built / f"out {text}.usda"
+    shot.write_text(f'#usda 1.0\n(\n    upAxis = "Y"\n{head})\n{prims}')
+    before = (built / "hero.usda").read_bytes()
     printed = cli("bake", shot, "--to", "joints", "-o", out, code=0).output
-    alone = cli("bake", hero, "--to", "joints", "--dry-run", code=0).output
-    nodes = [int(text.split(" keys for ")[1].split()[0]) for text in (printed, alone)]
-    assert nodes[0] == nodes[1] * (2 if other == "hero.usda" else 1)
+    alone = cli("bake", built / "hero.usda", "--to", "joints", "--dry-run", code=0).output
+    nodes = [int(line.split(" keys for ")[1].split()[0]) for line in (printed, alone)]
+    assert nodes[0] == nodes[1] * count
     cli("verify", shot, out, code=0)
+    assert (built / "hero.usda").read_bytes() == before
+    one, other = shown(shot), shown(out)
+    assert one.keys() == other.keys()
+    size = max(np.abs(points).max() for points in one.values())
+    assert max(np.abs(one[key] - other[key]).max() for key in one) <= 1e-5 * size
+
+
+def test_references_survive_another_name_of_the_prim_that_is_referenced(built: Path) -> None:
+    """Their texts name what is not there any more; relationships are remapped."""
+    shot = built / "renamed.usda"
+    stage = Usd.Stage.CreateNew(str(shot))
+    # Below a prim that has the joint names as well, and so is as near.
+    for name in ("Left", "Right"):
+        stage.DefinePrim(f"/{name}").GetReferences().AddReference("./hero.usda")
+    stage.Save()
+    rig = read(shot).rig
+    for node, record in rig.records(ControlRecord).items():
+        joint = rig.known(record.joint)
+        assert joint is not None
+        assert rig.is_joint[joint]
+        assert rig.labels[node].split("/")[1] == str(rig.keys[joint][1]).split("/")[1]
+
+
+def test_the_targets_of_constraints_are_relationships(built: Path) -> None:
+    stage = Usd.Stage.Open(str(built / "rigged.usda"))
+    control = next(p for p in stage.Traverse() if p.GetAttribute("rigtri:chain").Get())
+    (skeleton,) = (p.GetPath() for p in stage.Traverse() if p.IsA(UsdSkel.Skeleton))
+    assert control.GetRelationship("rigtri:joint:target").GetTargets() == [skeleton]
+    assert control.GetRelationship("rigtri:chain:target").GetTargets() == [skeleton]
+    # All three are joints of one skeleton.
+    assert control.GetAttribute("rigtri:chain:indices").Get() is None
+    out, drivers = built / "constrained.usda", ["--driver", "head", "--driver", control.GetName()]
+    rule = ["--type", "parent", "--child", "staff", *drivers]
+    cli("constrain", built / "rigged.usda", "-o", out, *rule, code=0)
+    stage = Usd.Stage.Open(str(out))
+    constraint = next(p for p in stage.Traverse() if p.GetAttribute("rigtri:offsets").Get())
+    targets = [skeleton, control.GetPath()]
+    assert constraint.GetRelationship("rigtri:drivers:target").GetTargets() == targets
+    assert list(constraint.GetAttribute("rigtri:drivers:indices").Get()) == [0, 1]
+    assert constraint.GetAttribute("rigtri:offsets").GetTypeName() == "matrix4d[]"
+    assert constraint.GetAttribute("rigtri:weights").GetTypeName() == "double[]"
+
+
+def test_influences_above_controls_do_not_move_their_curves(tmp_path: Path) -> None:
+    rigid = "\n".join(
+        [
+            "rel skel:skeleton = </Root/Skel>",
+            "int[] primvars:skel:jointIndices = [2] (",
+            'elementSize = 1\ninterpolation = "constant"\n)',
+            "float[] primvars:skel:jointWeights = [1] (",
+            'elementSize = 1\ninterpolation = "constant"\n)',
+        ]
+    )
+    source, out = save(tmp_path, scene(rigid, skeleton(), animation(), MESH)), tmp_path / "out.usda"
+    cli("add-controls", source, "-o", out, "--joints", "*", code=0)
+    stage = Usd.Stage.Open(str(out))
+    curves = {p.GetPath(): p for p in stage.Traverse() if p.IsA(UsdGeom.BasisCurves)}
+    assert curves
+    assert not {Sdf.Path(path) for path in skinned(stage, Usd.TimeCode(3))} & curves.keys()
+    assert {UsdGeom.Imageable(p).ComputePurpose() for p in curves.values()} == {"guide"}
+    assert not usd_errors(out) - usd_errors(source)

@@ -171,14 +171,22 @@ def remove_properties(prim: Any, *names: str) -> Edit:
 
 def bind_animation(skeleton: str, animation: str) -> list[Edit]:
     """Let a skeleton be driven by an animation: its binding, and the schema that UsdSkel requires."""
+    return _bind(skeleton, SOURCE, [animation])
 
+
+def bind_skeleton(prim: str, skeletons: Sequence[str]) -> list[Edit]:
+    """Bind all below a prim to a skeleton; to none, so that nothing moves by influences of prims above."""
+    return _bind(prim, "skel:skeleton", skeletons)
+
+
+def _bind(path: str, name: str, targets: Sequence[str]) -> list[Edit]:
     def edit(layer: Any) -> None:
-        prim = Sdf.CreatePrimInLayer(layer, skeleton)
-        relation = prim.relationships.get(SOURCE) or Sdf.RelationshipSpec(prim, SOURCE, custom=False)
+        prim = Sdf.CreatePrimInLayer(layer, path)
+        relation = prim.relationships.get(name) or Sdf.RelationshipSpec(prim, name, custom=False)
         relation.targetPathList.ClearEditsAndMakeExplicit()
-        relation.targetPathList.explicitItems = [animation]
+        relation.targetPathList.explicitItems = list(targets)
 
-    return [Edit(Sdf.Path(skeleton), edit), apply_schema(skeleton, "SkelBindingAPI")]
+    return [Edit(Sdf.Path(path), edit), apply_schema(path, "SkelBindingAPI")]
 
 
 def free_path(parent: Any, name: str, taken: Callable[[Any], Any]) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rigtri.formats.usd.opinions.edits import remove_properties, set_attributes
+from rigtri.formats.usd.opinions.reference_edits import portable
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading import metadata_attributes
 from rigtri.model.metadata import illegible
@@ -18,7 +19,7 @@ def write_joint_metadata(edit: UsdEdit) -> None:
         if dict(metadata) != dict(before.metadata.get(node, {})):
             changed.add(path)
         if metadata:
-            by_skeleton.setdefault(path, {})[token] = metadata
+            by_skeleton.setdefault(path, {})[token] = portable(rig, metadata, path)
     for path in sorted(changed):
         # An attribute is written as a whole, with what other versions of rigtri have stored.
         for token, metadata in metadata_attributes.read_joints(edit.source.stage.GetPrimAtPath(path)).items():

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from itertools import chain
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, UsdGeom, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
@@ -15,12 +15,14 @@ from rigtri.formats.usd.composition.stage import refuse, why_locked
 from rigtri.formats.usd.opinions.edits import (
     Edit,
     apply_schema,
+    bind_skeleton,
     define,
     free_path,
     remove_properties,
     set_attributes,
     set_value,
 )
+from rigtri.formats.usd.opinions.reference_edits import portable, reference_edits
 from rigtri.formats.usd.opinions.skeleton_edits import set_joints
 from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, set_transform
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
@@ -40,8 +42,6 @@ from rigtri.model.skin import Skin
 
 # The Scope that holds rigtri's prims; it has no transform, so it is not Xformable to USD.
 GROUP = "rigtri"
-# What a constraint follows, for USD's own tools; joints are no prims, `rigtri:drivers` names all.
-SOURCE = "rigtri:source"
 
 
 def write_rigtri_prims(edit: UsdEdit) -> None:
@@ -56,13 +56,21 @@ def write_rigtri_prims(edit: UsdEdit) -> None:
     additions = _Additions(source, rig)
     edit.values += additions.edits()
     edit.values += _removals(source, rig)
-    # Renaming comes last: all other edits know a prim by the path it had.
-    edit.values += _renamings(source.rig, rig, additions.paths)
+    # Renaming comes behind all edits that know a prim by the path it had.
+    renamed = _renamed(source.rig, rig)
+    edit.values += [_rename(str(path), name) for path, name in renamed.items()]
+
+    def now(path: Any) -> Any:
+        for old, name in renamed.items():
+            path = path.ReplacePrefix(old, old.GetParentPath().AppendChild(name))
+        return path
+
+    edit.values += reference_edits(source, rig, additions.paths, additions.skeletons, now)
 
 
-def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
-    """Prims of rigtri with other names, deepest first, and what relates to them. made: paths of new prims."""
-    renamed = {
+def _renamed(before: Rig, rig: Rig) -> dict[Any, str]:
+    """The new names of prims of rigtri that have others, by path, deepest first."""
+    return {
         Sdf.Path(before.labels[node]): Tf.MakeValidIdentifier(rig.names[node])
         for node, key in reversed(list(enumerate(before.keys)))
         if kind(key) == "prim"
@@ -70,19 +78,6 @@ def _renamings(before: Rig, rig: Rig, made: Mapping[int, Any]) -> list[Edit]:
         and is_rigtri_prim(before, node)
         and before.names[node] != rig.names[node]
     }
-
-    def now(path: Any) -> Any:
-        for old, name in renamed.items():
-            path = path.ReplacePrefix(old, old.GetParentPath().AppendChild(name))
-        return path
-
-    found = [_rename(str(path), name) for path, name in renamed.items()]
-    for node, metadata in rig.metadata.items():
-        paths = _prims(rig, metadata, made)
-        own = made.get(node) or (Sdf.Path(rig.labels[node]) if rig.labels[node] else None)
-        if own is not None and list(map(now, paths)) != paths:
-            found += _relations(now(own), metadata, list(map(now, paths)))
-    return found
 
 
 def _tracks(rig: Rig, node: int) -> list[Track]:
@@ -113,13 +108,7 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             continue
         path, metadata = before.labels[node], rig.metadata.get(node, {})
         if dict(metadata) != dict(before.metadata.get(node, {})):
-            old, new = (
-                attributes_of(before.metadata.get(node, {})),
-                attributes_of(metadata),
-            )
-            found += [remove_properties(path, name) for name in old if name not in new]
-            found += set_attributes(path, {k: v for k, v in new.items() if old.get(k) != v})
-            found += _relations(path, metadata, _prims(rig, metadata, {}))
+            found += _update_metadata(source, rig, node)
         if not sets_transform(before, rig, node):
             continue
         if node in rig.pending.shapes:
@@ -135,6 +124,21 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             if isinstance(record, PoseWeightRecord) and record.attribute:
                 found += _values(rig, node, rig.labels[rig.find(record.control, "node")])
     return found
+
+
+def _update_metadata(source: Source, rig: Rig, node: int) -> list[Edit]:
+    """Edits of the attributes of a prim of which other metadata say another value, or nothing."""
+    path, old, new = source.rig.labels[node], source.rig.metadata.get(node, {}), rig.metadata.get(node, {})
+    before, after = (attributes_of(portable(r, stored)) for r, stored in ((source.rig, old), (rig, new)))
+    gone = [name for name in before if name not in after]
+    # What an older version has written with other types of values.
+    changed = {str(key) for key in {*old, *new} if old.get(key) != new.get(key)}
+    for written in source.stage.GetPrimAtPath(path).GetAuthoredPropertiesInNamespace("rigtri"):
+        name = str(written.GetName())
+        if name not in after and name.split(":")[1] in changed and isinstance(written, Usd.Attribute):
+            gone.append(name)
+    found: list[Edit] = [remove_properties(path, name) for name in dict.fromkeys(gone)]
+    return found + set_attributes(path, {k: v for k, v in after.items() if before.get(k) != v})
 
 
 def _removals(source: Source, rig: Rig) -> list[Edit]:
@@ -168,6 +172,7 @@ class _Additions:
         self.source, self.rig = source, rig
         self.world = rig.world
         self.paths: dict[int, Any] = {}
+        self.skeletons: dict[int, Any] = {}  # the paths of those of new joints
         self.made: dict[Any, list[Edit]] = {}
         self.taken: set[Any] = set()
 
@@ -207,7 +212,9 @@ class _Additions:
         rest = self.rig.local[skin.joints]
         roots = [k for k, joint in enumerate(joints) if int(self.rig.parents[joint]) not in joints]
         rest[roots] = multiply(self.world[skin.joints[roots]], inverse(above))
-        return _define_skeleton(self._free(parent, skin.name or "skeleton"), skin, self.rig, rest)
+        path = self._free(parent, skin.name or "skeleton")
+        self.skeletons |= dict.fromkeys(joints, path)
+        return _define_skeleton(path, skin, self.rig, rest)
 
     def _locator(self, node: int) -> list[Edit]:
         parent, above = self._parent(node)
@@ -217,8 +224,7 @@ class _Additions:
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         metadata = self.rig.metadata.get(node, {})
         found = [define(path, "Xform"), *set_transform(path, local, _tracks(self.rig, node))]
-        found += set_attributes(path, attributes_of(metadata))
-        found += _relations(path, metadata, _prims(self.rig, metadata, self.paths))
+        found += set_attributes(path, attributes_of(portable(self.rig, metadata)))
         if "attribute" in metadata:
             control = self.rig.find(str(metadata["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
@@ -239,11 +245,8 @@ class _Additions:
         """The top-level prim that holds the skeleton a node is about."""
         rig, metadata = self.rig, self.rig.metadata.get(node, {})
         joints = metadata.get("chain", [metadata["child"]] if metadata.get("type") == "constraint" else [])
-        about = [
-            parts(rig.keys[joint])[1]
-            for joint in range(len(self.source.rig))
-            if joints and kind(rig.keys[joint]) == "joint" and joints[0] in _addresses(rig, joint)
-        ]
+        joint = rig.known(joints[0]) if joints else None
+        about = [parts(rig.keys[joint])[1]] if joint is not None and kind(rig.keys[joint]) == "joint" else []
         if not about:
             about = list(self.source.skeletons) or [parts(s.key)[1] for s in rig.skins if parts(s.key)]
         default = self.source.stage.GetDefaultPrim()
@@ -269,6 +272,8 @@ class _Additions:
                 *set_attributes(path, attributes_of({"v": 1, "type": "group", **metadata})),
                 apply_schema(path, api_name("group")),
             ]
+            if top is not None and stage.GetPrimAtPath(top).IsA(UsdSkel.Root):
+                self.made[path] += bind_skeleton(str(path), [])
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
         return path, above
@@ -311,38 +316,6 @@ def _define_skeleton(path: Any, skin: Skin, rig: Rig, rest: Floats) -> list[Edit
         *set_joints(path, list(tokens.values()), inverse(skin.inverse_bind), rest),
         *set_attributes(path, joint_attributes(by_token)),
     ]
-
-
-def _prims(rig: Rig, metadata: Mapping[str, Any], made: Mapping[int, Any]) -> list[Any]:
-    """The prims among a constraint's drivers."""
-    found = []
-    for name in metadata.get("drivers", ()):
-        node = rig.known(name)
-        if node is not None and node in made:
-            found.append(made[node])
-        elif node is not None and kind(rig.keys[node]) == "prim":
-            found.append(Sdf.Path(rig.labels[node]))
-    return found
-
-
-def _relations(path: Any, metadata: Mapping[str, Any], targets: list[Any]) -> list[Edit]:
-    """The relationship of a constraint to its drivers; none for other metadata."""
-    if metadata.get("type") != "constraint":
-        return []
-
-    def edit(layer: Any) -> None:
-        spec = Sdf.CreatePrimInLayer(layer, path)
-        if SOURCE in spec.relationships:
-            del spec.properties[SOURCE]
-        if targets:
-            relation = Sdf.RelationshipSpec(spec, SOURCE, custom=True)
-            relation.targetPathList.explicitItems = targets
-
-    return [Edit(Sdf.Path(path), edit)]
-
-
-def _addresses(rig: Rig, node: int) -> tuple[str, ...]:
-    return (rig.names[node], rig.labels[node], parts(rig.keys[node])[2])
 
 
 def _rename(path: str, name: str) -> Edit:

@@ -1,27 +1,32 @@
 """What rigtri knows about a prim or joint, as ``rigtri:*`` attributes, and back.
 
-The metadata of a node are a plain JSON object. On prims its keys are custom attributes with
-fitting types, which USD tools show and Blender imports as custom properties
-(`userProperties:` twins included); objects become namespaces. Those of joints,
+The metadata of a node are a plain JSON object. On prims its keys are custom attributes of
+the types of their records (`rigtri.model.metadata`), which USD tools show and Blender imports as custom
+properties (`userProperties:` twins included); objects become namespaces, and lists of objects
+namespaces `_0`, `_1` and so on. Those of joints,
 which are no prims, are JSON texts in an attribute of the Skeleton. What USD has no
-type for (lists of objects) is kept as JSON text under the extra name ``json``.
+type for is kept as JSON text under the extra name ``json``.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
 
 from pxr import Gf, Sdf, Tf, Vt
 
+from rigtri.model import metadata as records
+from rigtri.model.metadata import RECORDS, REFERENCES, Place, Stored
+
 PREFIX = "rigtri:"
 TWIN = "userProperties:"
+# Behind the attribute of a reference to a node: its prim, or those of a list, and which one each means.
+TARGET, INDICES = ":target", ":indices"
 # Words from a fixed list are tokens, in USD's own way; all other words are strings.
 TOKENS = ("type",)
-# Numbers that are no vector where there happen to be three.
-ARRAYS = ("weights",)
 # On a Skeleton: which joints have metadata, and the metadata.
 JOINT_NOTES = ("rigtri:joints", "rigtri:jointNotes")
 
@@ -31,6 +36,17 @@ Metadata = Mapping[str, Any]
 def api_name(kind: str) -> str:
     """The applied API schema of a type of metadata: ``RigtriPoleVectorAPI`` for ``poleVector``."""
     return f"Rigtri{kind[0].upper()}{kind[1:]}API"
+
+
+def attribute_name(place: Place) -> tuple[str, int]:
+    """The attribute of a reference (`with_references`) and, in a list of them, its number; else 0."""
+    number = place[-1] if isinstance(place[-1], int) else 0
+    steps = place[:-1] if isinstance(place[-1], int) else place
+    return PREFIX + ":".join(_step(step) for step in steps), int(number)
+
+
+def _step(step: str | int) -> str:
+    return f"_{step}" if isinstance(step, int) else str(Tf.MakeValidIdentifier(step))
 
 
 def read_prim(prim: Any) -> dict[str, Any]:
@@ -43,6 +59,8 @@ def read_prim(prim: Any) -> dict[str, Any]:
         value = attribute.Get() if hasattr(attribute, "Get") else None
         if value is not None and attribute.GetName() not in JOINT_NOTES:
             *spaces, key = attribute.GetName().split(":")[1:]
+            if spaces and spaces[-1] in REFERENCES and key == INDICES[1:]:
+                continue
             place = metadata
             for space in spaces:
                 if not isinstance(place.get(space), dict):
@@ -77,21 +95,92 @@ def joint_attributes(by_token: Mapping[str, Metadata]) -> dict[str, tuple[Any, A
     }
 
 
-def attributes_of(metadata: Metadata, prefix: str = PREFIX) -> dict[str, tuple[Any, Any]]:
+def attributes_of(metadata: Metadata) -> dict[str, tuple[Any, Any]]:
     """Metadata as attributes: name → (type, value), with readable twins for words and lists."""
-    found: dict[str, tuple[Any, Any]] = {}
+    kind = metadata.get("type")
+    record = RECORDS.get(kind) if isinstance(kind, str) else None
+    found = dict(_attributes(metadata, record, PREFIX))
     for key, value in metadata.items():
-        name = prefix + Tf.MakeValidIdentifier(key)
-        value = _packed(value)
-        if isinstance(value, Mapping):
-            found.update(attributes_of(value, f"{name}:"))
-            continue
-        found[name] = _typed(key, value)
-        if prefix == PREFIX and isinstance(value, str):
-            found[TWIN + name.replace(":", "_")] = (Sdf.ValueTypeNames.String, value)
-        elif prefix == PREFIX and _all(value, str):
-            found[TWIN + name.replace(":", "_")] = (Sdf.ValueTypeNames.String, ", ".join(value))
+        name = PREFIX + _step(key)
+        if isinstance(value, str) or (isinstance(value, list | tuple) and _all(value, str)):
+            text = value if isinstance(value, str) else ", ".join(value)
+            found[TWIN + name.replace(":", "_")] = (Sdf.ValueTypeNames.String, text)
     return found
+
+
+def _attributes(
+    metadata: Metadata, record: type[Stored] | None, prefix: str
+) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    kinds = {} if record is None else records.kinds(record)
+    for key, value in metadata.items():
+        name, kind = prefix + _step(key), kinds.get(key)
+        items = _items(kind)
+        if items is not None and _all(value, Mapping) and value:
+            for number, item in enumerate(value):
+                yield from _attributes(item, items, f"{name}:{_step(number)}:")
+            continue
+        known = _known(kind, value)
+        packed = value if known else _packed(value)
+        if isinstance(packed, Mapping):
+            yield from _attributes(packed, None, f"{name}:")
+        else:
+            yield name, known or _typed(key, packed)
+
+
+def _items(kind: Any) -> type[Stored] | None:
+    """The records of which an annotation is a list; None for any other."""
+    inner = get_args(kind)[:1] if get_origin(kind) is tuple else ()
+    return next((one for one in inner if isinstance(one, type) and issubclass(one, Stored)), None)
+
+
+def _matrices(value: list[float]) -> Any:
+    rows = [value[start : start + 4] for start in range(0, len(value), 4)]
+    return Vt.Matrix4dArray([Gf.Matrix4d(*rows[k : k + 4]) for k in range(0, len(rows), 4)])
+
+
+_SMALL = 2**31
+_types = Sdf.ValueTypeNames
+# For lists of numbers of an annotation: which fit, their type, and what makes a value of them.
+_LISTS: Mapping[Any, tuple[Callable[[list[float]], bool], Any, Callable[[list[float]], Any]]] = {
+    records.Triple: (lambda value: len(value) == 3, _types.Double3, lambda value: Gf.Vec3d(*value)),
+    records.Quaternion: (
+        lambda value: len(value) == 4,
+        _types.Quatd,
+        lambda value: Gf.Quatd(value[3], *value[:3]),
+    ),
+    records.Matrices: (
+        lambda value: len(value) % 16 == 0,
+        _types.Matrix4dArray,
+        _matrices,
+    ),
+    tuple[float, ...]: (lambda _: True, _types.DoubleArray, Vt.DoubleArray),
+    tuple[int, ...]: (
+        lambda value: all(number == number // 1 and abs(number) < _SMALL for number in value),
+        _types.IntArray,
+        lambda value: Vt.IntArray([int(number) for number in value]),
+    ),
+}
+
+
+def _known(kind: Any, value: Any) -> tuple[Any, Any] | None:
+    """A list of numbers in the type of its annotation; None for other values."""
+    if not _all(value, (int, float)):
+        return None
+    for fits, type_name, made in (_LISTS[one] for one in (kind, *get_args(kind)) if one in _LISTS):
+        if fits(value):
+            return type_name, made([float(number) for number in value])
+    return None
+
+
+def usd_type(kind: Any) -> str:
+    """The USD type of what an annotation allows; "" where there are several, or namespaces hold it."""
+    plain = {bool: _types.Bool, int: _types.Int, float: _types.Double, str: _types.String}
+    lists = {one: name for one, (_, name, _) in _LISTS.items()}
+    types = {**plain, **lists, records.Names: _types.TokenArray}
+    if get_origin(kind) is Literal or kind in types:
+        return str(types.get(kind, _types.String))
+    found = {usd_type(one) for one in get_args(kind) if one is not type(None)}
+    return found.pop() if get_origin(kind) in (Union, UnionType) and len(found) == 1 else ""
 
 
 def _typed(key: str, value: Any) -> tuple[Any, Any]:
@@ -106,7 +195,7 @@ def _typed(key: str, value: Any) -> tuple[Any, Any]:
         return (types.Token if key in TOKENS else types.String), value
     if _all(value, str):
         return types.TokenArray, Vt.TokenArray(list(value))
-    if len(value) == 3 and key not in ARRAYS:
+    if len(value) == 3:
         return types.Double3, Gf.Vec3d(*map(float, value))
     return types.DoubleArray, Vt.DoubleArray([float(number) for number in value])
 
@@ -117,7 +206,7 @@ def _packed(value: Any) -> Any:
         return value if value else {"json": "{}"}
     if isinstance(value, bool | float | str):
         return value
-    if isinstance(value, int) and -(2**31) <= value < 2**31:
+    if isinstance(value, int) and -_SMALL <= value < _SMALL:
         return value
     if isinstance(value, list | tuple) and (_all(value, str) or (value and _all(value, (int, float)))):
         return value
@@ -125,13 +214,15 @@ def _packed(value: Any) -> Any:
 
 
 def _unpacked(value: Any) -> Any:
-    if isinstance(value, dict):
-        if set(value) == {"json"} and isinstance(value["json"], str):
-            with suppress(ValueError, RecursionError):
-                return json.loads(value["json"])
-            return None
-        return {key: _unpacked(item) for key, item in value.items()}
-    return value
+    if not isinstance(value, dict):
+        return value
+    if set(value) == {"json"} and isinstance(value["json"], str):
+        with suppress(ValueError, RecursionError):
+            return json.loads(value["json"])
+        return None
+    if set(value) == {_step(number) for number in range(len(value))}:
+        return [_unpacked(value[_step(number)]) for number in range(len(value))]
+    return {key: _unpacked(item) for key, item in value.items()}
 
 
 def _plain(value: Any) -> Any:
@@ -139,6 +230,10 @@ def _plain(value: Any) -> Any:
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, bool | int | float | str):
         return value
+    if isinstance(value, Gf.Quatd | Gf.Quatf):
+        return [*value.GetImaginary(), value.GetReal()]
+    if isinstance(value, Vt.Matrix4dArray):
+        return [number for matrix in value for row in matrix for number in row]
     with suppress(TypeError):  # of a type without items
         return [item if isinstance(item, bool | int | float | str) else None for item in value]
     return None

@@ -1,29 +1,70 @@
 """Which nodes the metadata of rigtri refer to, on a stage that may be composed of many files.
 
-Metadata name joints and controls as they are called in the file that rigtri wrote. A stage that refers to
-it more than once, or to another character of the same joints, has several nodes of that name; the one
-that is meant is the nearest to what has the metadata. Here names become addresses that no other node has.
+A prim refers to others by relationships, which composition carries along: `rigtri:KEY:target` has the
+prims, `rigtri:KEY:indices` which of them each reference means (where there are several), and of a Skeleton
+`rigtri:KEY` names the joint. Metadata of joints, and files of older versions, have names alone: one that
+several nodes have means the nearest to what has the metadata. Here names become addresses that no other
+node has.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import takewhile
 from typing import Any
 
+from rigtri.formats.usd.reading.metadata_attributes import INDICES, PREFIX, TARGET, attribute_name
 from rigtri.formats.usd.reading.node_keys import kind, parts
-from rigtri.model.metadata import REFERENCES
+from rigtri.model.metadata import Place, with_references
 from rigtri.model.rig import Rig
 
 
-def with_references(rig: Rig) -> Rig:
-    """The rig with metadata whose names of nodes are found where several nodes are called so."""
+def resolved(rig: Rig, stage: Any) -> Rig:
+    """The rig with metadata that address the nodes of a stage that they mean."""
     if not rig.metadata:
         return rig
     found = _Finder(rig)
-    metadata = {node: found.resolved(node, "", stored) for node, stored in rig.metadata.items()}
+    metadata = {}
+    for node, stored in rig.metadata.items():
+        is_prim = kind(rig.keys[node]) == "prim"
+        targets = read_targets(stage.GetPrimAtPath(parts(rig.keys[node])[1])) if is_prim else {}
+        metadata[node] = with_references(stored, _Meaning(found, node, targets))
     return replace(rig, metadata=metadata)
+
+
+def read_targets(prim: Any) -> dict[str, list[str]]:
+    """The prims that a prim's metadata refer to: for each attribute the path of each of its references."""
+    found = {}
+    for relation in prim.GetAuthoredPropertiesInNamespace(PREFIX.rstrip(":")):
+        name, is_target, _ = relation.GetName().rpartition(TARGET)
+        if is_target and hasattr(relation, "GetTargets"):
+            paths = [str(path) for path in relation.GetTargets()]
+            indices = prim.GetAttribute(name + INDICES).Get() if prim.HasAttribute(name + INDICES) else None
+            found[name] = paths if indices is None else [_at(paths, index) for index in indices]
+    return found
+
+
+def _at(paths: Sequence[str], index: Any) -> str:
+    return paths[index] if isinstance(index, int) and 0 <= index < len(paths) else ""
+
+
+class _Meaning:
+    """The addresses that the references of one node mean. targets: what `read_targets` gives of it."""
+
+    def __init__(self, finder: _Finder, node: int, targets: Mapping[str, Sequence[str]]) -> None:
+        self.finder, self.node, self.targets = finder, node, targets
+
+    def __call__(self, place: Place, name: str) -> str:
+        attribute, number = attribute_name(place)
+        paths = self.targets.get(attribute, ())
+        # One prim is what all references mean.
+        path = paths[0] if len(paths) == 1 else _at(paths, number)
+        found = self.finder.at(path, name)
+        rig = self.finder.rig
+        if found is None:
+            return name if rig.known(name) is not None else self.finder.nearest(self.node, name)
+        return name if rig.known(name) == found else rig.address(found)
 
 
 class _Finder:
@@ -32,23 +73,32 @@ class _Finder:
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
         self.names: dict[str, set[int]] = {}
+        self.prims: dict[str, int] = {}
         for node, key in enumerate(rig.keys):
+            if kind(key) == "prim":
+                self.prims[parts(key)[1]] = node
             token = parts(key)[2:] if kind(key) == "joint" else ()
-            for name in (rig.names[node], *token):
+            label = rig.labels[node].rpartition(":")[2]
+            for name in {rig.names[node], label, *token}:
                 self.names.setdefault(name, set()).add(node)
 
-    def resolved(self, node: int, key: str, value: Any) -> Any:
-        """A value of a node's metadata, with addresses for names that several nodes have."""
-        if isinstance(value, str):
-            several = value and key in REFERENCES and self.rig.known(value) is None
-            return self._nearest(node, value) if several else value
-        if isinstance(value, Mapping):
-            return {inner: self.resolved(node, inner, item) for inner, item in value.items()}
-        if isinstance(value, list):
-            return [self.resolved(node, key, item) for item in value]
-        return value
+    def at(self, path: str, name: str) -> int | None:
+        """The joint of a name in the Skeleton at a path, else the prim there; None where there is none."""
+        if path not in self.prims:
+            return None
+        # A path of names or of the skeleton is one of the file that had it first; its last step is the joint.
+        token = name.partition(":")[2] or name if name.startswith("/") else name
+        for called in (token, token.rpartition("/")[2]):
+            joints = [node for node in self.names.get(called, ()) if self._skeleton(node) == path]
+            if len(joints) == 1:
+                return joints[0]
+        return self.prims[path]
 
-    def _nearest(self, node: int, name: str) -> str:
+    def _skeleton(self, node: int) -> str:
+        key = self.rig.keys[node]
+        return str(parts(key)[1]) if kind(key) == "joint" else ""
+
+    def nearest(self, node: int, name: str) -> str:
         """The address of the node of a name that shares the most steps with a node, else the name."""
         own = self._place(node)
         shared = {there: _shared(own, self._place(there)) for there in self.names.get(name, ())}

@@ -22,7 +22,7 @@ from rigtri.formats.usd.reading.animation_reader import (
     interpolation_of,
     read_animation,
 )
-from rigtri.formats.usd.reading.node_references import with_references
+from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
 from rigtri.formats.usd.reading.source import Source
@@ -68,7 +68,7 @@ class _Reader:
         rig = self.nodes.rig()
         skins = tuple(self._skin(skeleton) for skeleton in self.skeletons.values())
         rig = _mirrored_as_keyed(replace(rig, clips=tuple(self._clips()), skins=skins))
-        rig = with_references(rig)
+        rig = resolved(rig, self.stage)
         if self.options.root is not None:
             rig = rooted(rig, self.stage, self.options.root, self.interpolation, self.warnings)
         rules = replace(
