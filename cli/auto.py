@@ -14,6 +14,7 @@ from rigtri.report import Report
 from . import output_file
 from .build import step_lines, steps_of
 from .editing import edit_request, run
+from .help_format import Command, option
 from .options import (
     dry_run_option,
     output_options,
@@ -39,23 +40,25 @@ if TYPE_CHECKING:
 SUFFIX = ".rig.yaml"
 
 
-@click.command("auto")
+@click.command("auto", cls=Command)
 @source_argument
 @target_option
 @preset_option("Axes of the joints. [article; vrm where a file allows no others]")
-@click.option(
+@option(
     "--spec-out",
     metavar="FILE.yaml",
     type=click.Path(dir_okay=False),
     help=f"Where to write the spec of the build. [OUT's name with {SUFFIX}]",
+    group="output",
 )
-@click.option("--no-spec", is_flag=True, help="Write no spec.")
+@option("--no-spec", is_flag=True, help="Write no spec.", group="output")
 @scheme_option
-@click.option(
+@option(
     "--picture",
     metavar="FILE.svg",
     type=click.Path(dir_okay=False),
     help="Draw the skeleton before and after, as .svg or .png; also with --dry-run.",
+    group="output",
 )
 @reading_options
 @tolerance_option()

@@ -16,6 +16,7 @@ from rigtri.errors import FileError, UsageError
 from . import INTERRUPTED, batch_engine, batch_job, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_option, spec_tolerance_option
+from .help_format import Command, option
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
 from .text import plain
@@ -31,73 +32,106 @@ if TYPE_CHECKING:
 SOME_FAILED = 7
 
 
-@click.command("batch")
+@click.command("batch", cls=Command)
 @click.argument("inputs", metavar="IN…", nargs=-1)
 @spec_option
 @set_option
-@click.option(
+@option(
     "-O",
     "--out-dir",
     metavar="DIR",
     type=click.Path(),
     help="Folder of the outputs, which keep the folder tree.",
+    group="output",
 )
-@click.option(
+@option(
     "--base",
     metavar="DIR",
     type=click.Path(),
     help="The folder whose tree is kept. [the fixed part of a pattern]",
+    group="output",
+    rare=True,
 )
-@click.option(
-    "--job", metavar="FILE.jsonl", type=click.Path(), help="Inputs with outputs and variables of their own."
+@option(
+    "--job",
+    metavar="FILE.jsonl",
+    type=click.Path(),
+    help="Inputs with outputs and variables of their own.",
+    group="what",
 )
-@click.option(
+@option(
     "--manifest",
     metavar="FILE.sqlite",
     type=click.Path(),
     help="File that records what was done. [rigtri-batch.sqlite in DIR]",
+    group="output",
 )
-@click.option("--log", metavar="FILE.jsonl", type=click.Path(), help="Add a line of JSON for each file.")
-@click.option("-j", "--jobs", type=click.IntRange(1, 1024), help="Number of processes. [one per core]")
-@click.option(
+@option(
+    "--log",
+    metavar="FILE.jsonl",
+    type=click.Path(),
+    help="Add a line of JSON for each file.",
+    group="output",
+    rare=True,
+)
+@option("-j", "--jobs", type=click.IntRange(1, 1024), help="Number of processes. [one per core]", group="how")
+@option(
     "--timeout",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
     help="Time limit for one file.",
+    group="safety",
 )
-@click.option(
-    "--max-memory", type=Bytes(), metavar="SIZE", help="Memory limit for one file, e.g. 2G (Linux)."
+@option(
+    "--max-memory",
+    type=Bytes(),
+    metavar="SIZE",
+    help="Memory limit for one file, e.g. 2G (Linux).",
+    group="safety",
 )
-@click.option(
+@option(
     "--dask",
     metavar="tcp://HOST:PORT",
     callback=batch_engine.address,
     help="Run on the workers of a Dask scheduler. [this machine]",
+    group="how",
+    rare=True,
 )
-@click.option(
+@option(
     "--emit-openjd",
     metavar="DIR",
     type=click.Path(),
     help="Write a job for render farms (Open Job Description) instead.",
+    group="output",
+    rare=True,
 )
-@click.option("--shard", metavar="i/n", help="Do the i-th of n parts. [of a SLURM array: its own part]")
-@click.option("--fail-fast", is_flag=True, help="Start no other file when one has failed.")
-@click.option(
+@option(
+    "--shard",
+    metavar="i/n",
+    help="Do the i-th of n parts. [of a SLURM array: its own part]",
+    group="how",
+    rare=True,
+)
+@option("--fail-fast", is_flag=True, help="Start no other file when one has failed.", group="safety")
+@option(
     "--max-errors",
     type=click.IntRange(0),
     metavar="N",
     help="Start no other file when more than N have failed.",
+    group="safety",
 )
 @verify_option("Compare source and result in every pose before an output appears.")
 @strict_option("Make any warning an error, also where the spec does not.")
 @spec_tolerance_option
-@click.option(
+@option(
     "--resources",
     type=click.Choice(["copy", "relink"]),
     help="Copy the files that a .gltf refers to, or link to them. [as in the spec, else copy]",
+    group="output",
+    rare=True,
 )
 @dry_run_option
-@click.option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.")
+@option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.", group="safety")
 @quiet_option
 @json_option
 def command(inputs: tuple[str, ...], **values: Any) -> None:

@@ -8,18 +8,24 @@ from typing import Any
 
 import click
 
+from .help_format import Command, option
 from .options import json_option
 from .printing import print_json
 from .text import counted, plain
 from .values import Tolerance
 
 
-@click.command("batch-report")
+@click.command("batch-report", cls=Command)
 @click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=click.Path())
-@click.option(
-    "--most", type=click.IntRange(1), default=10, show_default=True, help="How many of each kind are listed."
+@option(
+    "--most",
+    type=click.IntRange(1),
+    default=10,
+    show_default=True,
+    help="How many of each kind are listed.",
+    group="output",
 )
-@click.option(
+@option(
     "--within",
     type=Tolerance(),
     default=0.1,

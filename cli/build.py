@@ -11,6 +11,7 @@ from rigtri.errors import UsageError
 from rigtri.report import Report
 
 from .editing import edit_request, run
+from .help_format import Command, option
 from .options import (
     dry_run_option,
     optional_target_option,
@@ -29,26 +30,37 @@ if TYPE_CHECKING:
     from rigtri.pipeline.rigspec.build import Built
     from rigtri.pipeline.rigspec.load import PlannedStep, Spec
 
-spec_option = click.option(
+spec_option = option(
     "--spec",
     required=True,
     metavar="FILE",
     type=click.Path(dir_okay=False),
     help="The rig spec: YAML or JSON.",
+    group="what",
 )
-set_option = click.option(
-    "--set", "variables", multiple=True, metavar="NAME=VALUE", help="Set a variable of the spec."
+set_option = option(
+    "--set",
+    "variables",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Set a variable of the spec.",
+    group="what",
 )
-spec_tolerance_option = click.option("--tolerance", type=Tolerance(), help="Instead of the spec's.")
+spec_tolerance_option = option(
+    "--tolerance", type=Tolerance(), help="Instead of the spec's.", group="safety", rare=True
+)
 
 
-@click.command("build")
+@click.command("build", cls=Command)
 @click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
 @optional_target_option
 @spec_option
 @set_option
-@click.option(
-    "--explain", is_flag=True, help="Print the steps without writing OUT; with IN, also their results."
+@option(
+    "--explain",
+    is_flag=True,
+    help="Print the steps without writing OUT; with IN, also their results.",
+    group="safety",
 )
 @strict_option("Make any warning an error (5), also where the spec does not.")
 @spec_tolerance_option

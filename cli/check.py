@@ -11,6 +11,7 @@ import click
 
 from rigtri.errors import UsageError
 
+from .help_format import Command, option
 from .options import json_option, quiet_option
 from .printing import print_json
 
@@ -24,27 +25,40 @@ BINARY_USD = (".usd", ".usdc", ".usdz")
 MOST_ALIKE = 4
 
 
-@click.command("check")
+@click.command("check", cls=Command)
 @click.argument("files", metavar="FILE…", nargs=-1, type=click.Path(allow_dash=True))
-@click.option(
+@option(
     "--severity",
     type=click.Choice(["error", "warning", "info"]),
     default="info",
     show_default=True,
     help="Hide less severe findings.",
+    group="what",
 )
-@click.option(
-    "--ignore", multiple=True, metavar="ID", help="Hide the findings of a check; * matches anything."
+@option(
+    "--ignore",
+    multiple=True,
+    metavar="ID",
+    help="Hide the findings of a check; * matches anything.",
+    group="what",
 )
-@click.option("--strict", is_flag=True, help="Treat warnings as errors.")
-@click.option("--external", is_flag=True, help="USD: add the findings of OpenUSD's own validators.")
-@click.option("--list", "list_rules", is_flag=True, help="Print every id with its meaning, and exit.")
-@click.option(
+@option("--strict", is_flag=True, help="Treat warnings as errors.", group="safety")
+@option("--external", is_flag=True, help="USD: add the findings of OpenUSD's own validators.", group="what")
+@option("--list", "list_rules", is_flag=True, help="Print every id with its meaning, and exit.", group="what")
+@option(
     "--allow-external-paths",
     is_flag=True,
     help="Read buffers and USD layers outside the folder of a file. Nothing is ever fetched.",
+    group="safety",
+    rare=True,
 )
-@click.option("-v", "--verbose", is_flag=True, help="Show every finding, and what to do about each kind.")
+@option(
+    "-v",
+    "--verbose",
+    is_flag=True,
+    help="Show every finding, and what to do about each kind.",
+    group="output",
+)
 @quiet_option
 @json_option
 def command(files: tuple[str, ...], **values: Any) -> None:

@@ -7,12 +7,13 @@ from click.shell_completion import get_completion_class
 
 from rigtri.errors import UsageError
 
+from .help_format import Command
 from .options import json_option
 
 SHELLS = ("bash", "zsh", "fish")
 
 
-@click.command("completion")
+@click.command("completion", cls=Command)
 @click.argument("shell", type=click.Choice(SHELLS))
 @json_option
 @click.pass_context

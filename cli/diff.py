@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from . import failures
+from .help_format import Command, option
 from .options import json_option, reading_options
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
@@ -19,26 +20,31 @@ from .values import Tolerance
 DIFFERS, ERROR = 1, 2
 
 
-@click.command("diff")
+@click.command("diff", cls=Command)
 @click.argument("before", metavar="A", type=click.Path(allow_dash=True))
 @click.argument("after", metavar="B", type=click.Path(allow_dash=True))
-@click.option("-q", "--brief", is_flag=True, help="Print only whether they differ.")
-@click.option("--all", "every", is_flag=True, help="Show every line of long groups.")
-@click.option(
-    "--only", type=click.Choice(["rig", "file"]), help="Compare only in rig terms, or only in file terms."
+@option("-q", "--brief", is_flag=True, help="Print only whether they differ.", group="output")
+@option("--all", "every", is_flag=True, help="Show every line of long groups.", group="output")
+@option(
+    "--only",
+    type=click.Choice(["rig", "file"]),
+    help="Compare only in rig terms, or only in file terms.",
+    group="what",
 )
-@click.option(
+@option(
     "--tolerance",
     type=Tolerance(),
     default=0.0,
     show_default=True,
     help="Numbers that differ by no more are equal; 0 compares every bit and spelling.",
+    group="how",
 )
-@click.option(
+@option(
     "--verify/--no-verify",
     default=True,
     show_default=True,
     help="Also measure how much they differ in every pose.",
+    group="what",
 )
 @reading_options
 @json_option

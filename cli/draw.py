@@ -10,6 +10,7 @@ import click
 from rigtri.report import Report
 
 from . import output_file
+from .help_format import Command, option
 from .options import (
     json_option,
     output_option,
@@ -26,41 +27,56 @@ if TYPE_CHECKING:
     from rigtri.export.drawing.picture import DrawOptions
 
 
-@click.command("draw")
+@click.command("draw", cls=Command)
 @source_argument
 @output_option(
     "The picture to write, .svg or .png (extra rigtri[png]); - for SVG on standard output.",
     required=True,
 )
-@click.option(
+@option(
     "--against",
     metavar="BEFORE",
     type=click.Path(allow_dash=True),
     help="Draw this file on the left, at the same scale: IN before the edit.",
+    group="what",
 )
 @output_file.view_option
-@click.option(
+@option(
     "--pose",
     "at",
     metavar="CLIP@TIME",
     default="rest",
     show_default=True,
     help="The moment, in seconds (USD: time codes), or rest. Active controls move their joints.",
+    group="what",
 )
-@click.option("--joints", multiple=True, metavar="GLOB", help="Draw only these joints, larger. Repeatable.")
-@click.option(
+@option(
+    "--joints",
+    multiple=True,
+    metavar="GLOB",
+    help="Draw only these joints, larger. Repeatable.",
+    group="joints",
+)
+@option(
     "--chain",
     "chains",
     nargs=2,
     multiple=True,
     metavar="START END",
     help="Draw only this chain. Repeatable.",
+    group="joints",
 )
-@click.option("--below", multiple=True, metavar="NAME", help="Draw this joint and all below it. Repeatable.")
-@click.option("--skin", metavar="NAME", help="Only joints of this skin.")
-@click.option("--exclude", multiple=True, metavar="GLOB", help="Leave these joints out.")
-@click.option("--names/--no-names", default=True, show_default=True, help="Write the joints' names.")
-@click.option(
+@option(
+    "--below",
+    multiple=True,
+    metavar="NAME",
+    help="Draw this joint and all below it. Repeatable.",
+    group="joints",
+)
+@option("--skin", metavar="NAME", help="Only joints of this skin.", group="joints", rare=True)
+@option("--exclude", multiple=True, metavar="GLOB", help="Leave these joints out.", group="joints")
+@option("--names/--no-names", default=True, show_default=True, help="Write the joints' names.")
+@option(
     "--axes",
     "arrows",
     type=Number(min=0, max=10),
@@ -68,8 +84,8 @@ if TYPE_CHECKING:
     show_default=True,
     help="Length of the axes' arrows as a share of the bone; 0 for none.",
 )
-@click.option("--mesh/--no-mesh", default=True, show_default=True, help="Draw the outline of the meshes.")
-@click.option(
+@option("--mesh/--no-mesh", default=True, show_default=True, help="Draw the outline of the meshes.")
+@option(
     "--size", metavar="WIDTHxHEIGHT", callback=output_file.size, help="In pixels. [1000x900; two: 1500x900]"
 )
 @reading_options

@@ -11,6 +11,7 @@ from rigtri.operations.declaration import made
 from rigtri.report import Report
 
 from .editing import copy_ahead, run_edit
+from .help_format import Command, Option
 from .operation_options import click_options
 from .options import edit_options, output_options, reading_options, source_argument, target_option
 from .parameters import given, given_options, read_options
@@ -47,10 +48,10 @@ def command_of(
     words: str,
     run: Callable[[click.Context, dict[str, Any]], None],
     *,
-    more: Sequence[click.Option] = (),
+    more: Sequence[Option] = (),
     source: Decorator = source_argument,
     output: Decorator = target_option,
-    cls: type[click.Command] = click.Command,
+    cls: type[Command] = Command,
 ) -> click.Command:
     """A command with the options of an operation and those of all edits.
 

@@ -14,6 +14,7 @@ from rigtri.errors import UsageError
 from rigtri.report import Report
 
 from . import output_file
+from .help_format import Command, option
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .parameters import read_options
 from .printing import print_json
@@ -23,13 +24,15 @@ if TYPE_CHECKING:
     from rigtri.export.explain.explain import Explanation
 
 
-@click.command("explain", context_settings={"ignore_unknown_options": True})
+@click.command("explain", cls=Command, context_settings={"ignore_unknown_options": True})
 @click.argument("points", metavar="A B C | IN [ROOT MIDDLE END]", nargs=-1, required=True)
-@click.option("--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.")
+@option(
+    "--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.", group="joints"
+)
 @output_option(
     "Also write a picture: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
 )
-@click.option("--view", metavar="X,Y,Z", help="View direction of the picture. [across the plane]")
+@option("--view", metavar="X,Y,Z", help="View direction of the picture. [across the plane]", group="output")
 @reading_options
 @overwrite_option("the picture")
 @quiet_option

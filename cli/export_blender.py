@@ -9,6 +9,7 @@ import click
 from rigtri.report import Report
 
 from . import output_file
+from .help_format import Command
 from .options import (
     json_option,
     output_option,
@@ -21,7 +22,7 @@ from .parameters import read_options
 from .printing import print_json
 
 
-@click.command("export-blender")
+@click.command("export-blender", cls=Command)
 @source_argument
 @output_option(
     "The script to write; - for standard output.",

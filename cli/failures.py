@@ -133,9 +133,10 @@ def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
     if isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
         raise error  # it shows the help
     message = " ".join(plain(error.format_message()).split())
-    at = error.ctx if isinstance(error, click.UsageError) and error.ctx is not None else ctx
+    name = ctx.invoked_subcommand  # errors of the parser do not know it
+    page = "rigtri --help" if name is None else f"rigtri help {name}"
     stop = "" if message.endswith((".", "?", "!", ")")) else "."
-    click.echo(f"rigtri: {message}{stop} Help: {at.command_path} --help", err=True)
+    click.echo(f"rigtri: {message}{stop} Help: {page}", err=True)
     print_json_error(ctx, "usage", message, error.exit_code)
     _takes_more()
     sys.exit(error.exit_code)

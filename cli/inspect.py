@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from .help_format import Command
 from .options import json_option, no_warnings_option, reading_options, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
@@ -19,7 +20,7 @@ _COLORS = {"x": "red", "y": "green", "z": "blue"}
 _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←↙↓↘⊙⊗·"), re.M)
 
 
-@click.command("inspect")
+@click.command("inspect", cls=Command)
 @source_argument
 @reading_options
 @no_warnings_option

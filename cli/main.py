@@ -13,41 +13,7 @@ from rigtri._version import __version__
 from rigtri.errors import RigtriError
 
 from . import failures, ignore_interrupts, raise_interrupts
-
-# Command → its one line of help. A command's module is imported when the command runs,
-# so that `rigtri --help` does not wait for numpy.
-COMMANDS = {
-    "inspect": "Show the joints of a file: axes, lengths, bends, skins, clips, warnings.",
-    "recognise": "Find spine, head, arms, legs, hands and fingers by map, names and shape, and show why.",
-    "view": "Write a page that shows a character, posed and moving, with its rig, before and after.",
-    "orient-joints": "Give joints new axes; nothing that can be seen moves.",
-    "add-polevector": "Add a locator that says which way a limb bends.",
-    "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
-    "make-limb": "Make an oriented chain of joints and its pole vector from three points.",
-    "add-twist": "Put twist joints along bones, which avoids the candy-wrapper effect.",
-    "constrain": "Let a node follow others: parent, point, orient, scale, aim, pole vector.",
-    "add-posereader": "Let morph targets or values follow a joint's pose.",
-    "add-rivet": "Attach locators to the surface of a mesh, through skinning and morphs.",
-    "mirror": "Give one side of a character the axes of the other, and all that rigtri has built there.",
-    "bake": "Bake controls and constraints to joint keys, or joints' motion to controls.",
-    "take-clips": "Transfer the animation of an edited file back to the rig it was made from.",
-    "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
-    "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
-    "export-blender": "Write a script that sets controls, IK and constraints up in Blender.",
-    "strip": "Remove what rigtri has added to a file.",
-    "auto": "Recognise a character and build its rig; its spec is written beside OUT.",
-    "build": "Build a rig by a spec: the steps that a file lists, in one go.",
-    "batch": "Build many files by a spec, in several processes.",
-    "batch-report": "Summarise the manifest of a batch: counts, worst, slowest, errors.",
-    "spec-init": "Write a rig spec to start from: steps for the joints that a character has.",
-    "schema": "Print a JSON Schema: of rig specs, or of what rigtri writes.",
-    "check": "Find all that is wrong with the skinned rigs in files.",
-    "completion": "Print the script with which bash, zsh or fish complete commands and options.",
-    "verify": "Measure how much two files differ in every pose.",
-    "diff": "Show in rig terms and in file terms how two files differ.",
-    "draw": "Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.",
-    "explain": "Show the vectors and triangles of three points, or of a limb, step by step.",
-}
+from .catalogue import COMMANDS, GROUPS, alike
 
 
 class Program(click.Group):
@@ -65,8 +31,18 @@ class Program(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+        widest = max(map(len, COMMANDS))
+        for title, commands in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(widest), words) for name, words in commands.items()])
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        name = args[0].lower().replace("_", "-")
+        if name in COMMANDS or name.startswith("-"):
+            return super().resolve_command(ctx, [name, *args[1:]])
+        close = [f"'{known}'" for known in alike(name)]
+        hint = f" Did you mean {' or '.join(close)}?" if close else ""
+        return ctx.fail(f"No such command '{args[0]}'.{hint}")
 
     def main(self, *args: Any, **extra: Any) -> Any:
         failures.hold_streams()
@@ -109,7 +85,11 @@ class Program(click.Group):
 
 @click.group(
     cls=Program,
-    context_settings={"help_option_names": ["-h", "--help"], "auto_envvar_prefix": "RIGTRI"},
+    context_settings={
+        "help_option_names": ["-h", "--help"],
+        "auto_envvar_prefix": "RIGTRI",
+        "max_content_width": 100,
+    },
 )
 @click.version_option(__version__, "-V", "--version", prog_name="rigtri")
 def program() -> None:
@@ -123,4 +103,7 @@ def program() -> None:
         rigtri inspect hero.glb
         rigtri orient-joints hero.glb -o out.glb --aim x --up y
         rigtri verify hero.glb out.glb
+
+    \b
+    Then: rigtri COMMAND --help, or rigtri help COMMAND for all of its options.
     """

@@ -24,6 +24,7 @@ from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
+from .help_format import Command, Option
 from .options import needed_output, output_option
 from .parameters import given_options, refuse_given
 from .values import Number
@@ -32,7 +33,7 @@ from .values import Number
 _LISTS = ("--locators", "--points", "--names")
 
 
-class _Listing(click.Command):
+class _Listing(Command):
     """Lets ``--locators A B C`` take as many words as there are, so that a wrong count can be reported."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -100,19 +101,23 @@ def summary(report: Report) -> str:
 
 
 _MORE = [
-    click.Option(
+    Option(
         ["--up-axis"],
         type=click.Choice(["y", "z"]),
         default="y",
         show_default=True,
         help="Of a new USD file.",
+        group="output",
+        rare=True,
     ),
-    click.Option(
+    Option(
         ["--meters-per-unit"],
         type=Number(min=0, min_open=True),
         default=0.01,
         show_default=True,
         help="Of a new USD file.",
+        group="output",
+        rare=True,
     ),
 ]
 command = command_of(

@@ -26,6 +26,7 @@ from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
+from .help_format import Option
 from .options import allow_rename_option, optional_target_option
 from .parameters import given, given_options, read_options
 from .printing import print_json
@@ -103,25 +104,28 @@ def summary(report: Report) -> str:
 
 
 _MORE = [
-    click.Option(
+    Option(
         ["--check"],
         is_flag=True,
+        group="what",
         help="Write nothing: report what is not symmetric (exit code 1 where there is any). "
         "Without --mode, by the convention that most pairs keep.",
     ),
-    click.Option(
+    Option(
         ["--tolerance-distance"],
         type=Number(min=0),
         default=1e-4,
         show_default=True,
         help="With --check: largest position difference that passes, as a share of the size.",
+        rare=True,
     ),
-    click.Option(
+    Option(
         ["--tolerance-degrees"],
         type=Number(min=0),
         default=0.1,
         show_default=True,
         help="With --check: largest axis difference that passes.",
+        rare=True,
     ),
     allow_rename_option,
 ]

@@ -8,18 +8,21 @@ from typing import Any, Literal
 
 import click
 
-from rigtri.operations.declaration import Kind, Option, options_of
+from rigtri.operations.declaration import Kind, options_of
+from rigtri.operations.declaration import Option as Declared
 
+from .help_format import Option
 from .values import Number, Parsed, Tolerance
 
 
-def click_options(declared: type) -> list[click.Option]:
+def click_options(declared: type) -> list[Option]:
     """The options of an operation for its command, in the order of their declaration."""
     return [_click_option(one) for one in options_of(declared).values() if one.where == "all"]
 
 
-def _click_option(one: Option) -> click.Option:
-    about: dict[str, Any] = {"help": one.help, "required": one.required, "metavar": one.metavar or None}
+def _click_option(one: Declared) -> Option:
+    about: dict[str, Any] = {"required": one.required, "metavar": one.metavar or None}
+    about |= {"help": one.help, "group": one.group, "rare": one.rare, "values": dict(one.values)}
     if one.hint is bool:
         return _flag(one, about)
     item, several = one.hint, typing.get_origin(one.hint) is collections.abc.Mapping
@@ -27,25 +30,26 @@ def _click_option(one: Option) -> click.Option:
         item, several = typing.get_args(item)[0], True
     if one.one_word:
         about["type"] = str
-        return click.Option([one.flag, one.name], **about)
+        return Option([one.flag, one.name], **about)
     if several:
         about["multiple"] = True
     elif not one.required:
         about["default"] = one.default
         about["show_default"] = one.default not in (None, "") and not isinstance(one.default, tuple)
     about |= _value(item, one)
-    return click.Option([one.flag, one.name], **about)
+    return Option([one.flag, one.name], **about)
 
 
-def _flag(one: Option, about: dict[str, Any]) -> click.Option:
+def _flag(one: Declared, about: dict[str, Any]) -> Option:
     """A flag; with its contrary where it is on, or as stored, unless said otherwise."""
+    about |= {"required": False, "metavar": None}
     if one.default is False:
-        return click.Option([one.flag, one.name], is_flag=True, help=one.help)
+        return Option([one.flag, one.name], is_flag=True, **about)
     both = f"{one.flag}/--no-{one.key}"
-    return click.Option([both, one.name], default=one.default, show_default=bool(one.default), help=one.help)
+    return Option([both, one.name], default=one.default, show_default=bool(one.default), **about)
 
 
-def _value(item: Any, one: Option) -> dict[str, Any]:
+def _value(item: Any, one: Declared) -> dict[str, Any]:
     """What click calls the type of one value, and of how many words it is."""
     item, kind = _plain(item, one.kind)
     if kind is not None and kind.parse is not None:
@@ -65,9 +69,11 @@ def _number(item: type, kind: Kind | None) -> Any:
     if kind is not None and kind.name == "tolerance":
         return Tolerance()
     bounds: dict[str, Any] = {}
-    if kind is not None:
+    if kind is not None and (kind.low, kind.high) != (None, None):
         bounds = {"min": kind.low, "max": kind.high, "min_open": kind.low_open, "max_open": kind.high_open}
-    return click.IntRange(**bounds) if item is int else Number(**bounds)
+    if item is int:
+        return click.IntRange(**bounds) if bounds else click.INT
+    return Number(**bounds)
 
 
 def _plain(item: Any, kind: Kind | None) -> tuple[Any, Kind | None]:

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import click
 
 from . import failures
+from .help_format import Option, option
 from .values import Tolerance
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -30,7 +31,7 @@ source_argument = click.argument("source", metavar="IN", type=click.Path(allow_d
 def output_option(words: str, metavar: str = "OUT", **more: Any) -> Callable[[F], F]:
     """-o OUT: the file that a command writes; ``more`` as click.option takes it."""
     more = {"type": click.Path(allow_dash=True)} | more
-    return click.option("-o", "--output", "output", metavar=metavar, help=words, **more)
+    return option("-o", "--output", "output", metavar=metavar, help=words, group="output", **more)
 
 
 def needed_output(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
@@ -49,117 +50,144 @@ def verify_option(
     words: str = "Compare source and result in every pose before OUT appears.",
 ) -> Callable[[F], F]:
     """Whether a result is measured."""
-    return click.option("--verify/--no-verify", default=True, show_default=True, help=words)
+    return option(
+        "--verify/--no-verify", default=True, show_default=True, help=words, group="safety", rare=True
+    )
 
 
 def tolerance_option(
     words: str = "Refuse a result that differs by more than this share of the bounding-box diagonal.",
 ) -> Callable[[F], F]:
     """How far a result may be off."""
-    return click.option("--tolerance", type=Tolerance(), default=TOLERANCE, show_default=True, help=words)
+    about: dict[str, Any] = {"type": Tolerance(), "default": TOLERANCE, "show_default": True, "help": words}
+    return option("--tolerance", group="safety", rare=True, **about)
 
 
 def strict_option(words: str = "Make any warning an error (5).") -> Callable[[F], F]:
     """Whether warnings are errors."""
-    return click.option("--strict", is_flag=True, help=words)
+    return option("--strict", is_flag=True, help=words, group="safety")
 
 
 def report_option(words: str) -> Callable[[F], F]:
     """The file with what was done, for machines."""
-    return click.option(
+    return option(
         "--report",
         "report_path",
         metavar="FILE.json",
         type=click.Path(dir_okay=False),
         help=f"{words}, with the measured deviation.",
+        group="output",
     )
 
 
 def overwrite_option(what: str = "OUT") -> Callable[[F], F]:
     """Whether a file that is there may be lost."""
-    return click.option("--overwrite", is_flag=True, help=f"Replace {what} where it exists.")
+    return option("--overwrite", is_flag=True, help=f"Replace {what} where it exists.", group="safety")
 
 
 def preset_option(words: str) -> Callable[[F], F]:
     """The axes of another program."""
     from rigtri.operations.axis_presets import PRESETS
 
-    return click.option("--preset", type=click.Choice(list(PRESETS)), help=words)
+    values = {name: style.words for name, style in PRESETS.items()}
+    return option("--preset", type=click.Choice(list(PRESETS)), help=words, group="what", values=values)
 
 
-dry_run_option = click.option(
-    "-n", "--dry-run", is_flag=True, is_eager=True, help="Do everything except write the output."
+dry_run_option = option(
+    "-n",
+    "--dry-run",
+    is_flag=True,
+    is_eager=True,
+    group="safety",
+    help="Do everything except write the output.",
 )
 
 
 def reading_options(command: F) -> F:
     """How a difficult file is read."""
-    for option in (
-        click.option(
+    for add in (
+        option(
             "--root",
             metavar="NODE",
             help="Use this node and all below it as the rig, in a file without a skeleton.",
+            group="joints",
+            rare=True,
         ),
-        click.option(
+        option(
             "--lenient",
             is_flag=True,
             help="Read nodes that glTF forbids where the meaning is clear (matrix beside TRS).",
+            group="safety",
+            rare=True,
         ),
-        click.option(
+        option(
             "--allow-external-paths",
             is_flag=True,
             help="Read buffers and USD layers outside the folder of IN. Nothing is ever fetched.",
+            group="safety",
+            rare=True,
         ),
-        click.option(
+        option(
             "--allow-missing",
             is_flag=True,
             help="USD: leave out layers that are damaged. Missing ones always are, with a warning.",
+            group="safety",
+            rare=True,
         ),
     ):
-        command = option(command)
+        command = add(command)
     return command
 
 
-allow_rename_option = click.Option(
+allow_rename_option = Option(
     ["--allow-rename"],
     is_flag=True,
     help="USD: allow a split to rename joints, whose names are paths.",
+    group="safety",
+    rare=True,
 )
 
 
-scheme_option = click.option(
+scheme_option = option(
     "--scheme",
     "own",
     metavar="FILE",
     type=click.Path(path_type=Path),
     multiple=True,
     help="Try this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES lists folders.",
+    group="joints",
+    rare=True,
 )
-json_option = click.option(
+json_option = option(
     "--json",
     "as_json",
     is_flag=True,
     is_eager=True,
     callback=failures.request_json,
     help="Print the result as JSON.",
+    group="output",
 )
-quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print only errors.")
-no_warnings_option = click.option("-q", "--quiet", is_flag=True, help="Print no warnings.")
+quiet_option = option("-q", "--quiet", is_flag=True, group="output", help="Print only errors.")
+no_warnings_option = option("-q", "--quiet", is_flag=True, group="output", help="Print no warnings.")
 
 
 def output_options(command: F) -> F:
     """How much is printed, and in which form."""
-    verbose = click.option("-v", "--verbose", is_flag=True, help="More detail: each joint, mesh and clip.")
-    return json_option(quiet_option(verbose(command)))
+    verbose = option(
+        "-v", "--verbose", is_flag=True, group="output", help="More detail: each joint, mesh and clip."
+    )
+    for add in (verbose, quiet_option, json_option):
+        command = add(command)
+    return command
 
 
 def extend_help(name: str, text: str) -> Callable[[click.Command], click.Command]:
     """Extend the help of a shared option for one command."""
 
     def extended(command: click.Command) -> click.Command:
-        for option in command.params:
-            if isinstance(option, click.Option) and option.name == name:
-                option.help = f"{option.help} {text}"
+        for each in command.params:
+            if isinstance(each, click.Option) and each.name == name:
+                each.help = f"{each.help} {text}"
         return command
 
     return extended
@@ -167,33 +195,45 @@ def extend_help(name: str, text: str) -> Callable[[click.Command], click.Command
 
 def edit_options(command: F) -> F:
     """What every edit of a file has in common."""
-    for option in (
-        click.option(
+    for add in (
+        option(
             "--resources",
             type=click.Choice(["copy", "relink"]),
             default="copy",
             show_default=True,
             help="For a .gltf that is written to another folder: copy its files, or link to them (what then "
             "lies outside its folder is read only with --allow-external-paths).",
+            group="output",
+            rare=True,
         ),
-        click.option("--override", is_flag=True, help="USD: write only a layer of opinions over IN."),
-        click.option(
+        option(
+            "--override",
+            is_flag=True,
+            help="USD: write only a layer of opinions over IN.",
+            group="output",
+            rare=True,
+        ),
+        option(
             "--override-stage",
             is_flag=True,
             help="USD: write such a layer with IN as its sublayer and IN's metadata.",
+            group="output",
+            rare=True,
         ),
         tolerance_option(),
         verify_option(),
         strict_option(),
         report_option("Write what was done, per joint and limb"),
-        click.option(
+        option(
             "--sidecar",
             is_flag=True,
             help="Also write rigtri's metadata of OUT to a file beside it, OUT's name with .rig.json, "
             "for engines and exporters that drop extras.",
+            group="output",
+            rare=True,
         ),
         dry_run_option,
         overwrite_option(),
     ):
-        command = option(command)
+        command = add(command)
     return command

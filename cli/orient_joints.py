@@ -25,13 +25,14 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
+from .help_format import Command, Option
 from .options import allow_rename_option
 from .text import counted
 
 _STYLED = ("aim", "up", "up_from")
 
 
-class InOrder(click.Command):
+class InOrder(Command):
     """A command that knows in which order its options were given: styles follow their chain."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -89,24 +90,29 @@ def _splits(report: Report) -> list[str]:
 
 _MORE = [
     allow_rename_option,
-    click.Option(
+    Option(
         ["--unknown-node-ext"],
         type=click.Choice(["freeze", "ignore", "error"]),
         default="freeze",
         show_default=True,
-        help="A glTF node with an extension that may hold directions in the node's axes: leave the "
-        "node, re-orient it anyway, or stop.",
+        help="What becomes of a glTF node with an extension that may hold directions in the node's axes.",
+        values={"freeze": "stays as it is", "ignore": "is re-oriented", "error": "nothing is written"},
+        rare=True,
     ),
-    click.Option(
+    Option(
         ["--save-frames"],
         metavar="FILE.json",
         type=click.Path(dir_okay=False),
         help="Write the change of frame of each joint.",
+        group="output",
+        rare=True,
     ),
-    click.Option(
+    Option(
         ["--bake-xform"],
         is_flag=True,
         help="USD plain hierarchies: rewrite to translate, orient, scale instead of adding two ops.",
+        group="output",
+        rare=True,
     ),
 ]
 command = edit_command(

@@ -13,14 +13,16 @@ from rigtri.errors import UsageError
 from rigtri.report import Report
 from rigtri.text import is_number
 
+from .help_format import option
 from .parameters import check_streams
 from .printing import print_warnings
 from .text import plain
 
-view_option = click.option(
+view_option = option(
     "--view",
     metavar="front|back|side|top|three-quarter|X,Y,Z",
     help="View direction; front looks at the character's face, side at its left. [three-quarter]",
+    group="what",
 )
 
 

@@ -24,13 +24,14 @@ from rigtri.report import Report
 
 from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
+from .help_format import Command
 from .options import edit_options, output_option, output_options, reading_options, source_argument
 from .parameters import given, given_options, read_options
 from .printing import print_json, print_warnings
 from .text import plain
 
 
-@click.command("pose", help=__doc__)
+@click.command("pose", cls=Command, help=__doc__)
 @source_argument
 @output_option(
     "Write a file whose rest pose is this pose, in the format of IN; - for standard output.",

@@ -9,15 +9,16 @@ from typing import Any
 
 import click
 
+from .help_format import Command, option
 from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
 from .text import plain
 
 
-@click.command("recognise")
+@click.command("recognise", cls=Command)
 @source_argument
-@click.option("--joints", is_flag=True, help="List every joint: its bone, its role, and why.")
+@option("--joints", is_flag=True, help="List every joint: its bone, its role, and why.", group="output")
 @scheme_option
 @reading_options
 @no_warnings_option

@@ -11,6 +11,7 @@ import click
 
 from rigtri.errors import UsageError
 
+from .help_format import Command
 from .options import json_option
 
 _SUFFIX = ".schema.json"
@@ -27,7 +28,7 @@ def _beginning(start: str) -> list[str]:
     return [name for name in _known() if name.startswith(start)]
 
 
-@click.command("schema")
+@click.command("schema", cls=Command)
 @click.argument("name", default="spec", shell_complete=lambda _, __, start: _beginning(start))
 @json_option
 def command(name: str, as_json: bool) -> None:

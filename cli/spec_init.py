@@ -11,12 +11,13 @@ import click
 from rigtri.errors import UsageError
 
 from . import output_file
+from .help_format import Command
 from .options import json_option, output_option, overwrite_option, reading_options, source_argument
 from .parameters import read_options
 from .text import plain
 
 
-@click.command("spec-init")
+@click.command("spec-init", cls=Command)
 @source_argument
 @output_option(
     "Where to write the spec; - for standard output.",

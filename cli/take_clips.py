@@ -23,6 +23,7 @@ from rigtri.report import Report
 
 from .edit_command import declared_options, step_of
 from .editing import run_edit
+from .help_format import Command
 from .options import edit_options, extend_help, output_options, reading_options, target_option
 from .parameters import check_streams, given_options
 from .text import grown
@@ -32,7 +33,7 @@ from .text import grown
     "tolerance",
     "Also the largest difference that counts as unchanged, and error of removed keys, of the rig's size.",
 )
-@click.command("take-clips", help=__doc__)
+@click.command("take-clips", cls=Command, help=__doc__)
 @click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))
 @target_option
 @declared_options(TakeClipsOptions)

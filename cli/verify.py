@@ -10,13 +10,14 @@ import click
 from rigtri.errors import DeviationError
 
 from . import failures
+from .help_format import Command
 from .options import output_options, reading_options, tolerance_option
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .text import plain
 
 
-@click.command("verify")
+@click.command("verify", cls=Command)
 @click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
 @click.argument("after", metavar="AFTER", type=click.Path(allow_dash=True))
 @tolerance_option("Largest difference that passes, as a share of the bounding-box diagonal.")

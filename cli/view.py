@@ -11,6 +11,7 @@ from rigtri.errors import UsageError
 from rigtri.report import Report
 
 from . import output_file
+from .help_format import Command, option
 from .options import (
     json_option,
     output_option,
@@ -28,34 +29,38 @@ if TYPE_CHECKING:
     from rigtri.export.viewer.view import Shown
 
 
-@click.command("view")
+@click.command("view", cls=Command)
 @source_argument
 @output_option(
     "The page to write; - for standard output.",
     "OUT.html",
     required=True,
 )
-@click.option(
+@option(
     "--against",
     metavar="BEFORE",
     type=click.Path(allow_dash=True),
     help="The file before: the page shows either, or both, and the distance of their vertices.",
+    group="what",
 )
-@click.option("--clip", metavar="CLIP", help="Start with this clip, playing. [the rest pose]")
-@click.option(
+@option("--clip", metavar="CLIP", help="Start with this clip, playing. [the rest pose]", group="what")
+@option(
     "--pose",
     metavar="CLIP@TIME",
     help="Start paused at this moment, in seconds (USD: time codes).",
+    group="what",
 )
-@click.option(
+@option(
     "--limit",
     type=Number(min=0, min_open=True),
     default=100.0,
     show_default=True,
     metavar="MB",
     help="Refuse files that are larger than this, all together.",
+    group="safety",
+    rare=True,
 )
-@click.option("--open", "opens", is_flag=True, help="Open the page in the browser.")
+@option("--open", "opens", is_flag=True, help="Open the page in the browser.", group="output")
 @reading_options
 @overwrite_option("the page")
 @quiet_option

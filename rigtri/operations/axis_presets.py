@@ -31,9 +31,25 @@ class AxisStyle:
     world: bool = False
     held: bool = False
 
+    @property
+    def words(self) -> str:
+        """The style in a line.
+
+        >>> AxisStyle("y", "-x").words, AxisStyle(world=True).words
+        ('y along the bone, -x the hinge', 'every frame parallel to the world')
+        """
+        if self.world:
+            return "every frame parallel to the world"
+        source = {"plane": "the hinge", "pole": "towards the bend"}.get(self.up_from)
+        above = self.up_from.removeprefix("world:").removeprefix("+")
+        held = f"as near as can be to the world's {above}, one sign per chain"
+        return f"{self.aim} along the bone, {self.up} {source or held}"
+
     def with_axes(self, options: Any) -> AxisStyle:
         """This style, with what options name of `AXES`."""
-        given = {name: getattr(options, name) for name in AXES if getattr(options, name) is not None}
+        given: dict[str, Any] = {
+            name: _lower(getattr(options, name)) for name in AXES if getattr(options, name) is not None
+        }
         return replace(self, **given, held=self.held and "up_from" not in given)
 
     def checked(self) -> AxisStyle:
@@ -48,6 +64,19 @@ class AxisStyle:
         except ValueError as error:
             raise UsageError(str(error)) from error
         return self
+
+
+def _lower(text: str) -> str:
+    """An axis or a source of up in lower case, but for the name of a node that it ends with.
+
+    >>> _lower("World:+Y"), _lower("Noderot:X:Hips")
+    ('world:+y', 'noderot:x:Hips')
+    """
+    source, _, rest = text.partition(":")
+    named = (
+        rest.partition(":")[2] if source.lower() == "noderot" else rest if source.lower() == "node" else ""
+    )
+    return text[: len(text) - len(named)].lower() + named
 
 
 PRESETS: dict[str, AxisStyle] = {

@@ -29,6 +29,9 @@ _META = "rigtri"
 _ONE_WORD = ("joined", "node or point")
 # Where an option is: everywhere; everywhere, but declared once for all commands and specs; in Python alone.
 Where = Literal["all", "shared", "python"]
+# Under which heading an option stands in a command's help: what is made, how, for which joints or files of
+# other places, what is written, and what protects from a result that nobody wants.
+Group = Literal["what", "how", "joints", "output", "safety"]
 Vector = tuple[float, float, float]
 
 
@@ -39,7 +42,7 @@ class Kind:
     name: by which specs know how it is written there. metavar: for help. parse: one word of a command line
     as the value, ValueError for any other. read: the words of a command line or spec, with the flag for
     messages, as the whole value; UsageError. low, high: bounds of a number, open ones without the bound.
-    help: of options that do not say their own.
+    help: of options that do not say their own; values and group: likewise.
     """
 
     name: str
@@ -51,6 +54,8 @@ class Kind:
     low_open: bool = False
     high_open: bool = False
     help: str = ""
+    values: tuple[tuple[str, str], ...] = ()
+    group: Group = "how"
 
     @property
     def range(self) -> str:
@@ -70,7 +75,8 @@ class Kind:
 class Option:
     """One declared option. hint: its Python type without what annotates it; kind: of the annotation.
 
-    optional: None is a value. default: dataclasses.MISSING where the option must be given.
+    optional: None is a value. default: dataclasses.MISSING where the option must be given. values: what its
+    words mean, by the word. rare: short help leaves it out.
     """
 
     name: str
@@ -81,8 +87,11 @@ class Option:
     help: str
     metavar: str
     choices: tuple[str, ...]
+    values: tuple[tuple[str, str], ...]
     where: Where
     excludes: tuple[str, ...]
+    group: Group
+    rare: bool
 
     @property
     def key(self) -> str:
@@ -108,6 +117,10 @@ class Option:
     def required(self) -> bool:
         return self.default is MISSING
 
+    def described(self, gap: str = "") -> str:
+        """Its help, and a line for each of its values, behind ``gap``."""
+        return "\n".join([self.help, *(f"{gap}- {word}: {words}" for word, words in self.values)])
+
 
 def option(
     default: Any = MISSING,
@@ -115,21 +128,28 @@ def option(
     help: str = "",
     metavar: str = "",
     choices: Collection[str] = (),
+    values: Mapping[str, str] | None = None,
     where: Where = "all",
     excludes: Collection[str] = (),
+    group: Group | None = None,
+    rare: bool = False,
 ) -> Any:
     """A field of a dataclass of options.
 
     help: one sentence or two, for the command's help and for specs. metavar: what stands for the value there,
-    where not the kind's. choices: of a text, where its type is no Literal. excludes: names of options that
-    cannot be given beside it.
+    where not the kind's. choices: of a text, where its type is no Literal. values: what words mean that can
+    be given, each in a few words. excludes: names of options that cannot be given beside it. group: where it
+    stands in help, if not where its kind does. rare: only `rigtri help` shows it, `--help` does not.
     """
     about = {
         "help": help,
         "metavar": metavar,
         "choices": tuple(choices),
+        "values": tuple((values or {}).items()),
         "where": where,
         "excludes": tuple(excludes),
+        "group": group,
+        "rare": rare,
     }
     if isinstance(default, dict):
         return field(default_factory=lambda: dict(default), metadata={_META: about})
@@ -168,16 +188,18 @@ def _option(one: Any, hint: Any) -> Option:
     kind = None
     if typing.get_origin(hint) is typing.Annotated:
         hint, kind = typing.get_args(hint)[:2]
-    about: dict[str, Any] = {"help": "", "metavar": "", "choices": (), "where": "all", "excludes": ()}
-    about |= one.metadata.get(_META, {})
-    for word in ("metavar", "help"):
-        about[word] = about[word] or (getattr(kind, word) if kind else "")
+    plain: dict[str, Any] = option().metadata[_META]
+    about = plain | one.metadata.get(_META, {})
+    for word in ("metavar", "help", "values", "group"):
+        about[word] = about[word] or getattr(kind or Kind(""), word)
     return Option(one.name, hint, kind, optional, default_of(one), **about)
 
 
 def described(cls: Any) -> str:
     """The options of an operation with their help, a line for each, as Python's help shows them."""
-    return "\n".join(f"    {name}: {one.help}" for name, one in options_of(cls).items() if one.help)
+    return "\n".join(
+        f"    {name}: {one.described('        ')}" for name, one in options_of(cls).items() if one.help
+    )
 
 
 def _without_none(hint: Any) -> tuple[bool, Any]:
@@ -350,11 +372,11 @@ def _clip_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
 
 
 # Names of nodes, joints mostly: specs look for them in the rig.
-Node = Annotated[str, Kind("node", "NODE")]
-Nodes = Annotated[tuple[str, ...], Kind("nodes", "GLOB")]
-Chains = Annotated[tuple[tuple[str, str], ...], Kind("chains", "START END")]
-LimbNames = Annotated[tuple[str, str, str], Kind("limb", "ROOT MIDDLE END")]
-Limbs = Annotated[tuple[Limb | tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END")]
+Node = Annotated[str, Kind("node", "NODE", group="joints")]
+Nodes = Annotated[tuple[str, ...], Kind("nodes", "GLOB", group="joints")]
+Chains = Annotated[tuple[tuple[str, str], ...], Kind("chains", "START END", group="joints")]
+LimbNames = Annotated[tuple[str, str, str], Kind("limb", "ROOT MIDDLE END", group="joints")]
+Limbs = Annotated[tuple[Limb | tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
 # Any other names.
 Name = Annotated[str, Kind("name", "NAME")]
 Names = Annotated[tuple[str, ...], Kind("names", "NAME")]
@@ -390,16 +412,24 @@ OnNonuniformScale = Annotated[
     Literal["snap", "skip", "split", "error"],
     Kind(
         "choice",
-        help="A joint whose scale would shear: use the nearest exact axes, skip it, hold its axes in "
-        "a new parent node (split; USD: with --allow-rename), or stop.",
+        help="What becomes of a joint whose scale would shear.",
+        values=(
+            ("snap", "gets the nearest axes that are exact"),
+            ("skip", "stays as it is"),
+            ("split", "a new parent node holds its axes (USD: with --allow-rename)"),
+            ("error", "nothing is written"),
+        ),
     ),
 ]
 OnConstraint = Annotated[
     Literal["freeze", "error"],
     Kind(
         "choice",
-        help="A joint whose new axes would change what a VRM node constraint does: rotate it as the "
-        "constraint allows or not at all, with a warning; or stop.",
+        help="What becomes of a joint whose new axes would change what a VRM node constraint does.",
+        values=(
+            ("freeze", "is rotated as the constraint allows or not at all, with a warning"),
+            ("error", "nothing is written"),
+        ),
     ),
 ]
 Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from places import BUILDERS, SAMPLES, slow
 
-from rigtri.cli.main import COMMANDS
+from rigtri.cli.catalogue import COMMANDS
 from rigtri.files.worker_process import WorkerProcess
 
 SCRIPT = Path(sysconfig.get_path("scripts"), "rigtri")

@@ -41,7 +41,7 @@ def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
     """By the kind of control its shape: ``KIND=SHAPE``, or the shape of FK and IK controls."""
     found: dict[str, str] = {}
     for text in texts:
-        kind, mark, shape = text.rpartition("=")
+        kind, mark, shape = text.lower().rpartition("=")
         if mark and kind not in _CONTROLS:
             raise UsageError(f"{flag} {text}: the kinds of control are fk, ik, root and pole")
         found |= {kind: shape} if mark else {"fk": shape, "ik": shape}
@@ -52,7 +52,7 @@ def _colors(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
     """By the side its colour: ``SIDE=R,G,B``."""
     found = {}
     for text in texts:
-        which, _, numbers = text.partition("=")
+        which, _, numbers = text.lower().partition("=")
         if which not in _SIDES:
             raise UsageError(f"{flag} {text}: give left=R,G,B, right=R,G,B or centre=R,G,B")
         try:
@@ -77,20 +77,27 @@ class AddControlsOptions:
         False,
         help="A root control, an FK control for every joint with weight, IK ends and pole vectors for all "
         "limbs.",
+        group="joints",
     )
     joints: Nodes = option((), help="An FK control for these joints. Repeatable.")
     chain: Chains = option((), help="FK controls along a chain.")
     below: Nodes = option((), metavar="NAME", help="FK controls for this joint and all below it.")
-    skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
+    skin: str | None = option(
+        None, metavar="NAME", help="Only joints of this skin.", group="joints", rare=True
+    )
     exclude: Nodes = option((), help="No controls for these joints.")
-    root_control: bool = option(False, help="A root control, parent of all others, on the ground.")
+    root_control: bool = option(
+        False, help="A root control, parent of all others, on the ground.", group="joints"
+    )
     ik: Limbs = option(
         (),
         help="An IK control at the end of this limb, its pole vector, and FK controls below IK. Repeatable.",
     )
-    limbs: Auto | None = option(None, help="The same for every limb that is known.")
+    limbs: Auto | None = option(None, help="The same for every limb that is known.", group="joints")
     shape: Annotated[Mapping[str, str], Kind("assignments", "[KIND=]SHAPE", read=_shapes)] = option(
-        {}, help=f"Shape of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}."
+        {},
+        help=f"Shape of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}.",
+        group="what",
     )
     preset: str | None = axes.preset()
     aim: Axis | None = axes.aim()
@@ -98,27 +105,36 @@ class AddControlsOptions:
     up_from: str | None = axes.up_from()
     frame: Literal["bone", "joint"] | None = option(
         None,
-        help="Aim controls along the bone, whatever axes their joints have, or give them the axes of their "
-        "joints. [as stored, else joint; bone with --aim, --up, --up-from or --preset]",
+        help="The axes of controls. [as stored, else joint; bone with --aim, --up, --up-from or --preset]",
+        values={
+            "bone": "aimed along the bone, whatever axes the joints have",
+            "joint": "those of the joints",
+        },
+        group="what",
     )
     size: Above | None = option(
-        None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]"
+        None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]", group="what"
     )
     color: Annotated[Mapping[str, Vector], Kind("assignments", "SIDE=R,G,B", read=_colors)] = option(
-        {}, help="Linear colour of left, right or centre. [blue, red, yellow]"
+        {}, help="Linear colour of left, right or centre. [blue, red, yellow]", group="what"
     )
     name: str | None = option(
         None,
         help="Names of the controls, with the tokens {joint}, {side} and {kind} (ctl, ik_ctl or root_ctl). "
         "[{joint}_{kind}]",
+        group="what",
     )
-    reach: Above = option(0.5, help="Distance of pole vectors as a multiple of the limb's length.")
+    reach: Above = option(0.5, help="Distance of pole vectors as a multiple of the limb's length.", rare=True)
     as_: EndKind | None = option(
         None,
         help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
+        group="what",
+        rare=True,
     )
-    soft: SoftIk | None = option(None)
-    stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
+    soft: SoftIk | None = option(None, rare=True)
+    stretch: bool | None = option(
+        None, help="IK limbs grow to reach their target. [as stored, or not]", rare=True
+    )
     facing: Facing | None = option(None)
     root: str | None = option(None, where="shared")
     bend: Bends = option({}, where="python")

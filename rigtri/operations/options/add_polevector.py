@@ -27,18 +27,37 @@ class PlacementOptions:
 
     method: Literal["perpendicular", "ratio"] = option(
         "perpendicular",
-        help="Where on the root-to-end line the direction starts: nearest to the mid joint, or by lengths.",
+        help="Where on the root-to-end line the direction starts.",
+        values={
+            "perpendicular": "nearest to the mid joint (the talk)",
+            "ratio": "by the lengths of both bones (the article)",
+        },
+        rare=True,
     )
     from_: Literal["middle", "root", "foot"] = option(
-        "middle", help="Where the distance is measured from; foot is that point of the root-to-end line."
+        "middle",
+        help="Where the distance is measured from.",
+        values={
+            "middle": "the mid joint (the talk)",
+            "root": "the root joint (the article)",
+            "foot": "the point of the root-to-end line where the direction starts",
+        },
+        rare=True,
     )
     reach: Above = option(0.5, help="Distance as a multiple of the limb's length.", excludes=["distance"])
     distance: Above | None = option(None, help="Distance in world units of the file.")
     reach_of: Literal["limb", "chord"] = option(
-        "limb", help="What --reach multiplies: both bones, or root to end."
+        "limb", help="What --reach multiplies: both bones, or root to end.", rare=True
     )
     orientation: Literal["world", "limb", "aim"] = option(
-        "world", help="The locator's axes: the world's, the limb's, or aiming at the middle joint."
+        "world",
+        help="The locator's axes.",
+        values={
+            "world": "the world's",
+            "limb": "those of the limb's root (the article)",
+            "aim": "aiming at the mid joint",
+        },
+        rare=True,
     )
 
     def check(self, given: Collection[str]) -> None:
@@ -60,20 +79,27 @@ class AddPolevectorOptions(PlacementOptions):
         (), help="A limb of more joints; it bends at the one farthest from the root-to-end line. Repeatable."
     )
     bend_joint: Node | None = option(
-        None, metavar="NAME", help="With one --chain: the joint at which it bends."
+        None, metavar="NAME", help="With one --chain: the joint at which it bends.", rare=True
     )
     limbs: Auto | None = option(
-        None, help="Find arms and legs automatically, as rigtri recognise shows them."
+        None, help="Find arms and legs automatically, as rigtri recognise shows them.", group="joints"
     )
     bend: Bends = option({}, help="Bend direction of that joint's limb; required if it is straight.")
     facing: Facing | None = option(None)
-    name: str | None = option(None, help="Name of the locator. [MIDDLE_pole]")
+    name: str | None = option(None, help="Name of the locator. [MIDDLE_pole]", group="what")
     as_: EndKind | None = option(
-        None, help="A plain node, or a joint of the limb's skin, which engines import. [locator]"
+        None,
+        help="A plain node, or a joint of the limb's skin, which engines import. [locator]",
+        group="what",
+        rare=True,
     )
-    pose: str = option("nodes", metavar="nodes|bind|CLIP@TIME", help="The pose that positions are read from.")
+    pose: str = option(
+        "nodes", metavar="nodes|bind|CLIP@TIME", help="The pose that positions are read from.", rare=True
+    )
     check_clips: bool = option(
-        False, help="List the times of every clip at which the limb is straight or its pole flips side."
+        False,
+        help="List the times of every clip at which the limb is straight or its pole flips side.",
+        group="output",
     )
 
     def check(self, given: Collection[str]) -> None:

@@ -52,18 +52,28 @@ class AddPosereaderOptions:
     mesh, morph target); a target may drive several. attribute: (target, control, attribute).
     """
 
-    driver: Node = option(metavar="JOINT", help="The joint whose pose is read.")
-    axis: Direction = option((1.0, 0.0, 0.0), help="The axis of the driver whose direction is read. [x]")
-    frame: str = option("", metavar="NODE|world", help="The space in which the driver is read. [its parent]")
+    driver: Node = option(metavar="JOINT", help="The joint whose pose is read.", group="what")
+    axis: Direction = option(
+        (1.0, 0.0, 0.0), help="The axis of the driver whose direction is read. [x]", group="what"
+    )
+    frame: str = option(
+        "", metavar="NODE|world", help="The space in which the driver is read. [its parent]", group="what"
+    )
     target: Goals = option(
         (),
         help="The target pose: a direction of the world at rest, a pose, or a node to point at. "
         "Repeatable; without a name they are target1, target2 and so on.",
+        group="what",
     )
     reader: Literal["dot", "cone", "rbf"] = option(
         "dot",
-        help="dot: the cosine to each target. cone: 1 inside an angle, 0 outside another. "
-        "rbf: several poses.",
+        help="How a pose becomes a weight.",
+        values={
+            "dot": "the cosine of the angle to each target",
+            "cone": "1 inside an angle, 0 outside another",
+            "rbf": "between several poses, by how near each is",
+        },
+        group="how",
     )
     inner: Number = option(0.0, help="Cone: 1 up to here (degrees).")
     outer: Number = option(90.0, help="Cone: 0 from here (degrees).")
@@ -72,14 +82,16 @@ class AddPosereaderOptions:
         "swing", help="rbf: which part of the rotation counts, about --axis."
     )
     morph: Morphs = option(
-        (), help="Let a target drive this morph target (name or number) of a mesh. Repeatable."
+        (), help="Let a target drive this morph target (name or number) of a mesh. Repeatable.", group="what"
     )
     attribute: Attributes = option(
-        (), help="Let a target drive a value called NAME of a control. Repeatable."
+        (), help="Let a target drive a value called NAME of a control. Repeatable.", group="what"
     )
-    name: str = option("", help="Name of the reader, by which it is found again. [JOINT_reader]")
-    within: Tolerance = option(1e-4, help="Largest error of a weight between keys.")
-    fps: Above | None = option(None, help="Additional keys per second.")
+    name: str = option(
+        "", help="Name of the reader, by which it is found again. [JOINT_reader]", group="what"
+    )
+    within: Tolerance = option(1e-4, help="Largest error of a weight between keys.", rare=True)
+    fps: Above | None = option(None, help="Additional keys per second.", rare=True)
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for options that are incomplete or contradict each other, as far as no rig is needed."""

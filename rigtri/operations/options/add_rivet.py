@@ -19,31 +19,40 @@ class AddRivetOptions:
     mesh: Name = option(
         metavar="NODE",
         help="The node with the mesh, by name, path or #index; NODE/1 is its second primitive alone.",
+        group="what",
     )
     triangle: Integers = option(
         (),
         help="A rivet on this triangle, counted from 0 through the primitives of the node; a polygon of s "
         "corners is s-2 triangles, a fan from its first corner. Repeatable.",
+        group="what",
     )
     barycentric: Points = option(
         (),
         metavar="U,V,W",
         help="Where on the triangle, as weights of its corners; one for each --triangle. [1/3,1/3,1/3]",
+        group="what",
     )
     at: Points = option(
-        (), help="A rivet on the point of the mesh that is nearest to this position at rest. Repeatable."
+        (),
+        help="A rivet on the point of the mesh that is nearest to this position at rest. Repeatable.",
+        group="what",
     )
-    vertex: Integers = option((), help="A rivet on this vertex of the first primitive. Repeatable.")
+    vertex: Integers = option(
+        (), help="A rivet on this vertex of the first primitive. Repeatable.", group="what"
+    )
     name: Names = option(
         (),
         help="Names of the rivets, in the order --triangle, --at, --vertex; a single one is numbered. "
         "A rivet is found again by its name. [NODE_rivet]",
+        group="what",
     )
     within: Tolerance = option(
         1e-5,
         help="Largest error between keys of what is attached to a rivet, as a share of the mesh's size.",
+        rare=True,
     )
-    fps: Above | None = option(None, help="Additional keys per second.")
+    fps: Above | None = option(None, help="Additional keys per second.", rare=True)
 
     @property
     def count(self) -> int:

@@ -32,20 +32,27 @@ class AddTwistOptions:
     limb: Limbs = option(
         (), help="Both bones of this limb, or with --upper or --lower one of them. Repeatable."
     )
-    limbs: Auto | None = option(None, help="Every limb that is known.")
+    limbs: Auto | None = option(None, help="Every limb that is known.", group="joints")
     joint: Nodes = option((), metavar="JOINT", help="The bone from this joint … Repeatable.")
-    to: Nodes = option((), metavar="CHILD", help="… to this one; one --to for each --joint.")
-    upper: bool = option(False, help="Upper bones: the joint's own twist is taken away towards its root.")
-    lower: bool = option(False, help="Lower bones: the twist of the bone's end is spread up the bone.")
+    to: Nodes = option((), metavar="CHILD", help="… to this one; one --to for each --joint.", group="joints")
+    upper: bool = option(
+        False, help="Upper bones: the joint's own twist is taken away towards its root.", group="joints"
+    )
+    lower: bool = option(
+        False, help="Lower bones: the twist of the bone's end is spread up the bone.", group="joints"
+    )
     count: Annotated[int, Kind("number", low=1, high=MOST)] = option(
-        2, help="Twist joints for a bone, at equal distances."
+        2, help="Twist joints for a bone, at equal distances.", group="what"
     )
     weights: Annotated[tuple[float, ...], Kind("joined", "W1,W2,…", read=_weights)] = option(
         (),
         help="The share of the driver's twist that each rotates by, -1 to 1. "
         "[i/(n+1) on lower, i/(n+1) - 1 on upper bones]",
+        group="what",
     )
-    axis: Direction | None = option(None, help="The twist axis in the space of the bone's joint. [the bone]")
+    axis: Direction | None = option(
+        None, help="The twist axis in the space of the bone's joint. [the bone]", rare=True
+    )
     split_weights: bool = option(
         False,
         help="Distribute the bone's skin weights to its joint and the twist joints, by position along it.",
@@ -55,9 +62,12 @@ class AddTwistOptions:
         metavar="N",
         help="With --split-weights: a vertex that would get more than N joints gets only the nearest. "
         "0 is any number.",
+        rare=True,
     )
     keys: bool = option(True, help="Let the joints follow in every clip.")
-    name: str = option(NAME, help="Names of the twist joints, with the tokens {joint} and {number}.")
+    name: str = option(
+        NAME, help="Names of the twist joints, with the tokens {joint} and {number}.", group="what"
+    )
 
     @property
     def bones(self) -> tuple[tuple[str, str], ...]:

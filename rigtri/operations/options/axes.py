@@ -9,21 +9,39 @@ from rigtri.operations.declaration import option
 
 
 def preset() -> Any:
-    return option(None, choices=PRESETS, help="The axes of another program: aim, up and where up comes from.")
+    """The axes of another program, each with what they are."""
+    return option(
+        None,
+        choices=PRESETS,
+        values={name: style.words for name, style in PRESETS.items()},
+        group="what",
+        help="The axes of another program: aim, up and where up comes from.",
+    )
 
 
 def aim() -> Any:
-    return option(None, help="Axis that aims at the child. [x]")
+    return option(None, help="Axis that aims at the child. [x]", group="what")
 
 
 def up() -> Any:
-    return option(None, help="Axis that goes up. [y]")
+    return option(None, help="Axis that goes up. [y]", group="what")
 
 
 def up_from() -> Any:
     return option(
         None,
         metavar="SOURCE",
-        help="plane (the hinge, +n), pole (towards the bend), world:+y, vector:x,y,z, node:NAME, "
-        "noderot:axis:NAME, parent, child, keep. [plane]",
+        group="what",
+        help="Where up comes from. [plane]",
+        values={
+            "plane": "the hinge: the normal of the plane that the limb bends in",
+            "pole": "towards the bend, as a pole vector",
+            "world:+y": "an axis of the world: +x, -x, +y …",
+            "vector:x,y,z": "a direction of the world",
+            "node:NAME": "towards the position of a node",
+            "noderot:y:NAME": "an axis of a node",
+            "parent": "up of the joint above",
+            "child": "up of the chain child",
+            "keep": "today's up axis of the joint, made perpendicular to the bone",
+        },
     )

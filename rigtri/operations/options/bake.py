@@ -33,25 +33,37 @@ class BakeOptions:
 
     to: Direction = option(
         "joints",
-        help="joints: what controls, IK and constraints make of them. controls: the motion that the "
-        "joints have.",
+        help="What gets the keys.",
+        values={
+            "joints": "what controls, IK and constraints make of them",
+            "controls": "the motion that the joints have",
+        },
+        group="what",
     )
     rig_: RigFile = option(
         None,
         help="Read rigtri's metadata from this file, by name: exporters drop it from IN. To keep the "
         "keys between IN's frames, too, use take-clips first.",
+        group="what",
+        rare=True,
     )
     as_: ClipNames = option(
         {},
         help="With --rig: the clip NAME (or glob) of IN is CLIP of that file, or a part of it. Repeatable.",
+        group="what",
+        rare=True,
     )
-    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.")
+    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.", group="what")
     fps: Above | None = option(
         None, help="Samples per second besides the keys, and no others. [as many as --between needs]"
     )
-    between: Tolerance = option(BETWEEN, help="Largest error between samples, as a share of the rig's size.")
-    soft: SoftIk | None = option(None)
-    stretch: bool | None = option(None, help="IK limbs grow to reach their target. [as stored, or not]")
+    between: Tolerance = option(
+        BETWEEN, help="Largest error between samples, as a share of the rig's size.", group="how"
+    )
+    soft: SoftIk | None = option(None, rare=True)
+    stretch: bool | None = option(
+        None, help="IK limbs grow to reach their target. [as stored, or not]", rare=True
+    )
     tolerance: Tolerance = option(1e-5, where="shared")
 
     def check(self, given: Collection[str]) -> None:

@@ -48,7 +48,7 @@ def joint_orient(text: str) -> Literal["rest", "none"] | Vector:
 
 
 # NODE=WEIGHT, of which the name may hold ``=`` itself, so that the rig must be asked; Python may give pairs.
-Drivers = Annotated[tuple[tuple[str, float] | str, ...], Kind("of nodes", "NODE[=WEIGHT]")]
+Drivers = Annotated[tuple[tuple[str, float] | str, ...], Kind("of nodes", "NODE[=WEIGHT]", group="joints")]
 Channels = Annotated[tuple[str, ...], Kind("joined", "tx,ty,…", read=_skip)]
 JointOrient = Annotated[
     Literal["rest", "none"] | Vector, Kind("joint orient", "rest|none|X,Y,Z", parse=joint_orient)
@@ -64,44 +64,71 @@ class ConstrainOptions:
     """
 
     type: Literal["parent", "point", "orient", "scale", "aim", "polevector"] = option(
-        help="What the child takes over."
+        help="What the child takes over.",
+        values={
+            "parent": "place and axes, as if it were a child",
+            "point": "the place",
+            "orient": "the axes",
+            "scale": "the scale",
+            "aim": "points an axis at the driver",
+            "polevector": "the driver says which way a limb bends",
+        },
+        group="what",
     )
     child: Node | None = option(None, help="The node that follows; of polevector any joint of the limb.")
     driver: Drivers = option(help="A node that it follows. Repeatable; the ratio of the weights counts.")
     skip: Channels = option(
-        (), help="Channels that stay the child's own: tx, ty, tz, rx … sz, or t, r, s for three."
+        (), help="Channels that stay the child's own: tx, ty, tz, rx … sz, or t, r, s for three.", group="how"
     )
     maintain_offset: bool = option(
         True,
         help="Maintain the offset between each driver and the child, or take over the driver's transform.",
     )
     rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = option(
-        "xyz", help="Order of the angles that --skip and the report mean by rx, ry, rz."
+        "xyz", help="Order of the angles that --skip and the report mean by rx, ry, rz.", rare=True
     )
     joint_orient: JointOrient = option(
-        "rest", help="Joint orient, applied after the rotation, as Maya's (degrees, about x, y, z)."
+        "rest",
+        help="Joint orient, applied after the rotation, as Maya's (degrees, about x, y, z).",
+        rare=True,
     )
     space: Literal["world", "local"] = option(
         "world",
-        help="orient: follow the axes in the world, or the driver's rotation from rest in its own axes.",
+        help="orient: what is followed.",
+        values={
+            "world": "the axes in the world",
+            "local": "the driver's rotation from rest, in its own axes",
+        },
+        rare=True,
     )
     roll_axis: Literal["x", "y", "z"] | None = option(
-        None, help="orient: only the roll about this axis of the child."
+        None, help="orient: only the roll about this axis of the child.", rare=True
     )
     aim_axis: Direction = option(
-        (1.0, 0.0, 0.0), help="aim: the axis of the child that points at the driver."
+        (1.0, 0.0, 0.0), help="aim: the axis of the child that points at the driver.", rare=True
     )
-    up_axis: Direction = option((0.0, 1.0, 0.0), help="aim: the axis of the child that leans to --world-up.")
+    up_axis: Direction = option(
+        (0.0, 1.0, 0.0), help="aim: the axis of the child that leans to --world-up.", rare=True
+    )
     world_up: Literal["vector", "object", "objectrotation", "none"] = option(
         "vector",
-        help="aim: what the up axis leans to: a direction, a node's position, a node's axis, or nothing.",
+        help="aim: what the up axis leans to.",
+        values={
+            "vector": "a direction of the world",
+            "object": "a node's position",
+            "objectrotation": "a node's axis",
+            "none": "nothing: the least rotation",
+        },
+        rare=True,
     )
-    up_vector: Direction | None = option(None, help="That direction or axis. [the file's up]")
-    up_object: Node | None = option(None, help="That node.")
+    up_vector: Direction | None = option(None, help="That direction or axis. [the file's up]", rare=True)
+    up_object: Node | None = option(None, help="That node.", rare=True, group="how")
     limb: LimbNames | None = option(None, help="polevector: the limb whose bend follows.")
     vrm_constraints: bool = option(
         False,
         help="Also write VRMC_node_constraint where it means the same (glTF); viewers then move the child.",
+        group="output",
+        rare=True,
     )
 
     @property

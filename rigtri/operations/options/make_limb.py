@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.axis_presets import AXES, PRESETS, AxisStyle, preset_style
+from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
     Axis,
     EndKind,
@@ -23,6 +23,7 @@ from rigtri.operations.declaration import (
     refuse,
     three,
 )
+from rigtri.operations.options import axes
 from rigtri.operations.options.add_polevector import AddPolevectorOptions, PlacementOptions
 
 _PLACEMENT = ("method", "from_", "reach", "distance", "reach_of", "orientation")
@@ -49,34 +50,46 @@ class MakeLimbOptions(PlacementOptions):
     points: Annotated[tuple[Point, ...], Kind("points", "X,Y,Z X,Y,Z X,Y,Z")] = option(
         (), help="Positions in the world; without IN they make a new file."
     )
-    planar: bool = option(False, help="More than three: lay the inner joints into the limb's plane.")
-    preset: str | None = option(None, choices=PRESETS, help="The axes of another program.")
-    aim: Axis | None = option(None, help="Axis that aims at the next joint. [x]")
-    up: Axis | None = option(None, help="Axis that goes up. [y]")
+    planar: bool = option(
+        False, help="More than three: lay the inner joints into the limb's plane.", rare=True
+    )
+    preset: str | None = axes.preset()
+    aim: Axis | None = option(None, help="Axis that aims at the next joint. [x]", group="what")
+    up: Axis | None = option(None, help="Axis that goes up. [y]", group="what")
     up_from: str | None = option(
         None,
         metavar="SOURCE",
         help="plane (the hinge), pole (the bend direction), world:AXIS or vector:X,Y,Z. [plane]",
+        group="what",
     )
     end_aim: Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)] | None = (
-        option(None, help="What the end joint aims at; else it has the axes of the joint before.")
+        option(
+            None, help="What the end joint aims at; else it has the axes of the joint before.", group="what"
+        )
     )
     bend: Point | None = option(None, help="The bend direction of points on a line; for no others.")
-    name: str = option("limb", help="The limb's name; its joints are NAME_1 …")
-    side: Literal["left", "right"] | None = option(None, help="Put _L or _R behind the names.")
-    names: Names = option((), metavar="A B C", help="Names of the joints.")
+    name: str = option("limb", help="The limb's name; its joints are NAME_1 …", group="what")
+    side: Literal["left", "right"] | None = option(None, help="Put _L or _R behind the names.", group="what")
+    names: Names = option((), metavar="A B C", help="Names of the joints.", group="what", rare=True)
     parent: Node | None = option(
-        None, help="What the limb is a child of; where that is a joint, the limb joins its skins."
+        None,
+        help="What the limb is a child of; where that is a joint, the limb joins its skins.",
+        group="joints",
     )
-    skin: bool = option(True, help="Make the joints joints of a skin.")
-    pole: bool = option(True, help="Add the limb's pole vector.")
+    skin: bool = option(True, help="Make the joints joints of a skin.", rare=True)
+    pole: bool = option(True, help="Add the limb's pole vector.", rare=True)
     as_: EndKind | None = option(
-        None, help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]"
+        None,
+        help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]",
+        rare=True,
     )
     pose: str = option(
-        "nodes", metavar="POSE", help="Where the locators are read: nodes (at rest), bind or CLIP@TIME."
+        "nodes",
+        metavar="POSE",
+        help="Where the locators are read: nodes (at rest), bind or CLIP@TIME.",
+        rare=True,
     )
-    pole_name: str | None = option(None, help="Name of the pole vector. [MIDDLE_pole]")
+    pole_name: str | None = option(None, help="Name of the pole vector. [MIDDLE_pole]", rare=True)
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for a count that makes no limb, or options that contradict each other."""

@@ -15,6 +15,14 @@ What = Literal["limbs", "joints", "controls", "polevectors", "twists", "constrai
 WHAT: tuple[What, ...] = get_args(What)
 
 
+# What mirrored axes are, by the word that says it.
+MIRRORED = {
+    "behavior": "equal rotations mirror the motion, as in Maya and Unreal",
+    "orientation": "equal axes on both sides",
+    "blender": "X negated, Y and Z mirrored, as Blender does",
+}
+
+
 @dataclass(frozen=True)
 class MirrorOptions:
     """Give one side of a character what the other has: joint axes, and what rigtri has added.
@@ -25,25 +33,33 @@ class MirrorOptions:
 
     mode: Literal["behavior", "orientation", "blender"] = option(
         "behavior",
-        help="What mirrored axes are: equal rotations mirror the motion, equal axes, or Blender's X mirror.",
+        help="What mirrored axes are.",
+        values=MIRRORED,
+        group="what",
     )
-    from_side: Literal["left", "right"] = option("left", help="The side that is copied onto the other.")
+    from_side: Literal["left", "right"] = option(
+        "left", help="The side that is copied onto the other.", group="what"
+    )
     plane: Literal["yz", "xz", "xy"] = option(
-        "yz", help="The plane between the sides, of the space that the joints are in."
+        "yz", help="The plane between the sides, of the space that the joints are in.", rare=True
     )
     plane_at: Number | None = option(
         None,
         help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
+        rare=True,
     )
-    what: tuple[What, ...] = option((), help="Mirror only these; repeatable. [all]")
+    what: tuple[What, ...] = option((), help="Mirror only these; repeatable. [all]", group="what")
     joints: Nodes = option((), help="Only these joints and their counterparts.")
     below: Nodes = option((), metavar="NAME", help="Only this joint, all below, and their counterparts.")
     exclude: Nodes = option((), help="Not these joints.")
     pose: str | None = option(
-        None, metavar="POSE", help="The pose that axes are read from: bind, nodes or CLIP@TIME.  [bind]"
+        None,
+        metavar="POSE",
+        help="The pose that axes are read from: bind, nodes or CLIP@TIME.  [bind]",
+        rare=True,
     )
-    on_nonuniform_scale: OnNonuniformScale = option("snap")
-    on_constraint: OnConstraint = option("freeze")
+    on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
+    on_constraint: OnConstraint = option("freeze", rare=True)
     root: str | None = option(None, where="shared")
     tolerance: Number = option(1e-5, where="shared")
     across: Any = option(None, where="python")

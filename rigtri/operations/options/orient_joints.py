@@ -30,6 +30,7 @@ from rigtri.operations.declaration import (
     three,
 )
 from rigtri.operations.options import axes
+from rigtri.operations.options.mirror import MIRRORED
 
 Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
@@ -89,50 +90,84 @@ class OrientJointsOptions:
     up_from: str | None = axes.up_from()
     joints: Nodes = option((), help="Re-orient these joints. Repeatable.")
     chain: Annotated[
-        tuple[StyledChain | tuple[str, str], ...], Kind("styled chains", "START END", read=_chains)
+        tuple[StyledChain | tuple[str, str], ...],
+        Kind("styled chains", "START END", read=_chains, group="joints"),
     ] = option(
         (), help="Re-orient this chain; --aim, --up, --up-from behind it are for it alone. Repeatable."
     )
     below: Nodes = option((), metavar="NAME", help="Re-orient this joint and all below it.")
-    skin: str | None = option(None, metavar="NAME", help="Only joints of this skin.")
+    skin: str | None = option(
+        None, metavar="NAME", help="Only joints of this skin.", group="joints", rare=True
+    )
     exclude: Nodes = option((), help="Leave these joints as they are.")
     aim_at: Annotated[tuple[tuple[str, str] | str, ...], Kind("node to node", "JOINT=NODE")] = option(
-        (), help="Aim a joint, or any other node, at any node; it need not be selected. Repeatable."
+        (),
+        help="Aim a joint, or any other node, at any node; it need not be selected. Repeatable.",
+        rare=True,
     )
-    limb: Limbs = option((), help="Three joints that bend as one limb and share its hinge. Repeatable.")
+    limb: Limbs = option(
+        (), help="Three joints that bend as one limb and share its hinge. Repeatable.", rare=True
+    )
     branch: Names = option(
         (),
         metavar="RULE",
-        help="At several children: chain, first, average, longest, incoming, keep, or the NAME of "
-        "a child. [chain]",
+        group="how",
+        help="What a joint with several children aims at. [chain]",
+        values={
+            "chain": "continues the chain; else their average, or incoming where they part widely",
+            "first": "the first child in the file, as Maya",
+            "average": "the middle of all children, as Houdini",
+            "longest": "the child that is farthest away",
+            "incoming": "on along the bone that ends here",
+            "keep": "leaves the joint as it is",
+            "NAME": "the child of this name; repeatable",
+        },
     )
-    end: End = option("tip", help="What a joint without child aims at.")
-    per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).")
+    end: End = option(
+        "tip",
+        help="What a joint without child aims at.",
+        values={
+            "tip": "its bare leaf node, such as hand_end; without one, as parent",
+            "parent": "has the axes of the joint above",
+            "incoming": "on along the bone that ends here",
+            "keep": "leaves the joint as it is",
+            "world": "parallel to the world",
+        },
+    )
+    per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).", rare=True)
     facing: Facing | None = option(None)
     pose: str | None = option(
         None,
         metavar="bind|nodes|CLIP@TIME",
         help="The pose that positions are read from. [bind where one skin holds the chain, else nodes]",
+        rare=True,
     )
-    world: bool = option(False, help="Make every frame parallel to the world.")
-    on_nonuniform_scale: OnNonuniformScale = option("snap")
-    on_constraint: OnConstraint = option("freeze")
-    snap: bool = option(False, help="Rotate only to the nearest cardinal axes.")
+    world: bool = option(False, help="Make every frame parallel to the world.", group="what", rare=True)
+    on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
+    on_constraint: OnConstraint = option("freeze", rare=True)
+    snap: bool = option(False, help="Rotate only to the nearest cardinal axes.", rare=True)
     offset: Annotated[Vector, Kind("point", "X,Y,Z", parse=_degrees)] = option(
-        (0.0, 0.0, 0.0), help="Afterwards rotate about the new axes, in degrees: X, then Y, then Z."
+        (0.0, 0.0, 0.0),
+        help="Afterwards rotate about the new axes, in degrees: X, then Y, then Z.",
+        rare=True,
     )
     mirror: Literal["behavior", "orientation", "blender"] | None = option(
-        None, help="Give the other side the mirrored axes of --from-side."
+        None, help="Give the other side the mirrored axes of --from-side.", values=MIRRORED, rare=True
     )
     from_side: Literal["left", "right"] = option(
-        "left", help="With --mirror: the side that is copied onto the other."
+        "left", help="With --mirror: the side that is copied onto the other.", rare=True
     )
-    plane: Literal["yz", "xz", "xy"] = option("yz", help="The mirror.")
+    plane: Literal["yz", "xz", "xy"] = option("yz", help="The mirror.", rare=True)
     like: RigFile = option(
-        None, excludes=["frames"], help="Give each joint the axes of its namesake in FILE's bind pose."
+        None,
+        excludes=["frames"],
+        help="Give each joint the axes of its namesake in FILE's bind pose.",
+        group="what",
     )
-    frames: JsonFile = option(None, help="Apply the changes of a --save-frames file.")
-    inverse: bool = option(False, help="With --frames: undo them.")
+    frames: JsonFile = option(
+        None, help="Apply the changes of a --save-frames file.", group="what", rare=True
+    )
+    inverse: bool = option(False, help="With --frames: undo them.", group="what", rare=True)
     root: str | None = option(None, where="shared")
     tolerance: Above = option(1e-5, where="shared")
     keep: bool = option(False, where="python")

@@ -11,7 +11,9 @@ from rigtri.operations.declaration import option
 class PoseOptions:
     """Make the pose of one moment, evaluated, the rest pose."""
 
-    at: str = option("rest", metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest.")
+    at: str = option(
+        "rest", metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest.", group="what"
+    )
     evaluate: bool = option(
         True, help="Evaluate the active controls and constraints, or take the joints' own keys."
     )

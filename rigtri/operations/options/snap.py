@@ -10,19 +10,21 @@ from rigtri.errors import UsageError
 from rigtri.operations.declaration import Kind, Names, option
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.
-Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END")]
+Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
 
 
 @dataclass(frozen=True)
 class SnapOptions:
     """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
 
-    to: Literal["ik", "fk"] = option(help="What the limbs are matched to.")
+    to: Literal["ik", "fk"] = option(help="What the limbs are matched to.", group="what")
     at: Names = option(
-        metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest. Repeatable."
+        metavar="CLIP@TIME",
+        help="The moment, in seconds (USD: time codes), or rest. Repeatable.",
+        group="what",
     )
     limb: Limbs = option((), help="The three joints of a limb with an IK end. Repeatable.")
-    all_limbs: bool = option(False, help="All limbs with an IK end.")
+    all_limbs: bool = option(False, help="All limbs with an IK end.", group="joints")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where limbs are given twice or not at all, and without a moment."""

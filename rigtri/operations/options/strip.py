@@ -14,7 +14,8 @@ class StripOptions:
     splits: bool = option(
         False,
         help="Also remove the metadata of nodes that hold the axes of split joints; the nodes stay.",
+        group="what",
     )
     discard_motion: bool = option(
-        False, help="Also discard motion that only controls have: what was not baked to joints."
+        False, help="Also discard motion that only controls have: what was not baked to joints.", group="what"
     )

@@ -16,12 +16,15 @@ class TakeClipsOptions:
     """
 
     from_: EditedFile = option(
-        metavar="EDITED", help="The file with the animation, of any format; nothing else of it is used."
+        metavar="EDITED",
+        help="The file with the animation, of any format; nothing else of it is used.",
+        group="what",
     )
-    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.")
+    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.", group="what")
     as_: ClipNames = option(
         {},
         help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "
         "number, and NAME= the one without a name. Repeatable.",
+        group="what",
     )
     tolerance: Tolerance = option(1e-5, where="shared")

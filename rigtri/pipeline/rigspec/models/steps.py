@@ -101,7 +101,7 @@ def _fields(declared: Any) -> dict[str, Any]:
     for option in options_of(declared).values():
         if option.where == "all":
             kind = spec_type(option)
-            about = Field(_default(option), alias=option.key, description=option.help or None)
+            about = Field(_default(option), alias=option.key, description=option.described() or None)
             found[option.name] = (kind | None if option.optional or option.one_word else kind, about)
     return found
 

@@ -1,0 +1,76 @@
+"""All commands, under their headings, with a line of help for each."""
+
+from __future__ import annotations
+
+# Heading → command → its one line of help. A command's module is imported when the command runs,
+# so that `rigtri --help` does not wait for numpy.
+GROUPS = {
+    "Look": {
+        "inspect": "Show the joints of a file: axes, lengths, bends, skins, clips, warnings.",
+        "recognise": "Find spine, head, arms, legs, hands and fingers by map, names and shape, and show why.",
+        "check": "Find all that is wrong with the skinned rigs in files.",
+        "verify": "Measure how much two files differ in every pose.",
+        "diff": "Show in rig terms and in file terms how two files differ.",
+        "draw": "Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.",
+        "view": "Write a page that shows a character, posed and moving, with its rig, before and after.",
+        "explain": "Show the vectors and triangles of three points, or of a limb, step by step.",
+    },
+    "Re-orient": {
+        "orient-joints": "Give joints new axes; nothing that can be seen moves.",
+        "mirror": "Give one side of a character the axes of the other, and all that rigtri has built there.",
+    },
+    "Build": {
+        "auto": "Recognise a character and build its rig; its spec is written beside OUT.",
+        "make-limb": "Make an oriented chain of joints and its pole vector from three points.",
+        "add-twist": "Put twist joints along bones, which avoids the candy-wrapper effect.",
+        "add-controls": "Put a tree of controls over joints: fingers, spines, limbs, characters.",
+        "add-polevector": "Add a locator that says which way a limb bends.",
+        "constrain": "Let a node follow others: parent, point, orient, scale, aim, pole vector.",
+        "add-posereader": "Let morph targets or values follow a joint's pose.",
+        "add-rivet": "Attach locators to the surface of a mesh, through skinning and morphs.",
+        "strip": "Remove what rigtri has added to a file.",
+    },
+    "Motion": {
+        "pose": "Print the pose of one moment, evaluated, or make it the rest pose.",
+        "snap": "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
+        "bake": "Bake controls and constraints to joint keys, or joints' motion to controls.",
+        "take-clips": "Transfer the animation of an edited file back to the rig it was made from.",
+        "export-blender": "Write a script that sets controls, IK and constraints up in Blender.",
+    },
+    "Library": {
+        "spec-init": "Write a rig spec to start from: steps for the joints that a character has.",
+        "build": "Build a rig by a spec: the steps that a file lists, in one go.",
+        "schema": "Print a JSON Schema: of rig specs, or of what rigtri writes.",
+    },
+    "Many files": {
+        "batch": "Build many files by a spec, in several processes.",
+        "batch-report": "Summarise the manifest of a batch: counts, worst, slowest, errors.",
+    },
+    "This program": {
+        "help": "Show the whole help of a command: all of its options.",
+        "completion": "Print the script with which bash, zsh or fish complete commands, joints and clips.",
+    },
+}
+COMMANDS = {name: words for group in GROUPS.values() for name, words in group.items()}
+# How alike, from 0 to 1, a word is to the command that was meant; of words of five letters four agree.
+ALIKE = 0.75
+
+
+def alike(name: str) -> list[str]:
+    """The commands that a user may have meant, the likeliest first.
+
+    >>> alike("orint"), alike("control"), alike("dance")
+    (['orient-joints'], ['add-controls'], [])
+    """
+    from difflib import SequenceMatcher
+
+    first = name.partition("-")[0]
+
+    def likeness(known: str) -> float:
+        """That of the whole, of one of its words, or of what one of them begins with."""
+        words = {known, *known.split("-")}
+        pairs = {(name, part) for word in words for part in (word, word[: len(name)])} | {(first, known)}
+        return max(SequenceMatcher(None, *pair).ratio() for pair in pairs)
+
+    likely = sorted(COMMANDS, key=likeness, reverse=True)
+    return [known for known in likely[:3] if likeness(known) >= max(ALIKE, likeness(likely[0]) - 0.05)]

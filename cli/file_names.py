@@ -1,0 +1,79 @@
+"""Completion from the file in the line: its joints, skins, meshes, clips and moments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import click
+from click.shell_completion import CompletionItem
+
+from rigtri.errors import RigtriError
+
+if TYPE_CHECKING:
+    from rigtri.model.rig import Rig
+
+
+def complete_from_file(option: click.Option, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+    """The names in the file of the line that an option may take, and that begin as what is written."""
+    names, path = _names(option), _file(ctx)
+    if names is None or path is None:
+        return []
+    from rigtri.formats import ReadOptions, read
+
+    with suppress(RigtriError, OSError):
+        found = dict.fromkeys(names(read(path, ReadOptions(empty=True)).rig))
+        return [CompletionItem(each) for each in found if each.lower().startswith(incomplete.lower())]
+    return []
+
+
+def _names(option: click.Option) -> Callable[[Rig], Iterator[str]] | None:
+    """Which names of a file an option takes; None where none."""
+    metavar, name = option.metavar or "", option.name
+    if name == "skin":
+        return _skins
+    if name == "mesh" and metavar == "NODE":
+        return _meshes
+    if "CLIP@TIME" in metavar or metavar == "POSE":
+        return _moments
+    if name in ("clip", "clips"):
+        return _clips
+    if (
+        getattr(option, "group", "") == "joints"
+        or "NAME" in getattr(option, "values", ())
+        or {"NODE", "JOINT"} & set(metavar.replace("|", " ").split())
+    ):
+        return _nodes
+    return None
+
+
+def _file(ctx: click.Context) -> str | None:
+    """The file that the line has: its first argument, which waits where an option has no value yet."""
+    words = [ctx.params.get("source"), *(ctx.params.get("points") or ()), *ctx.args]
+    return next((word for word in words if isinstance(word, str) and word != "-"), None)
+
+
+def _nodes(rig: Rig) -> Iterator[str]:
+    yield from filter(None, rig.names)
+
+
+def _skins(rig: Rig) -> Iterator[str]:
+    yield from (skin.name for skin in rig.skins if skin.name)
+
+
+def _meshes(rig: Rig) -> Iterator[str]:
+    yield from (rig.names[mesh.node] for mesh in rig.meshes if rig.names[mesh.node])
+
+
+def _clips(rig: Rig) -> Iterator[str]:
+    yield from (clip.name for clip in rig.clips if clip.name)
+
+
+def _moments(rig: Rig) -> Iterator[str]:
+    """Rest, and the beginning and end of each clip."""
+    yield "rest"
+    for clip in rig.clips:
+        times = [float(each) for track in clip.tracks if len(track.times) for each in track.times[[0, -1]]]
+        if times and clip.name:
+            yield from (f"{clip.name}@{time:g}" for time in dict.fromkeys((min(times), max(times))))

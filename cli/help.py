@@ -1,0 +1,53 @@
+"""rigtri help"""
+
+from __future__ import annotations
+
+import click
+from click.shell_completion import CompletionItem
+
+from .catalogue import COMMANDS, GROUPS
+from .help_format import WHOLE, Command, options_json
+from .options import json_option
+from .printing import print_json
+
+
+class _CommandName(click.ParamType):  # type: ignore[type-arg]
+    """The name of a command."""
+
+    name = "command"
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return [
+            CompletionItem(name, help=words)
+            for name, words in COMMANDS.items()
+            if name.startswith(incomplete)
+        ]
+
+
+@click.command("help", cls=Command)
+@click.argument("name", metavar="[COMMAND]", required=False, type=_CommandName())
+@json_option
+@click.pass_context
+def command(ctx: click.Context, name: str | None, as_json: bool) -> None:
+    """Show the whole help of a command: all of its options, in groups, with what their values mean.
+
+    \b
+    Example:
+        rigtri help orient-joints
+    """
+    root = ctx.find_root()
+    program = root.command
+    assert isinstance(program, click.Group)
+    if name is None:
+        print_json({"commands": GROUPS}) if as_json else click.echo(program.get_help(root))
+        return
+    known, found, _ = program.resolve_command(root, [name])
+    assert found is not None
+    with click.Context(found, info_name=known, parent=root) as inner:
+        inner.meta[WHOLE] = True
+        if as_json:
+            print_json({"command": known, "help": found.help, "options": options_json(inner)})
+        else:
+            click.echo(found.get_help(inner))

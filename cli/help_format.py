@@ -1,0 +1,101 @@
+"""How the help of commands looks: options in groups, with what their values mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from .file_names import complete_from_file
+
+# The headings of options, by the group that an option declares.
+GROUPS = {
+    "what": "What",
+    "how": "How",
+    "joints": "Which joints",
+    "output": "Output",
+    "safety": "Safety",
+}
+# The longest name of an option that stands for its value in help.
+SHORT = 11
+# In the context of a run: whether help shows rare options, too.
+WHOLE = "rigtri.cli.help_format"
+
+
+class Option(click.Option):
+    """An option that knows where it stands in help.
+
+    group: one of `GROUPS`. rare: only the whole help shows it. values: what its words mean.
+    """
+
+    def __init__(
+        self,
+        *declared: Any,
+        group: str = "how",
+        rare: bool = False,
+        values: Mapping[str, str] = MappingProxyType({}),
+        **about: Any,
+    ) -> None:
+        if isinstance(about.get("type"), click.Choice):
+            about["type"] = click.Choice(about["type"].choices, case_sensitive=False)
+        if values and not about.get("metavar"):
+            name = str(declared[0][0]).lstrip("-").upper()
+            about["metavar"] = name if len(name) <= SHORT else "RULE"
+        super().__init__(*declared, **about)
+        self.group, self.rare, self.values = group, rare, values
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        found = super().shell_complete(ctx, incomplete)
+        if not found and self.type is click.STRING:
+            words = [word for word in self.values if word.islower() and word.startswith(incomplete)]
+            found = [CompletionItem(word) for word in words] + complete_from_file(self, ctx, incomplete)
+        for item in found:
+            item.help = item.help or self.values.get(str(item.value))
+        return found
+
+
+option: Callable[..., Callable[[Any], Any]] = partial(click.option, cls=Option)
+
+
+class Command(click.Command):
+    """A command whose options stand in groups; rare ones only in its whole help."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        every = [each for each in self.get_params(ctx) if isinstance(each, click.Option) and not each.hidden]
+        shown = [each for each in every if ctx.meta.get(WHOLE) or not getattr(each, "rare", False)]
+        for group, title in GROUPS.items():
+            # That of --help is click's own.
+            here = [each for each in shown if getattr(each, "group", "output") == group]
+            rows = [row for each in here for row in _rows(ctx, each)]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+        if len(shown) < len(every):
+            formatter.write_paragraph()
+            formatter.write_text(f"All {len(every)} options: rigtri help {ctx.info_name}")
+
+
+def options_json(ctx: click.Context) -> list[dict[str, Any]]:
+    """All options of a command, for machines."""
+    return [
+        {
+            "names": [*each.opts, *each.secondary_opts],
+            "group": GROUPS[getattr(each, "group", "output")],
+            "rare": getattr(each, "rare", False),
+            "help": each.help,
+            "values": dict(getattr(each, "values", {})),
+        }
+        for each in ctx.command.get_params(ctx)
+        if isinstance(each, click.Option)
+    ]
+
+
+def _rows(ctx: click.Context, option: click.Option) -> list[tuple[str, str]]:
+    """What help says of an option, and of each of its values."""
+    record = option.get_help_record(ctx)
+    assert record is not None
+    return [record, *((f"    {word}", words) for word, words in getattr(option, "values", {}).items())]

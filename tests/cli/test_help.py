@@ -1,0 +1,139 @@
+"""Help: commands and options in groups, what every value means, and the right word for a wrong one."""
+
+from __future__ import annotations
+
+import os
+import re
+import typing
+from functools import partial
+from pathlib import Path
+
+import pytest
+from program import cli
+
+from rigtri.cli.catalogue import COMMANDS, GROUPS
+from rigtri.operations.declaration import options_of
+from rigtri.operations.registry import OPERATIONS, options_class
+
+run = partial(cli, code=0)
+
+
+def completed(*words: object) -> list[str]:
+    """What bash offers for the last of these words."""
+    line = " ".join(map(str, words))
+    asked = {
+        "_RIGTRI_COMPLETE": "bash_complete",
+        "COMP_WORDS": line,
+        "COMP_CWORD": str(len(words) - 1),
+    }
+    return [found.partition(",")[2] for found in cli(env=asked).stdout.splitlines() if found]
+
+
+def test_commands_stand_under_headings() -> None:
+    text = run("--help").stdout
+    assert [line[:-1] for line in text.splitlines() if line[:1].isalpha() and line.endswith(":")] == [
+        "Options",
+        *GROUPS,
+    ]
+
+
+def test_short_help_leaves_out_what_is_rare_and_says_where_it_is() -> None:
+    short, whole = run("orient-joints", "--help").stdout, run("help", "orient-joints").stdout
+    assert re.search(r"All \d+ options: rigtri help orient-joints", short)
+    assert "--on-constraint" not in short
+    assert "--on-constraint" in whole
+    assert "options: rigtri help" not in whole
+    assert [
+        word for word in short.split("\n") if word in ("What:", "How:", "Which joints:", "Output:", "Safety:")
+    ] == [
+        "What:",
+        "How:",
+        "Which joints:",
+        "Output:",
+        "Safety:",
+    ]
+
+
+@pytest.mark.parametrize("name", list(COMMANDS))
+def test_whole_help_has_every_option_and_is_there_for_machines(name: str) -> None:
+    text, machine = run("help", name).stdout, run("help", name, "--json").json
+    assert machine["command"] == name
+    for option in machine["options"]:
+        assert option["names"][0] in text
+
+
+@pytest.mark.parametrize("name", OPERATIONS)
+def test_values_that_are_explained_are_all_that_can_be_given(name: str) -> None:
+    for option in options_of(options_class(name)).values():
+        fixed = option.choices or (
+            typing.get_args(option.hint) if typing.get_origin(option.hint) is typing.Literal else ()
+        )
+        if fixed and option.values:
+            assert [word for word, _ in option.values] == list(fixed), option.flag
+
+
+def test_every_preset_end_and_branch_is_explained_where_it_stands() -> None:
+    text = run("orient-joints", "--help").stdout
+    for word in ("unreal-editor", "three-ik", "incoming", "longest", "tip", "noderot:y:NAME"):
+        assert f"\n      {word} " in text
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [
+        ("orint", "'orient-joints'"),
+        ("contraint", "'constrain'"),
+        ("twist", "'add-twist'"),
+        ("pole", "'add-polevector'"),
+        ("add-polvector", "'add-polevector'"),
+        ("auot", "'auto'"),
+    ],
+)
+def test_a_command_that_is_none_names_what_may_be_meant(word: str, meant: str) -> None:
+    for line in ([word], ["help", word]):
+        assert f"No such command '{word}'. Did you mean {meant}?" in cli(*line, code=2).stderr
+
+
+def test_an_option_without_its_value_names_the_page_of_its_command() -> None:
+    assert cli("bake", "a.glb", "-o", "b.glb", "--to", code=2).stderr.endswith("Help: rigtri help bake\n")
+
+
+def test_values_may_be_written_in_capitals(samples: Path, tmp_path: Path) -> None:
+    hero = samples / "biped.glb"
+    for name, words in {
+        "small": ("--preset", "maya", "--aim", "x", "--up-from", "world:+y", "--end", "parent"),
+        "large": ("--preset", "Maya", "--aim", "X", "--up-from", "World:+Y", "--end", "Parent"),
+    }.items():
+        run("orient-joints", hero, "-o", tmp_path / f"{name}.glb", *words)
+    assert (tmp_path / "small.glb").read_bytes() == (tmp_path / "large.glb").read_bytes()
+    run(
+        "add-controls",
+        hero,
+        "-o",
+        tmp_path / "c.glb",
+        "--below",
+        "hips",
+        "--shape",
+        "FK=Cube",
+        "--color",
+        "Left=0,0,1",
+    )
+
+
+def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Path) -> None:
+    hero = samples / "biped.glb"
+    assert completed("rigtri", "orient-joints", hero, "--joints", "upper") == ["upper_arm_L", "upper_arm_R"]
+    assert completed("rigtri", "add-controls", hero, "--chain", "Hand_L", "head_") == ["head_end"]
+    assert completed("rigtri", "bake", hero, "--clip", "") == ["walk", "wave"]
+    assert completed("rigtri", "pose", hero, "--at", "wa") == ["walk@0", "walk@1", "wave@0", "wave@1.7"]
+    assert completed("rigtri", "orient-joints", hero, "--skin", "") == ["biped"]
+    assert completed("rigtri", "orient-joints", hero, "--preset", "m") == ["maya", "mgear"]
+    assert completed("rigtri", "orient-joints", hero, "--branch", "lo") == ["longest"]
+    assert completed("rigtri", "help", "add-r") == ["add-rivet"]
+
+
+def test_a_file_that_cannot_be_read_completes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "broken.glb").write_bytes(b"no glTF")
+    for name in ("broken.glb", "none.glb"):
+        assert completed("rigtri", "orient-joints", tmp_path / name, "--joints", "") == []
+    assert os.listdir(tmp_path) == ["broken.glb"]
