@@ -15,6 +15,9 @@ GROUPS = {
         "view": "Write a page that shows a character, posed and moving, with its rig, before and after.",
         "explain": "Show the vectors and triangles of three points, or of a limb, step by step.",
     },
+    "Skeleton": {
+        "freeze": "Put scale and rotation above joints into the joints; nothing that can be seen moves.",
+    },
     "Re-orient": {
         "orient-joints": "Give joints new axes; nothing that can be seen moves.",
         "mirror": "Give one side of a character the axes of the other, and all that rigtri has built there.",

@@ -19,6 +19,7 @@ _WHERE = {
     "edit": "rigtri.pipeline.edit",
     "build": "rigtri.pipeline.rigspec.build",
     "auto": "rigtri.pipeline.rigspec.auto",
+    "freeze": "rigtri.operations.freeze",
     "orient_joints": "rigtri.operations.orient_joints.orient",
     "add_polevector": "rigtri.operations.add_polevector",
     "make_limb": "rigtri.operations.make_limb",
@@ -74,6 +75,7 @@ __all__ = [
     "edit",
     "explain",
     "export_blender",
+    "freeze",
     "from_pygltflib",
     "make_limb",
     "mirror",
@@ -109,6 +111,7 @@ if TYPE_CHECKING:
     from rigtri.operations.add_twist.twist import add_twist as add_twist
     from rigtri.operations.bake.bake import bake as bake
     from rigtri.operations.constrain.constrain import constrain as constrain
+    from rigtri.operations.freeze import freeze as freeze
     from rigtri.operations.make_limb import make_limb as make_limb
     from rigtri.operations.mirror.mirror import mirror as mirror
     from rigtri.operations.orient_joints.orient import orient_joints as orient_joints

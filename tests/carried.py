@@ -169,6 +169,7 @@ def _last_joint(rig: Rig) -> list[str]:
 
 
 EDITS: dict[str, Edit] = {
+    "freeze": Edit(rigtri.freeze),
     "orient-joints": Edit(lambda rig: rigtri.orient_joints(rig, preset="talk")),
     "orient-joints --mirror": Edit(lambda rig: rigtri.orient_joints(rig, mirror="behavior")),
     "make-limb": Edit(_built("limbs")),

@@ -16,7 +16,7 @@ Source: docs/exactness.md; UsdSkel and glTF 2.0 §3.7.3 (skins), appendix C.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -61,7 +61,8 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
         node_constraints=reoriented_constraints(rig, delta),
         metadata=reoriented_metadata(rig, delta),
     )
-    return _hand_over_attachments(rig, delta)
+    carriers = np.flatnonzero(own & (rig.attachment[: len(delta)] >= 0)).tolist()
+    return hand_over_attachments(rig, carriers, conjugate(delta[carriers]), np.ones(len(carriers)))
 
 
 def split(rig: Rig, deltas: Mapping[int, Floats]) -> Rig:
@@ -216,9 +217,8 @@ def _reorient_bound(rig: Rig, delta: Floats) -> Rig:
     )
 
 
-def _hand_over_attachments(rig: Rig, delta: Floats) -> Rig:
-    """Give what a turned node shows to a new child that stands as the node stood."""
-    carriers = np.flatnonzero(rotates(delta) & (rig.attachment[: len(delta)] >= 0)).tolist()
+def hand_over_attachments(rig: Rig, carriers: Sequence[int], rotation: Floats, scale: Floats) -> Rig:
+    """Give what nodes show to new children that stand so in them: rotation (k, 4), scale (k,)."""
     if not carriers:
         return rig
     shown = rig.attachment[carriers]
@@ -226,8 +226,11 @@ def _hand_over_attachments(rig: Rig, delta: Floats) -> Rig:
     attachment[carriers] = -1
     names = [f"{rig.names[node] or 'node'}_payload" for node in carriers]
     moved = replace(rig, attachment=attachment).with_nodes(
-        names, carriers, np.zeros((len(carriers), 3)), conjugate(delta[carriers]), shown.tolist()
+        names, carriers, np.zeros((len(carriers), 3)), rotation, shown.tolist()
     )
+    scales = moved.scale.copy()
+    scales[len(rig) :] = scale[:, np.newaxis]
+    moved = replace(moved, scale=scales)
     return _redirect_weights(moved, dict(zip(carriers, range(len(rig), len(moved)), strict=True)))
 
 

@@ -16,6 +16,7 @@ class Bound:
     node: int
     vector: Floats
     key: Hashable = None
+    is_direction: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,8 @@ class FormatRules:
     facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
     raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
     group_parent: the parent of a group that rigtri adds, −1 where the group is a root.
+    metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
+    points of a skin may be bound in another size instead.
     per_second: units of clips' time in a second. dotted_names: nodes may have dots in their names.
     """
 
@@ -30,6 +32,8 @@ class FormatRules:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     raw_quaternions: bool = False
     group_parent: int = -1
+    metres_per_unit: float = 1.0
+    sized_binding: bool = False
     per_second: float = 1.0
     dotted_names: bool = False
 

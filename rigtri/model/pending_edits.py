@@ -5,9 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Shape
 from rigtri.model.skin import JointMerge, WeightRedistribution
+
+
+@dataclass(frozen=True, eq=False)
+class Conversion:
+    """Another unit and up axis of a scene: what was at p is at ``size`` times p, rotated; it looks as before.
+
+    up: the axis, ``y`` or ``z``. metres: the length of the unit. rotation: (4,) xyzw.
+    """
+
+    up: str
+    metres: float
+    rotation: Floats
+    size: float
+
+    @property
+    def frame(self) -> tuple[Floats, float]:
+        """How the world's own frame differs from what it was: a rotation, (4,), and a size."""
+        return conjugate(self.rotation), 1.0 / self.size
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,6 +36,8 @@ class PendingEdits:
     shapes: lines to draw at nodes. weight_redistributions, joint_merges: changes of the weights of meshes.
     morph_weights: the weights at rest that nodes get, (t,) each.
     removed: nodes that the written file is without; they have no names any more.
+    bind_sizes: by the number of a skin how many times as large its points are to be bound.
+    conversion: of the whole scene.
     """
 
     shapes: Mapping[int, Shape] = field(default_factory=dict)
@@ -24,6 +45,8 @@ class PendingEdits:
     joint_merges: tuple[JointMerge, ...] = ()
     morph_weights: Mapping[int, Floats] = field(default_factory=dict)
     removed: frozenset[int] = frozenset()
+    bind_sizes: Mapping[int, float] = field(default_factory=dict)
+    conversion: Conversion | None = None
 
     def reordered(self, new: Sequence[int]) -> PendingEdits:
         """The edits with node k called ``new[k]``, −1 for a node that is left out."""

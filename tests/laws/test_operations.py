@@ -38,6 +38,7 @@ class Case:
 
 
 CASES = {
+    "freeze": Case("", strips=False),
     "orient-joints": Case("--preset maya", strips=False),
     "make-limb": Case("--points 0,140,0 25,140,-5 50,140,-1 --name arm"),
     "add-twist": Case("--limbs auto"),

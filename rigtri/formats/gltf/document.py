@@ -261,7 +261,7 @@ class GltfDocument:
             skins=skins,
             clips=clips,
             bound=tuple(
-                Bound(tree.place[node], np.array(vector), key=pointer)
+                Bound(tree.place[node], np.array(vector), pointer, is_direction=pointer[-1] == "normal")
                 for node, vector, pointer in bindings.bound
             ),
             node_constraints=tuple(

@@ -18,6 +18,7 @@ from rigtri.formats.usd.passes.split_joints import split_joints
 from rigtri.formats.usd.passes.unify_rounding import unify_rounding
 from rigtri.formats.usd.passes.usd_edit import Pass, UsdEdit
 from rigtri.formats.usd.passes.write_animations import write_animations
+from rigtri.formats.usd.passes.write_binding import write_binding
 from rigtri.formats.usd.passes.write_blend_weights import write_blend_weights
 from rigtri.formats.usd.passes.write_joint_metadata import write_joint_metadata
 from rigtri.formats.usd.passes.write_rigtri_prims import write_rigtri_prims
@@ -47,6 +48,7 @@ PASSES: tuple[Pass, ...] = (
     # What the rig has no longer goes last; until then the rig has it again.
     remove_joints,
     *VALUES,
+    write_binding,
     write_skin_weights,
     route_variants,
 )

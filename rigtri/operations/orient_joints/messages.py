@@ -18,6 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.rig import Rig
 from rigtri.operations.declaration import Selection
+from rigtri.operations.joint_records import joint_record
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven, first_uneven
@@ -209,8 +210,7 @@ def _records(outcome: Outcome, mirrored: Booleans) -> list[dict[str, Any]]:
         gave_up = outcome.policy.policy == "skip" and uneven[joint] and requested[joint] and not moves[joint]
         skipped = joint in outcome.skipped or gave_up
         status = "turned" if moves[joint] else "kept" if skipped else "unchanged"
-        entry: dict[str, Any] = {"joint": rig.title(joint), "address": rig.address(joint)}
-        entry |= {"path": rig.path(joint), "status": status}
+        entry = joint_record(rig, joint, status)
         if skipped:
             entry["reason"] = outcome.skipped.get(joint, "its scale is not uniform")
         if aim is not None:

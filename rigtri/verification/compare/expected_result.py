@@ -14,9 +14,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
+from rigtri.frames.rescale import convert
 from rigtri.frames.rig_size import size_of
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
+from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import DocumentView, Source, motion_between, self_check, verify
 from rigtri.verification.compare.correspondence import same_track
@@ -76,6 +78,18 @@ class ExpectedResult:
 
 
 @dataclass(frozen=True, eq=False)
+class ConvertedView(DocumentView):
+    """A document as it looks in a scene of another unit and up axis."""
+
+    conversion: Conversion
+
+    def scenery(self, *, closely: bool = False) -> Scenery:
+        found = self.document.scenery(closely=closely)
+        metrics = {"up axis": self.conversion.up.upper(), "metersPerUnit": self.conversion.metres}
+        return replace(found, whole={**found.whole, **metrics})
+
+
+@dataclass(frozen=True, eq=False)
 class PosedView(DocumentView):
     """What a document shows, moved as another rig with its nodes moves it.
 
@@ -118,6 +132,9 @@ class PosedView(DocumentView):
 
 def check_result(expected: ExpectedResult, written: Source, tolerance: float) -> Comparison:
     """Both questions: how far the written file is from what was expected, and what was declared to change."""
+    if (conversion := expected.rig.pending.conversion) is not None:
+        converted = convert(expected.source.rig, conversion)
+        expected = replace(expected, source=ConvertedView(expected.source, converted, conversion))
     views = expected.views(written)
     result = compare_written(expected, views, tolerance)
     return declared_differences(expected, written, views, result, tolerance)
@@ -127,6 +144,8 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
     """Whether the written file is the rig in memory: the deviation that is held against ``tolerance``."""
     if expected.rig.pending.weight_redistributions:
         return compare_without_twist(*views)
+    if expected.rig.pending.bind_sizes:
+        return verify(*views)  # points are bound in another size: look at the vertices themselves
     if expected.rig.pending.removed:
         return _compare_remaining(expected, *views)
     views = without_changes(*views, expected.morph_changes)

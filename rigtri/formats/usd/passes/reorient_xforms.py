@@ -5,12 +5,13 @@ A prim gets two constant ops, without a change to any op it has::
     local' = C·local·Cp⁻¹    frame op C innermost (last), Cp⁻¹ outermost (first)
 
 which is exact whatever scale or animation lies between, and which a second
-reorientation multiplies into. ``bake_xform`` writes translate, orient and scale instead.
+reorientation multiplies into. ``bake_xform`` writes translate, orient and scale instead, and so does a frame
+of another size where the prim does not move; C then has a uniform scale beside its rotation.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from pxr import Sdf, UsdGeom
@@ -33,10 +34,13 @@ from rigtri.maths.matrices import (
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
-_QUATD = Sdf.ValueTypeNames.Quatd
+_QUATD, _DOUBLE3 = Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Double3
+# The ops that resize a frame, beside those that rotate it.
+FRAME_SIZE, PARENT_INVERSE_SIZE = "xformOp:scale:rigtriFrame", "xformOp:scale:rigtriParentInv"
 # What a rotation may leave unexplained of a matrix, as a share of its largest number.
 SAME_PLACE = 1e-9
 
@@ -54,36 +58,50 @@ def reorient_xforms(edit: UsdEdit) -> None:
     }
     if not reoriented:
         return
-    delta = np.broadcast_to(IDENTITY, (len(before), 4)).copy()
+    top = _Frame() if rig.pending.conversion is None else _Frame(*rig.pending.conversion.frame)
+    found: dict[int, _Frame] = {}
     for node in range(len(before)):
         if kind(before.keys[node]) != "prim":
             continue
-        parent = int(before.parents[node])
-        above = delta[parent] if parent >= 0 else IDENTITY
-        if node not in reoriented and (above == IDENTITY).all():
+        above = found.get(int(before.parents[node]), _Frame()) if before.parents[node] >= 0 else top
+        if node not in reoriented and above.is_same:
             continue
-        delta[node] = _delta(before, rig, node, above)
-        edit.values += _prim_edits(edit, node, delta[node], above)
+        found[node] = _delta(before, rig, node, above)
+        edit.values += _prim_edits(edit, node, found[node], above)
 
 
-def _delta(before: Rig, after: Rig, node: int, above: Floats) -> Floats:
-    """C of one prim from local' = C·local·Cp⁻¹; FileError where no rotation explains the change."""
+class _Frame(NamedTuple):
+    """How a frame differs from the one that was: turned, (4,) xyzw, and so many times as large."""
+
+    rotation: Floats = IDENTITY
+    size: float = 1.0
+
+    @property
+    def is_same(self) -> bool:
+        return self.size == 1.0 and bool((self.rotation == IDENTITY).all())
+
+
+def _delta(before: Rig, after: Rig, node: int, above: _Frame) -> _Frame:
+    """C of one prim from local' = C·local·Cp⁻¹; FileError where no rotation and size explain the change."""
     old, new = before.local[node], after.local[node]
-    lifted = multiply(new, compose(np.zeros(3), above, np.ones(3)))
+    lifted = multiply(new, compose(np.zeros(3), above.rotation, np.full(3, above.size)))
     change = multiply(lifted, inverse(old))
-    q = from_axes(orthonormal_axes(change))
-    axes = compose(np.zeros(3), q, np.ones(3))
+    q, size = from_axes(orthonormal_axes(change)), float(length(change[0, :3]))
+    size = 1.0 if abs(size - 1.0) < SAME_ROTATION else size
+    axes = compose(np.zeros(3), q, np.full(3, size))
     left = np.abs(multiply(axes, old) - lifted).max()
     if not left <= SAME_PLACE * max(1.0, float(np.abs(lifted).max())):
         raise FileError(f"<{before.labels[node]}>: prims can be re-oriented, but not moved or scaled.")
-    return np.asarray(IDENTITY) if np.abs(q - IDENTITY).max() < SAME_ROTATION else q
+    return _Frame(np.asarray(IDENTITY) if np.abs(q - IDENTITY).max() < SAME_ROTATION else q, size)
 
 
-def _prim_edits(edit: UsdEdit, node: int, delta: Floats, above: Floats) -> list[Edit]:
+def _prim_edits(edit: UsdEdit, node: int, delta: _Frame, above: _Frame) -> list[Edit]:
     local = edit.rig.local[node]
     prim = edit.source.stage.GetPrimAtPath(edit.rig.labels[node])
     refuse(why_locked(prim, ("xformOpOrder", FRAME, PARENT_INVERSE)))
     xformable = UsdGeom.Xformable(prim)
+    if delta.size != 1.0 and not xformable.GetTimeSamples() and skew(local) < SKEW:
+        return _baked(prim, local)
     if edit.options.bake_xform:
         if not xformable.TransformMightBeTimeVarying() and skew(local) < SKEW:
             return _baked(prim, local)
@@ -92,7 +110,15 @@ def _prim_edits(edit: UsdEdit, node: int, delta: Floats, above: Floats) -> list[
         )
     order = list(tokens_of(prim, "xformOpOrder"))
     edits: list[Edit] = []
-    for name, change, last in ((FRAME, delta, True), (PARENT_INVERSE, conjugate(above), False)):
+    for name, size, last in ((FRAME_SIZE, delta.size, True), (PARENT_INVERSE_SIZE, 1.0 / above.size, False)):
+        if size == 1.0:
+            continue
+        was = float(prim.GetAttribute(name).Get(DEFAULT)[0]) if name in order else 1.0
+        order = [op for op in order if op != name]
+        order.insert(len(order) if last else int(bool(order) and order[0] == "!resetXformStack!"), name)
+        edits.append(set_value(prim.GetPath(), name, _DOUBLE3, op_value(_DOUBLE3, np.full(3, was * size))))
+    inverse_above = conjugate(above.rotation)
+    for name, change, last in ((FRAME, delta.rotation, True), (PARENT_INVERSE, inverse_above, False)):
         old = value_numbers(prim.GetAttribute(name).Get(DEFAULT)) if name in order else IDENTITY
         # Row matrices: what stands nearer to the points comes first, in Hamilton's product last.
         new = product(old, change) if last else product(change, old)

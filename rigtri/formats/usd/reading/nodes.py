@@ -185,7 +185,13 @@ class Nodes:
             keys=tuple(self.keys),
             labels=tuple(self.labels),
             metadata=dict(self.metadata),
-            rules=FormatRules(fixed=dict(self.fixed), up=up, raw_quaternions=True),
+            rules=FormatRules(
+                fixed=dict(self.fixed),
+                up=up,
+                metres_per_unit=float(UsdGeom.GetStageMetersPerUnit(self.stage)),
+                sized_binding=True,
+                raw_quaternions=True,
+            ),
         )
 
 

@@ -1,0 +1,32 @@
+"""Put the scale and rotation that stand above the joints of IN into the joints.
+
+Positions, inverse bind matrices and keys take up the scale of joints and of all above them, which becomes 1,
+and the rotation above joints, which becomes none; nothing that can be seen moves in any pose. Vertices,
+cameras and lights stay the numbers that they are. Without options both are frozen.
+
+\b
+Examples:
+    rigtri freeze soldier.glb -o out.glb
+    rigtri freeze soldier.glb -o out.glb --scale --above
+    rigtri freeze hero.usdz -o out.usdz --up-axis y
+"""
+
+from __future__ import annotations
+
+from rigtri.operations.options.freeze import FreezeOptions
+from rigtri.report import Report
+
+from .edit_command import edit_command
+from .text import counted
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
+    scaled = sum("world_scale" in entry for entry in report.joints)
+    turned = sum("rotation" in entry for entry in report.joints)
+    if not scaled and not turned:
+        return "there is no scale or rotation to freeze; nothing was changed"
+    return f"frozen: the scale of {counted(scaled, 'node')}, the rotation of {turned} above joints"
+
+
+command = edit_command("freeze", FreezeOptions, summary, __doc__)

@@ -1,0 +1,125 @@
+"""Changing the size of joint frames: what is in them follows, so that nothing that can be seen moves.
+
+A frame that is s times as large as another has world' = s·world; with row matrices, p the parent::
+
+    local' = s·local·sp⁻¹       inverse_bind' = inverse_bind·s⁻¹
+
+so translations are multiplied by sp⁻¹ and scales by s·sp⁻¹, at rest and at every key, tangents too: linear
+and constant in time. Rotations stay. Where a format wants bind matrices of scale 1
+(`FormatRules.sized_binding`), the points of a skin are bound in another size instead, as far as all of its
+joints have one size.
+
+Source: UsdSkel and glTF 2.0 §3.7.3 (skins).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.frames.reframe import hand_over_attachments
+from rigtri.maths.matrices import compose, identity, multiply
+from rigtri.maths.quaternions import IDENTITY, rotate
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Track
+from rigtri.model.pending_edits import Conversion
+from rigtri.model.rig import Rig
+
+# Sizes of joints that differ by no more are one, with what float32 has left of products along a chain.
+ALIKE = 1e-4
+
+
+def rescale(rig: Rig, size: Floats) -> Rig:
+    """Give the frame of each node ``size``, (n,), times the scale that it had, not 0; nothing moves.
+
+    A node that itself shows a mesh, camera or light hands it to a new child ``<name>_payload`` of the scale
+    that it had.
+    """
+    if (size == 1.0).all():
+        return rig
+    above = np.where(rig.parents >= 0, size[rig.parents], 1.0)
+    share = size / above
+    matrix = rig.matrix.copy()
+    matrix[:, :3, :3] *= share[:, np.newaxis, np.newaxis]
+    matrix[:, 3, :3] /= above[:, np.newaxis]
+    clips = tuple(
+        replace(clip, tracks=tuple(_rescaled(track, above, share) for track in clip.tracks))
+        for clip in rig.clips
+    )
+    skins, bound_sizes = list(rig.skins), dict(rig.pending.bind_sizes)
+    for number, skin in enumerate(rig.skins):
+        sizes = size[skin.joints]
+        if (sizes == 1.0).all():
+            continue
+        points = 1.0
+        if rig.rules.sized_binding and skin.stored and (np.abs(sizes / sizes[0] - 1.0) <= ALIKE).all():
+            points = 1.0 / float(sizes[0])
+            bound_sizes[number] = bound_sizes.get(number, 1.0) * points
+        bind = multiply(_scaling(np.array([1.0 / points])), skin.inverse_bind)
+        skins[number] = replace(skin, inverse_bind=multiply(bind, _scaling(1.0 / sizes)))
+    smaller = replace(
+        rig,
+        pending=replace(rig.pending, bind_sizes=bound_sizes),
+        translation=rig.translation / above[:, np.newaxis],
+        scale=rig.scale * share[:, np.newaxis],
+        matrix=matrix,
+        skins=tuple(skins),
+        clips=clips,
+        bound=tuple(
+            replace(one, vector=one.vector / size[one.node])
+            if size[one.node] != 1.0 and not one.is_direction
+            else one
+            for one in rig.bound
+        ),
+    )
+    carriers = np.flatnonzero((size != 1.0) & (rig.attachment >= 0)).tolist()
+    still = np.tile(IDENTITY, (len(carriers), 1))
+    return hand_over_attachments(smaller, carriers, still, 1.0 / size[carriers])
+
+
+def _rescaled(track: Track, above: Floats, share: Floats) -> Track:
+    if track.path == "translation" and above[track.node] != 1.0:
+        return track.having(track.values / above[track.node])
+    if track.path == "scale" and share[track.node] != 1.0:
+        return track.having(track.values * share[track.node])
+    return track
+
+
+def _scaling(sizes: Floats) -> Floats:
+    matrices = identity(len(sizes))
+    matrices[:, :3, :3] *= sizes[:, np.newaxis, np.newaxis]
+    return matrices
+
+
+def convert(rig: Rig, conversion: Conversion) -> Rig:
+    """The rig in a scene of another unit and up axis: all that stands in the world turns and scales."""
+    roots = rig.parents < 0
+    size, rotation = conversion.size, conversion.rotation
+    translation, turned, matrix = rig.translation.copy(), rig.rotation.copy(), rig.matrix.copy()
+    translation[roots] = rotate(rotation, rig.translation[roots]) * size
+    turned[roots] = product(rotation, rig.rotation[roots])
+    matrix[roots] = multiply(rig.matrix[roots], compose(np.zeros(3), rotation, np.full(3, size)))
+    scale = np.where(roots[:, np.newaxis], rig.scale * size, rig.scale)
+
+    def moved(track: Track) -> Track:
+        if not roots[track.node] or track.path == "weights":
+            return track
+        if track.path == "translation":
+            return track.having(rotate(rotation, track.values) * size)
+        turns = track.path == "rotation"
+        return track.having(product(rotation, track.values) if turns else track.values * size)
+
+    clips = tuple(replace(clip, tracks=tuple(map(moved, clip.tracks))) for clip in rig.clips)
+    up = (0.0, 1.0, 0.0) if conversion.up == "y" else (0.0, 0.0, 1.0)
+    return replace(
+        rig,
+        translation=translation,
+        rotation=turned,
+        scale=scale,
+        matrix=matrix,
+        clips=clips,
+        rules=replace(rig.rules, up=up, metres_per_unit=conversion.metres),
+        pending=replace(rig.pending, conversion=conversion),
+    )

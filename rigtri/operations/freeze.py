@@ -1,0 +1,175 @@
+"""freeze: scale, rotation and unit above joints go into positions, inverse bind matrices and keys.
+
+Blender's Apply Transforms, exact. A node's frame gets another size (`rigtri.frames.rescale`) or other axes
+(`rigtri.frames.reframe`) and what stands in it follows. Nodes that show something keep theirs, so that
+vertices, cameras and lights stay the numbers that they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.reframe import reframe
+from rigtri.frames.reoriented_constraints import broken
+from rigtri.frames.rescale import convert, rescale
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, rotates
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.pending_edits import Conversion
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_records import joint_record
+from rigtri.operations.operation import operation
+from rigtri.operations.options.freeze import FreezeOptions as FreezeOptions
+from rigtri.report import Report
+from rigtri.text import listed
+
+# A world scale this near to 1 is 1: float32 leaves as much of products along a chain.
+ONE = 1e-6
+# Scale components that differ by more (share of the middle one) are not one number.
+UNEVEN = 1e-4
+# Axes this near to the world's are the world's: what float32 leaves of a rotation.
+ALIGNED = 1e-6
+# Of a quarter of a turn, about x.
+HALF = float(np.sqrt(0.5))
+# What rigtri has built on joints by their scale.
+_BUILT = ("control", "offset", "constraint", "poleVector", "rivet", "twist")
+
+
+@operation(FreezeOptions)
+def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
+    """The rig with scale 1 at joints and above, and no rotation above joints; nothing that is seen moves.
+
+    What has a scale that is not uniform keeps what is not uniform in it, with a warning. What each node
+    had is in ``report.joints``. Raises UsageError for a unit or up axis that the format does not have, and
+    GeometryError where what rigtri has built stands on joints whose scale changes.
+    """
+    rig = _converted(rig, options)
+    nodes = _nodes(rig)
+    if options.rotates:
+        below = _below(rig)
+        rig = _without_rotation(rig, [node for node in nodes if not below[node]], report)
+    if options.scales:
+        rig = _without_scale(rig, nodes, options, report)
+    return rig
+
+
+def _converted(rig: Rig, options: FreezeOptions) -> Rig:
+    """The rig in a scene of the requested unit and up axis."""
+    up, metres = "y" if rig.rules.up[1] else "z", rig.rules.metres_per_unit
+    new_up, new_metres = options.up_axis or up, options.unit or metres
+    if (new_up, new_metres) == (up, metres):
+        return rig
+    if not rig.rules.sized_binding:
+        raise UsageError(
+            "--up-axis and --unit: glTF has the up axis y and the unit 1 m, by its specification"
+        )
+    quarter = 0.0 if new_up == up else HALF if new_up == "z" else -HALF
+    rotation = np.array([quarter, 0.0, 0.0, HALF if quarter else 1.0])
+    return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))
+
+
+def _nodes(rig: Rig) -> list[int]:
+    """Joints, all above them, and what is below them and shows nothing: sockets."""
+    found = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
+    found.update(np.flatnonzero(_below(rig) & (rig.attachment < 0)).tolist())
+    ours = {node for node in rig.own if not rig.is_joint[node]}
+    return sorted(found - ours - set(rig.rules.fixed) - rig.rules.data_nodes)
+
+
+def _below(rig: Rig) -> Booleans:
+    """Which nodes are joints or below some, (n,)."""
+    below = rig.is_joint.copy()
+    for level in rig.levels[1:]:
+        below[level] |= below[rig.parents[level]]
+    return below
+
+
+def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
+    """The rig with the world's axes at nodes above joints."""
+    delta = np.tile(IDENTITY, (len(rig), 1))
+    world = orthonormal_axes(rig.normalised_world)
+    for node in nodes:
+        if np.abs(world[node] - np.eye(3)).max() > ALIGNED:
+            delta[node] = conjugate(from_axes(world[node]))
+    if not rotates(delta).any():
+        return rig
+    names = [rig.title(node) for node in np.flatnonzero(rotates(delta)).tolist()]
+    why = rig.rules.orient_locked or ("a constraint compares its axes" if broken(rig, delta) else "")
+    scales = ScaleTable.of(rig)
+    uneven = np.flatnonzero(rotates(delta) & ~scales.allows(delta)).tolist()
+    if uneven:
+        why = f"the scale of '{rig.title(uneven[0])}' is not uniform"
+    if why:
+        report.warn("not-frozen", f"The rotation of {listed(names, 6)} stays: {why}", geometry=True)
+        return rig
+    for node in np.flatnonzero(rotates(delta)).tolist():
+        report.joints.append(joint_record(rig, node, "frozen", rotation=conjugate(delta[node]).tolist()))
+    return reframe(rig, delta, scales=scales)
+
+
+def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: Report) -> Rig:
+    """The rig with scale 1 at nodes, as far as it is uniform."""
+    own, uneven = _scales(rig)
+    inside = np.zeros(len(rig), dtype=bool)
+    inside[nodes] = True
+    counts = inside.copy()
+    if options.above or options.joints:
+        counts &= ~_below(rig) if options.above else _below(rig)
+    total = np.ones(len(rig))
+    for node, parent in enumerate(rig.parents.tolist()):
+        total[node] = (total[parent] if parent >= 0 else 1.0) * (own[node] if counts[node] else 1.0)
+    size = np.where(inside & (np.abs(total - 1.0) > ONE), 1.0 / total, 1.0)
+    _refuse_built(rig, size)
+    for node in np.flatnonzero(size != 1.0).tolist():
+        report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
+    left = [rig.title(node) for node in np.flatnonzero(uneven & inside).tolist()]
+    if left:
+        text = f"The scale of {listed(left, 6)} is not uniform: what is not uniform of it stays"
+        report.warn("not-frozen", text, geometry=True)
+    colliders = {one.node for one in rig.bound if size[one.node] != 1.0}
+    if colliders:
+        names = listed([rig.title(node) for node in sorted(colliders)], 6)
+        text = f"Colliders at {names} keep their radii, which viewers take as lengths of the world"
+        report.warn("radius-kept", text)
+    return rescale(rig, size)
+
+
+def _scales(rig: Rig) -> tuple[Floats, Booleans]:
+    """What is uniform of the scale of each node at rest, (n,), and whether there is more in it, (n,)."""
+    parts = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]), np.abs(rig.scale))
+    middle = np.sort(parts, axis=1)[:, 1]
+    usable = np.isfinite(parts).all(axis=1) & (parts > 0).all(axis=1)
+    own = np.where(usable, middle, 1.0)
+    spread = np.abs(parts - own[:, np.newaxis]).max(axis=1)
+    return own, ~usable | (spread > UNEVEN * own)
+
+
+def _refuse_built(rig: Rig, size: Floats) -> None:
+    """GeometryError where a record of rigtri is about a node that gets another size."""
+    for node in rig.nodes_of(*_BUILT):
+        for other in (node, *_named(rig, rig.metadata[node])):
+            if other < len(size) and size[other] != 1.0:
+                raise GeometryError(
+                    f"'{rig.title(node)}' was built on '{rig.title(other)}' by the scale that this has, and "
+                    "freeze would change it. Bake what is animated and strip first, freeze, then build again"
+                )
+
+
+def _named(rig: Rig, stored: object) -> Iterator[int]:
+    """The nodes that the texts of a record name."""
+    if isinstance(stored, str):
+        node = rig.known(stored)
+        if node is not None:
+            yield node
+    elif isinstance(stored, dict):
+        for value in stored.values():
+            yield from _named(rig, value)
+    elif isinstance(stored, list):
+        for value in stored:
+            yield from _named(rig, value)

@@ -1,0 +1,131 @@
+"""freeze: scale and rotation above joints go into the joints, and nothing that can be seen moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scaled_limbs
+from gltf_files import glb_json
+from places import real_files
+from program import cli
+from scaled_limbs import Limb
+
+import rigtri
+from rigtri.errors import GeometryError, UsageError
+from rigtri.formats import ReadOptions, read
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import verify
+
+SCALED = {"root": (100.0, 100.0, 100.0), "elbow": (0.5, 0.5, 0.5)}
+OPS = """{
+double3 xformOp:rotateXYZ = (-90, 0, 0)
+double3 xformOp:scale = (0.01, 0.01, 0.01)
+uniform token[] xformOpOrder = ["xformOp:rotateXYZ", "xformOp:scale"]
+def Skeleton"""
+
+
+def source(folder: Path, suffix: str, **scales: Any) -> Path:
+    """A limb with scales; in USD below a prim that is turned and scaled, too."""
+    limb = Limb(rest=SCALED | scales)
+    if suffix == ".glb":
+        return scaled_limbs.gltf(folder / "in.glb", limb, extras=True)
+    path = folder / f"in{suffix}"
+    text = scaled_limbs.usda(limb).replace("{\ndef Skeleton", OPS, 1)
+    path.write_text(text)
+    return path
+
+
+def sizes(rig: Rig) -> Floats:
+    """The lengths of the axes of joints in the world, (m, 3)."""
+    return length(rig.world[rig.is_joint, :3, :3])
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_joints_have_scale_1_and_look_as_before(suffix: str, tmp_path: Path) -> None:
+    path, out = source(tmp_path, suffix), tmp_path / f"out{suffix}"
+    cli("freeze", path, "-o", out, code=0)
+    assert abs(sizes(read(out).rig) - 1.0).max() < 1e-6
+    assert verify(read(path), read(out)).deviation < 1e-6
+
+
+def test_numbers_by_hand(tmp_path: Path) -> None:
+    """Below a root of scale 100 a translation is 100 times as large, and the root's own scale is 1."""
+    path, out = source(tmp_path, ".glb"), tmp_path / "out.glb"
+    cli("freeze", path, "-o", out, code=0)
+    before, after = (glb_json(each)["nodes"] for each in (path, out))
+    assert after[0]["scale"] == [1.0, 1.0, 1.0]
+    assert np.allclose(after[1]["translation"], 100 * np.array(before[1]["translation"]))
+    ring = next(node for node in after if node["name"] == "ring")  # it is drawn, so it keeps its size
+    assert np.allclose(ring["scale"], 50.0)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_what_is_not_uniform_stays_and_is_named(suffix: str, tmp_path: Path) -> None:
+    path, out = source(tmp_path, suffix, elbow=(1.0, 2.0, 1.0)), tmp_path / f"out{suffix}"
+    ran = cli("freeze", path, "-o", out, code=0)
+    assert "elbow is not uniform" in ran.stderr
+    assert np.allclose(read(out).rig.scale[read(out).rig.find("elbow")], (1, 2, 1))
+
+
+def test_rotation_above_joints_is_none_in_the_end(tmp_path: Path) -> None:
+    path, out = source(tmp_path, ".usda"), tmp_path / "out.usda"
+    cli("freeze", path, "-o", out, "--up-axis", "y", code=0)
+    rig = read(out).rig
+    above = [node for node in range(len(rig)) if not rig.is_joint[node] and rig.attachment[node] < 0]
+    axes = rig.world[above, :3, :3] / length(rig.world[above, :3, :3])[..., np.newaxis]
+    assert abs(axes - np.eye(3)).max() < 1e-6
+
+
+def test_a_stage_is_converted_to_another_unit_and_up_axis(tmp_path: Path) -> None:
+    from pxr import Usd, UsdGeom
+
+    path, out = source(tmp_path, ".usda"), tmp_path / "out.usda"
+    cli("freeze", path, "-o", out, "--up-axis", "z", "--unit", "0.01", code=0)
+    stage = Usd.Stage.Open(str(out))
+    assert (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)) == ("Z", 0.01)
+    before, after = rigtri.read(path), rigtri.read(out)
+    x, y, z = before.world[before.find("wrist"), 3, :3]
+    assert np.allclose(after.world[after.find("wrist"), 3, :3], (100 * x, -100 * z, 100 * y))
+    assert abs(sizes(after) - 1.0).max() < 1e-6
+
+
+def test_gltf_has_one_unit_and_one_up_axis(tmp_path: Path) -> None:
+    rig = rigtri.read(source(tmp_path, ".glb"))
+    with pytest.raises(UsageError, match="by its specification"):
+        rigtri.freeze(rig, unit=0.01)
+
+
+def test_only_what_is_above_or_only_what_joints_have(tmp_path: Path) -> None:
+    rig = rigtri.read(source(tmp_path, ".usda"))
+    above, own = rigtri.freeze(rig, scale=True, above=True), rigtri.freeze(rig, joints=True)
+    wrist, root = rig.find("wrist"), rig.find("root")
+    assert np.allclose(length(above.world[wrist, :3, :3]), 50.0)
+    assert np.allclose(length(own.world[wrist, :3, :3]), 0.01)
+    assert np.allclose(above.scale[root], 100.0)
+
+
+def test_controls_on_scaled_joints_are_refused(tmp_path: Path) -> None:
+    rig = rigtri.add_controls(rigtri.read(source(tmp_path, ".glb")), joints=("wrist",))
+    with pytest.raises(GeometryError, match=r"strip first, freeze"):
+        rigtri.freeze(rig)
+
+
+@pytest.mark.parametrize("path", real_files())
+def test_real_files_look_as_before(path: Path, tmp_path: Path) -> None:
+    out, again = tmp_path / "one" / path.name, tmp_path / "two" / path.name
+    for each in (out, again):
+        each.parent.mkdir()
+    ran = cli("freeze", path, "-o", out, "--allow-external-paths")
+    if ran.exit_code == 3 and "no skeleton" in ran.stderr:
+        pytest.skip("there is no skeleton")
+    assert ran.exit_code == 0, ran.stderr
+    cli("freeze", out, "-o", again, "--allow-external-paths", code=0)
+    assert again.read_bytes() == out.read_bytes()
+    found = sizes(read(out, ReadOptions(allow_external_paths=True)).rig)
+    uneven = "is not uniform" in ran.stderr
+    assert uneven or not len(found) or abs(found - 1.0).max() < 1e-4  # noise of the source stays
