@@ -32,7 +32,7 @@ _ALONE = 0.76
 _LEFT_OVER = 0.1
 # Of many legs each is so long a part of the longest, and so limb-like.
 ALIKE, LEG = 0.6, 0.2
-# Legs that go down by this (a cosine), as the file has it, leave no doubt what is up.
+# Legs that go down by this (a cosine), as the file has it, or a trunk that goes up leave no doubt what is up.
 _STANDS = 0.7
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
@@ -264,7 +264,8 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
     beyond, seen = _beyond(tree, legs, arms), []
-    upright = down.dot(-Vector(*tree.rig.rules.up)) > _STANDS
+    standing = Vector(*tree.rig.rules.up)
+    upright = down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS
     others_up = () if upright else (spine, arms.starts - arms.ends + legs.starts - legs.ends)
     for up, trust in _ups(tree, *others_up):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)

@@ -11,6 +11,7 @@ from rigtri.recognition.body_shape import Limbs
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limb_triples import HAND, branches
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
@@ -204,7 +205,9 @@ def _rival(draft: Draft, each: Found) -> str:
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
     long = start == 0 and end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
     a, b, c = (tree.at[k] for k in mine.joints(0))
-    if long and (not front or (b - a).unit.dot((c - b).unit) > _CLEAR):
+    at, fingers = branches(tree, path)
+    hand = at == end and fingers >= HAND  # no elbow has so many below it
+    if long and not hand and (not front or (b - a).unit.dot((c - b).unit) > _CLEAR):
         return "its first bone may be a clavicle, as a long bone follows"
     if front:
         return ""

@@ -33,6 +33,8 @@ _LED, _SHORT = 0.25, 0.45
 _FOLD, _FOLDED = 0.1, 0.34
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
 _MOVES, _SHARP = 0.1, 0.966
+# What it costs to end elsewhere than where so many fingers begin, and how many these are.
+_HANDLESS, HAND = 0.25, 5
 # What names of all three joints weigh against the shape of a limb.
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
@@ -118,7 +120,7 @@ def triple_of(
     sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
     names: what the names of joints say. towards: where knees, or elbows, of this limb point, unit.
     """
-    stop, _ = branches(tree, paths[0])
+    stop, fingers = branches(tree, paths[0])
     path = list(paths[0][: min(stop + 1, _MOST)])
     if len(path) < 3:
         return None
@@ -134,6 +136,7 @@ def triple_of(
         quality = _quality(bones, at, now, ever, moves)
         if quality == 0.0:
             continue  # a joint between bends, or a bone has no length
+        quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 else 0.0
         named = fsum(agreement(words, at) for words in said) / max(1, len(said))
         if towards is not None:
             quality -= _WRONG_WAY * _away(tree, [path[k] for k in at], towards)

@@ -119,7 +119,7 @@ class Pose:
     little_first: the fingers stand in the file from the little one. hands: their size. knuckles: how far they
     are bent back. phalanges: joints of each finger and thumb. face: eyes and a jaw. ends: joints without
     weight that only say where head, fingers and toes end. metacarpals: a joint of each finger in the palm.
-    thumb: whether there is one.
+    thumb: whether there is one. seated: how far the legs are raised ahead. short: the length of the arms.
     """
 
     names: str = "mixamo"
@@ -147,6 +147,8 @@ class Pose:
     ends: bool = False
     metacarpals: bool = False
     thumb: bool = True
+    seated: float = 0.0
+    short: float = 1.0
 
     @property
     def title(self) -> str:
@@ -208,7 +210,7 @@ def posed_body(pose: Pose) -> PosedBody:
 
 def _leg(put, pose: Pose, side: str, s: float, hips: Floats, legs: float) -> None:  # type: ignore[no-untyped-def]
     start = hips + X * s * 0.09 - Y * 0.03
-    swing = _about(X, -pose.stride * s)
+    swing = _about(X, -pose.stride * s - pose.seated)
     down = -Y @ swing
     knee = start + down * legs * 0.5
     shin = down @ _about(X, pose.knee)
@@ -216,9 +218,10 @@ def _leg(put, pose: Pose, side: str, s: float, hips: Floats, legs: float) -> Non
     put(f"{side} upper leg", "hips", start, X)
     put(f"{side} lower leg", f"{side} upper leg", knee, X)
     put(f"{side} foot", f"{side} lower leg", ankle, X)
-    put(f"{side} toes", f"{side} foot", ankle + Z * 0.13 - Y * 0.05)
+    toes = _about(X, -pose.seated)
+    put(f"{side} toes", f"{side} foot", ankle + (Z * 0.13 - Y * 0.05) @ toes)
     if pose.ends:
-        put(f"{side} toes end", f"{side} toes", ankle + Z * 0.2 - Y * 0.05)
+        put(f"{side} toes end", f"{side} toes", ankle + (Z * 0.2 - Y * 0.05) @ toes)
 
 
 def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: ignore[no-untyped-def]
@@ -227,9 +230,9 @@ def _arm(put, pose: Pose, side: str, s: float, chest: Floats) -> None:  # type: 
     raised = (-Y @ _about(Z, s * pose.arms)) @ _about(Y, -s * pose.forward)
     ahead = Z @ _about(Y, -s * pose.forward)
     n = np.cross(raised, ahead)
-    middle = start + raised * 0.28
+    middle = start + raised * 0.28 * pose.short
     lower = raised @ _about(n, pose.elbow)
-    wrist = middle + lower * 0.25
+    wrist = middle + lower * 0.25 * pose.short
     put(f"{side} upper arm", f"{side} clavicle", start, n)
     put(f"{side} lower arm", f"{side} upper arm", middle, n)
     # A level arm with its palm down: the hand closes about an axis that points ahead or back.

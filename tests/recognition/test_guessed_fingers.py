@@ -28,3 +28,23 @@ def test_four_fingers_without_a_thumb_are_not_called_after_one(curl: float) -> N
     fingers = [chain for chain in character.chains if chain.kind == "finger"]
     assert len(fingers) == 8
     assert {chain.name for chain in fingers} == {"left finger", "right finger"}
+
+
+@pytest.mark.parametrize("names", ["mixamo", "none"])
+def test_a_body_that_sits_with_straight_legs_is_upright(names: str) -> None:
+    body = posed_body(Pose(names, seated=88.0, arms=20.0))
+    (character,) = recognise(body.rig).characters
+    assert character.up == pytest.approx((0, 1, 0), abs=1e-3)
+    assert character.facing == pytest.approx((0, 0, 1), abs=1e-3)
+
+
+@pytest.mark.parametrize("short", [0.7, 0.85])
+def test_arms_of_nameless_bodies_end_where_five_fingers_begin(short: float) -> None:
+    """Short arms before big hands look like clavicle and upper arm before a lower arm."""
+    body = posed_body(Pose("none", short=short, hands=1.5, elbow=20.0, curl=20.0))
+    (character,) = recognise(body.rig).characters
+    arms = {chain.side: chain for chain in character.limbs if chain.kind == "arm"}
+    for side in ("left", "right"):
+        parts = [body.parts[f"{side} {part}"] for part in ("upper arm", "lower arm", "hand")]
+        assert list(arms[side].bend) == parts
+        assert arms[side].is_sure
