@@ -5,15 +5,21 @@ from __future__ import annotations
 import re
 import shutil
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from .help_format import Command
+from rigtri.report import Notice, Report
+
+from .help_format import Command, option
+from .matrices import chosen_matrices, matrix_options, refuse_without_matrices
 from .options import json_option, no_warnings_option, reading_options, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
 from .text import colored, plain
+
+if TYPE_CHECKING:
+    from rigtri.model.rig import Rig
 
 _COLORS = {"x": "red", "y": "green", "z": "blue"}
 # The arrows of a joint's axes, such as x→y↑z⊙.
@@ -22,6 +28,22 @@ _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←�
 
 @click.command("inspect", cls=Command)
 @source_argument
+@matrix_options
+@option(
+    "--joints",
+    multiple=True,
+    metavar="GLOB",
+    group="joints",
+    help="With --matrices: these alone. Repeatable.",
+)
+@option(
+    "--at",
+    metavar="CLIP@TIME",
+    default="rest",
+    show_default=True,
+    group="what",
+    help="With --matrices: the moment, in seconds (USD: time codes), evaluated.",
+)
 @reading_options
 @no_warnings_option
 @json_option
@@ -32,9 +54,11 @@ def command(source: str, **values: Any) -> None:
     colour on a terminal (NO_COLOR and FORCE_COLOR decide it). Narrow terminals have fewer columns.
 
     \b
-    Example:
+    Examples:
         rigtri inspect hero.glb
+        rigtri inspect hero.glb --matrices --joints '*_L' --at walk@0.5 --rotate-order zyx
     """
+    from rigtri.export.matrix_table import matrix_text
     from rigtri.export.text_description import as_json, describe
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
@@ -42,16 +66,32 @@ def command(source: str, **values: Any) -> None:
     with opened(source) as path:
         document = read(path, read_options(values))
         rig = document.rig
+        notices = list(document.warnings)
+        table = _matrices(rig, values, notices)
         if values["as_json"]:
-            warnings = [notice.as_json() for notice in document.warnings]
-            found = {"file": source} | as_json(rig) | {"warnings": warnings}
-            print_json(found)
+            more = {} if table is None else {"at": values["at"], "matrices": table}
+            warnings = [notice.as_json() for notice in notices]
+            print_json({"file": source} | as_json(rig) | more | {"warnings": warnings})
             return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        _print(plain(describe(rig, width=width)))
+        _print(plain(describe(rig, width=width) if table is None else matrix_text(table)))
         if not values["quiet"]:
             warn_unused_root(source, values["root"])
-            print_warnings(document.warnings, verbose=True)
+            print_warnings(notices, verbose=True)
+
+
+def _matrices(rig: Rig, values: dict[str, Any], notices: list[Notice]) -> list[dict[str, Any]] | None:
+    """The matrices that are requested; None where the joints are."""
+    if not values["matrices"]:
+        refuse_without_matrices({"joints": "--joints", "at": "--at"})
+        return None
+    from rigtri.export.matrix_table import matrix_table
+
+    report = Report()
+    chosen = chosen_matrices(values, joints=values["joints"], at=values["at"])
+    table = matrix_table(rig, chosen, report)
+    notices += report.warnings
+    return table
 
 
 def _print(text: str) -> None:

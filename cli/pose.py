@@ -1,13 +1,14 @@
 """Print the pose of one moment, evaluated; with -o make it the rest pose of a file.
 
-Each joint is shown with its translation, rotation (x y z w) and scale relative to its parent, and its
-position in the world. In OUT bind poses and clips stay as they are: meshes show the pose where
-no clip plays.
+Each node, controls and locators too, is shown with its translation, rotation (x y z w) and scale
+relative to its parent, and its position in the world; with --matrices by its matrices. In OUT bind
+poses and clips stay as they are: meshes show the pose where no clip plays.
 
 \b
 Examples:
     rigtri pose rigged.glb --at walk@0.5
     rigtri pose rigged.glb --at walk@0.5 --json
+    rigtri pose rigged.glb --at walk@0.5 --joints 'arm*' --matrices
     rigtri pose rigged.glb -o stand.glb --at idle@0
 """
 
@@ -24,7 +25,8 @@ from rigtri.report import Report
 
 from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
-from .help_format import Command
+from .help_format import Command, option
+from .matrices import chosen_matrices, matrix_options, refuse_without_matrices
 from .options import edit_options, output_option, output_options, reading_options, source_argument
 from .parameters import given, given_options, read_options
 from .printing import print_json, print_warnings
@@ -37,6 +39,8 @@ from .text import plain
     "Write a file whose rest pose is this pose, in the format of IN; - for standard output.",
 )
 @declared_options(PoseOptions)
+@matrix_options
+@option("--joints", multiple=True, metavar="GLOB", group="joints", help="Print these alone. Repeatable.")
 @reading_options
 @edit_options
 @output_options
@@ -45,6 +49,10 @@ def command(ctx: click.Context, /, **values: Any) -> None:
     if values["output"] is None:
         _print(values, made(PoseOptions, values, given(ctx)))
         return
+    for word in ("matrices", "joints"):
+        if values[word]:
+            raise UsageError(f"--{word} is for what is printed: leave out -o OUT")
+    refuse_without_matrices()
     copy_ahead(ctx, values)
     run_edit("pose", values, step_of("pose", PoseOptions, values), given_options(ctx), summary)
 
@@ -58,17 +66,23 @@ def summary(report: Report) -> str:
 
 
 def _print(values: dict[str, Any], options: Any) -> None:
+    from rigtri.export.matrix_table import matrix_table, matrix_text
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.operations.pose import table
 
+    if not values["matrices"]:
+        refuse_without_matrices()
     for word in ("report_path", "sidecar", "dry_run", "overwrite"):
         if values[word]:
             raise UsageError(f"--{word.removesuffix('_path').replace('_', '-')} is for a file: give -o OUT")
     with opened(values["source"]) as path:
         document = read(path, read_options(values))
         report = Report()
-        found = {"file": values["source"]} | table(document.rig, options, report)
+        found = {"file": values["source"]} | table(document.rig, options, report, named=values["joints"])
+        if values["matrices"]:
+            same = {"joints": values["joints"], "at": options.at, "evaluate": options.evaluate}
+            found["matrices"] = matrix_table(document.rig, chosen_matrices(values, **same))
     if not values["quiet"]:
         print_warnings(report.warnings, values["verbose"])
     if values["strict"]:
@@ -77,7 +91,10 @@ def _print(values: dict[str, Any], options: Any) -> None:
         found["warnings"] = [notice.as_json() for notice in report.warnings]
         print_json(found)
         return
-    rows: list[tuple[str, ...]] = [("joint", "translation", "rotation x y z w", "scale", "in the world")]
+    if values["matrices"]:
+        click.echo(plain(matrix_text(found["matrices"])))
+        return
+    rows: list[tuple[str, ...]] = [("node", "translation", "rotation x y z w", "scale", "in the world")]
     rows += [
         (
             plain(joint["joint"], one_line=True),

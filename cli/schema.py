@@ -35,7 +35,7 @@ def command(name: str, as_json: bool) -> None:
     """Print a JSON Schema: of rig specs, or of what rigtri writes.
 
     NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain, frames,
-    mirror, node, pose, recognise, report, rig and steps.
+    inspect, mirror, node, pose, recognise, report, rig, steps and verify.
 
     \b
     Examples:
@@ -51,11 +51,15 @@ def command(name: str, as_json: bool) -> None:
 def _whole(name: str) -> str:
     """A schema as it is; with those that it refers to in it, so that validators need no others."""
     text = _text(name)
-    others = sorted(set(_REFERENCE.findall(text)))
-    if not others:
+    waiting, needed = set(_REFERENCE.findall(text)), set()
+    while waiting:
+        other = waiting.pop()
+        needed.add(other)
+        waiting |= set(_REFERENCE.findall(_text(other))) - needed - {name}
+    if not needed:
         return text
     schema: dict[str, Any] = json.loads(text)
-    for other in others:
+    for other in sorted(needed):
         inner = json.loads(_text(other))
         schema.setdefault("$defs", {})[inner["$id"]] = inner
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"

@@ -306,6 +306,7 @@ def _node_json(seen: _Seen, node: int) -> dict[str, Any]:
         "name": rig.names[node],
         "label": rig.labels[node],
         "path": rig.path(node),
+        "kind": rig.kind_of(node),
         "parent": rig.labels[parent] if parent >= 0 else None,
         "joint": bool(rig.is_joint[node]),
         "weighted": bool(seen.weighted[node]),

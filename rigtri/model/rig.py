@@ -136,6 +136,10 @@ class Rig(NodeNames):
         kind = self.metadata[node].get("type") if node in self.metadata else ""
         return kind if isinstance(kind, str) else ""
 
+    def kind_of(self, node: int) -> str:
+        """What a node is to a rigger: what rigtri has added it as, else ``joint`` or ``node``."""
+        return self.type_of(node) or ("joint" if self.is_joint[node] else "node")
+
     def nodes_of(self, *types: str) -> list[int]:
         """The nodes with metadata of these types."""
         return [node for node in self.metadata if self.type_of(node) in types]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -57,17 +57,23 @@ def warn_outside_clip(timeline: Timeline, time: float, report: Report) -> float:
     return float(np.clip(time, keys[0], keys[-1]))
 
 
-def table(rig: Rig, options: PoseOptions, report: Report | None = None) -> dict[str, Any]:
-    """The pose of the joints, all nodes where there are none, as schemas/pose.schema.json describes it."""
+def table(
+    rig: Rig, options: PoseOptions, report: Report | None = None, *, named: Collection[str] = ()
+) -> dict[str, Any]:
+    """The pose of all nodes, or of those named, as schemas/pose.schema.json describes it.
+
+    named: names or globs. Raises NameNotFoundError for one that matches nothing, and as `pose_of`.
+    """
     timeline, time = timeline_and_time(rig, options.at)
     posed = pose_of(rig, options, report)
-    nodes = np.flatnonzero(rig.is_joint).tolist() or list(range(len(rig)))
+    chosen = {node for glob in named for node in rig.match(glob)}
     joints = []
-    for node in nodes:
+    for node in sorted(chosen) or range(len(rig)):
         translation, rotation, scale = (row[0] for row in posed.part(node))
         joints.append(
             {
                 "joint": rig.address(node),
+                "kind": rig.kind_of(node),
                 "translation": _numbers(translation),
                 "rotation": _numbers(rotation),
                 "scale": _numbers(scale),

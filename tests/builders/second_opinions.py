@@ -26,6 +26,7 @@ SCHEMAS = (
     "explain",
     "error",
     "frames",
+    "inspect",
     "mirror",
     "node",
     "pose",
@@ -33,6 +34,7 @@ SCHEMAS = (
     "report",
     "rig",
     "steps",
+    "verify",
 )
 _SCRIPT = Path(__file__).parent / "validate.mjs"
 

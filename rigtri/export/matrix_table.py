@@ -1,0 +1,145 @@
+"""The matrices of nodes at one moment, and the numbers that a DCC shows for them.
+
+Row vectors: a row is an axis, the last the position. ``local = world · inverse(parent world)``, and the
+rotation of ``local`` is ``rotate · joint_orient``, as a joint's is in Maya.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.maths.euler import Order, from_angles, to_angles
+from rigtri.maths.matrices import SKEW, decompose, skew
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+from rigtri.operations.pose import PoseOptions, pose_of
+from rigtri.report import Report
+
+_DEGREES = 180.0 / np.pi
+# Of a matrix's largest number: less is the rounding of a right angle.
+_NOISE = 1e-9
+_ROWS = ("x", "y", "z", "at")
+
+
+@dataclass(frozen=True)
+class MatrixOptions:
+    """Which matrices: of all nodes, or those that ``joints`` names, at a moment.
+
+    order: of the Euler angles. joint_orient: of joints, "rest" for their rotation at rest, so that they are
+    rotated by nothing there, "none", or degrees about x, then y, then z. evaluate: controls and constraints.
+    """
+
+    joints: tuple[str, ...] = ()
+    at: str = "rest"
+    order: Order = "xyz"
+    joint_orient: Literal["rest", "none"] | tuple[float, float, float] = "rest"
+    evaluate: bool = True
+
+
+def matrix_table(rig: Rig, options: MatrixOptions, report: Report | None = None) -> list[dict[str, Any]]:
+    """For each node its matrices, as schemas/inspect.schema.json describes them, parents first.
+
+    Raises NameNotFoundError for a name or a clip that is not there, GeometryError for a cycle.
+    """
+    posed = pose_of(rig, PoseOptions(at=options.at, evaluate=options.evaluate), report)
+    named = {node for glob in options.joints for node in rig.match(glob)}
+    return [_entry(rig, posed, node, options) for node in sorted(named) or range(len(rig))]
+
+
+def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixOptions) -> dict[str, Any]:
+    parent, oriented = int(rig.parents[node]), _joint_orient(rig, node, options)
+    binds = [
+        {"skin": skin.name or f"#{number}"} | _numbers(skin.inverse_bind[row], options.order)
+        for number, skin in enumerate(rig.skins)
+        for row in np.flatnonzero(skin.joints == node).tolist()
+    ]
+    return {
+        "node": rig.address(node),
+        "kind": rig.kind_of(node),
+        "parent": rig.address(parent) if parent >= 0 else None,
+        "local": _numbers(posed.local(node)[0], options.order, oriented),
+        "world": _numbers(posed.world(node)[0], options.order),
+        "inverse_binds": binds,
+    }
+
+
+def _joint_orient(rig: Rig, node: int, options: MatrixOptions) -> Floats:
+    """The rotation after which a joint is rotated, (4,); only joints have one."""
+    if not rig.is_joint[node] or options.joint_orient == "none":
+        return IDENTITY.copy()
+    if options.joint_orient == "rest":
+        return decompose(rig.normalised_local[node])[1]
+    return from_angles(np.array(options.joint_orient) / _DEGREES, "xyz")
+
+
+def _numbers(matrix: Floats, order: Order, oriented: Floats | None = None) -> dict[str, Any]:
+    """A matrix, and what it is made of; angles are degrees about x, y, z. oriented: see `_joint_orient`."""
+    translation, rotation, scale = decompose(matrix)
+    turned = rotation if oriented is None else multiply(conjugate(oriented), rotation)
+    found = {
+        "matrix": [_clean(row) for row in matrix],
+        "translation": _clean(translation),
+        "rotation": _clean(rotation),
+        "order": order,
+        "rotate": _clean(to_angles(turned, order) * _DEGREES),
+        "scale": _clean(scale),
+        "sheared": bool(skew(matrix) > SKEW),
+    }
+    if oriented is not None:
+        found["joint_orient"] = _clean(to_angles(oriented, "xyz") * _DEGREES)
+    return found
+
+
+def _clean(row: Floats) -> list[float | None]:
+    """Numbers for JSON: null for what is none, and 0 for what is nothing beside the largest of a row."""
+    most = float(np.abs(row[np.isfinite(row)]).max(initial=0.0))
+    return [None if not np.isfinite(x) else 0.0 if abs(x) <= _NOISE * most else float(x) for x in row]
+
+
+def matrix_text(table: Sequence[dict[str, Any]]) -> str:
+    """The table as text: four rows of each matrix, and beside them what it is made of."""
+    return "\n\n".join("\n".join(_lines(entry)) for entry in table)
+
+
+def _lines(entry: dict[str, Any]) -> Iterator[str]:
+    below = f", child of {entry['parent']}" if entry["parent"] else ""
+    yield f"{entry['node']} ({entry['kind']}{below})"
+    blocks = [("local", entry["local"]), ("world", entry["world"])]
+    blocks += [(f"inverse bind of skin {bind['skin']}", bind) for bind in entry["inverse_binds"]]
+    for title, numbers in blocks:
+        yield f"  {title}"
+        rows = [[f"{_short(x):>10}" for x in row] for row in numbers["matrix"]]
+        for name, row, words in zip(_ROWS, rows, _parts(numbers), strict=True):
+            yield f"    {name:2} {' '.join(row)}   {words}".rstrip()
+
+
+def _parts(numbers: dict[str, Any]) -> list[str]:
+    """What a matrix is made of, beside its four rows."""
+    orient = f"jointOrient {_row(numbers['joint_orient'])}" if any(numbers.get("joint_orient", ())) else ""
+    return [
+        f"translate {_row(numbers['translation'])}",
+        f"rotate {_row(numbers['rotate'])} ({numbers['order']}, degrees)",
+        f"scale {_row(numbers['scale'])}{' and sheared' if numbers['sheared'] else ''}",
+        orient,
+    ]
+
+
+def _row(numbers: Sequence[float | None]) -> str:
+    return " ".join(map(_short, numbers))
+
+
+def _short(number: float | None) -> str:
+    """Six digits, of what is nothing to a rig 0.
+
+    >>> _short(0.1 + 0.2), _short(-1e-12), _short(None)
+    ('0.3', '0', 'none')
+    """
+    if number is None:
+        return "none"
+    return f"{0.0 if abs(number) < _NOISE else number:.6g}"
