@@ -18,7 +18,7 @@ SAME_PLACE = 1e-5
 # Skeletons whose joints lie farther apart, as a share of their size, have other proportions.
 OTHER_SHAPE = 1e-3
 # Worlds whose sizes differ by less have one unit: a pose makes that much of a difference.
-_ONE_UNIT = 1.25
+ONE_UNIT = 1.25
 
 
 def _axis_turns() -> Floats:
@@ -50,15 +50,15 @@ def fit_similarity(
     """The transform that takes points ``theirs``, (k, 3), onto ``ours``, (k, 3).
 
     The identity where it fits, else one of the 24 rotations that take axes onto axes, or, where none of
-    these does, one by three points. about_origin: the origin stays where it is, and similar sizes are
-    the same. ratio: the scale, where it is known.
+    these does, one by three points. about_origin: the origin stays where it is. ratio: the scale, where it
+    is known; it is 1 where it is nearly that, without it and about the origin up to `ONE_UNIT`.
     """
     middle = np.zeros((2, 3)) if about_origin else np.array([_mean(theirs), _mean(ours)])
     a, b = theirs - middle[0], ours - middle[1]
     sizes = [_spread(a), _spread(b)]
+    near = ONE_UNIT if about_origin and ratio is None else 1.0 + SAME_SIZE
     if ratio is None:
         ratio = sizes[1] / sizes[0] if sizes[0] > 0 and sizes[1] > 0 else 1.0
-    near = _ONE_UNIT if about_origin else 1.0 + SAME_SIZE
     if 1.0 / near <= ratio <= near:
         ratio = 1.0
     size = sizes[1] or 1.0

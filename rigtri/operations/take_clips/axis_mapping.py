@@ -18,6 +18,7 @@ from rigtri.maths.matrices import determinant, inverse, multiply, nearest_rotati
 from rigtri.maths.matrices import skew as skewed
 from rigtri.maths.similarity_fit import (
     AXIS_TURNS,
+    ONE_UNIT,
     OTHER_SHAPE,
     SAME_PLACE,
     SAME_SIZE,
@@ -37,6 +38,12 @@ def _moved(exact: Floats, rounded: Floats) -> float:
     size = float(length(rounded[:3, :3]).max())
     far = float(np.abs(exact[:3, :3] - rounded[:3, :3]).max())
     return far / size if np.isfinite(far) and size > 0 else 0.0
+
+
+def _median(ours: Floats, theirs: Floats) -> float | None:
+    """The median of ratios of what has a size, (k,); None where nothing has."""
+    fit = np.isfinite(ours) & np.isfinite(theirs) & (ours > 0) & (theirs > 0)
+    return float(np.median(ours[fit] / theirs[fit])) if fit.any() else None
 
 
 class Counterparts:
@@ -75,11 +82,6 @@ class Counterparts:
         """The joints whose C comes from the bind poses of both files."""
         return frozenset(self._bound)
 
-    @property
-    def other_proportions(self) -> bool:
-        """Whether the two skeletons are not one."""
-        return self.proportions > OTHER_SHAPE
-
     @cached_property
     def space(self) -> Floats:
         """G, (4, 4): the world of the other file as this one sees it."""
@@ -87,19 +89,32 @@ class Counterparts:
         ours = self.rig.world[still, 3, :3]
         theirs = self.other.world[[self.of[n] for n in still], 3, :3]
         fit = np.isfinite(ours).all(axis=1) & np.isfinite(theirs).all(axis=1)
-        return fit_similarity(theirs[fit], ours[fit], about_origin=True, ratio=self._bone_ratio).matrix
+        return fit_similarity(theirs[fit], ours[fit], about_origin=True, ratio=self._ratio).matrix
 
     @cached_property
-    def _bone_ratio(self) -> float | None:
-        """How long a bone is here for one there, at rest; None without bones. A pose keeps lengths."""
+    def _ratio(self) -> float | None:
+        """How large the world is here for the other's 1; None without bones.
+
+        C and the joints at rest say it exactly, else the bones do, whose lengths a pose keeps.
+        """
         rig, other = self.rig, self.other
+        joints = [n for n in self._bound if not self._grown.intersection(other.path_to_root(self.of[n]))]
+        turns = length(np.reshape([self._bound[n] for n in joints], (-1, 4, 4))[:, 0, :3])
+        ours, its = (
+            length(world[nodes, 0, :3])
+            for world, nodes in ((rig.world, joints), (other.world, [self.of[n] for n in joints]))
+        )
+        exact = _median(ours, turns * its)
         above = {n: int(rig.parents[n]) for n in self.of if rig.is_joint[n]}
         bones = [n for n, k in above.items() if k in self.of and self.of[k] == other.parents[self.of[n]]]
         theirs = [self.of[n] for n in bones]
         ours = length(rig.world[bones, 3, :3] - rig.world[rig.parents[bones], 3, :3])
         its = length(other.world[theirs, 3, :3] - other.world[other.parents[theirs], 3, :3])
-        long = np.isfinite(ours) & np.isfinite(its) & (ours > SAME_PLACE * self.size) & (its > 0)
-        return float(np.median(ours[long] / its[long])) if long.any() else None
+        long = ours > SAME_PLACE * self.size
+        found = _median(ours[long], its[long])
+        if exact is not None:
+            return found if found and abs(exact / found - 1.0) <= SAME_SIZE else exact
+        return 1.0 if found and 1.0 / ONE_UNIT <= found <= ONE_UNIT else found
 
     @cached_property
     def size(self) -> float:
@@ -130,11 +145,21 @@ class Counterparts:
         points = bind[usable, 3, :3], ours[usable, 3, :3]
         fit = fit_similarity(*points, about_origin=False)
         if fit.residual > OTHER_SHAPE:
-            # No size fits, and with another than the worlds' the rig would grow while it moves.
-            fit = fit_similarity(*points, about_origin=False, ratio=float(length(self.space[0, :3])))
+            # No size fits all of them; that of most bones keeps most lengths.
+            fit = fit_similarity(*points, about_origin=False, ratio=self._bind_ratio(both, ours, bind))
         self.proportions = max(self.proportions, fit.residual)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
+        # A joint that lies elsewhere turns about its own place: what other lengths do to translations
+        # is said in `rigtri.operations.take_clips.proportions`.
+        turns[:, 3, :3] = 0.0
         return {both[k][1]: turns[k] for k in np.flatnonzero(usable).tolist()}
+
+    def _bind_ratio(self, both: list[tuple[int, int, int]], ours: Floats, bind: Floats) -> float | None:
+        """How long a bone is here for one there, in bind poses, (k, 4, 4); None without bones."""
+        rows = {joint: k for k, (_, joint, _) in enumerate(both)}
+        bones = [(k, rows[above]) for j, k in rows.items() if (above := int(self.rig.parents[j])) in rows]
+        a, b = np.array(bones, dtype=np.intp).reshape(-1, 2).T
+        return _median(length(ours[a, 3, :3] - ours[b, 3, :3]), length(bind[a, 3, :3] - bind[b, 3, :3]))
 
     def _turn(self, node: int) -> Floats:
         if node in self._bound:

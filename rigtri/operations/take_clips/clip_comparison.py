@@ -18,6 +18,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_matching import Taken
+from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.time_ranges import Clock, Pair, Ranges, ranges
 from rigtri.operations.take_clips.track_comparison import differing, same_knots, tangents_dropped
@@ -108,11 +109,12 @@ class Comparison:
     clock: EDITED's times as the rig's, once `settled`.
     """
 
-    def __init__(self, both: Counterparts, taken: Taken, tolerance: float) -> None:
-        self.both, self.taken = both, taken
+    def __init__(self, bodies: Proportions, taken: Taken, tolerance: float) -> None:
+        self.both, self.taken = bodies.both, taken
+        both = self.both
         self.clock = Clock(both.rig, both.other, taken)
         home = taken.home.clip if taken.home is not None else None
-        self.transfer = Transfer(both, taken.clip, home, self.clock.times)
+        self.transfer = Transfer(bodies, taken.clip, home, self.clock.times)
         self.tolerances = Tolerances(both, self.transfer, tolerance)
 
     def settled(self) -> Ranges | None:

@@ -57,12 +57,6 @@ def warn_differences(both: Counterparts, report: Report) -> None:
             "other-parents",
             f"{list_names(moved)} have other parents in EDITED; their motion was taken through the world",
         )
-    if both.other_proportions:
-        report.warn(
-            "other-proportions",
-            f"The bind poses of the two files differ by {both.proportions:.2g} of the size beside turn, size "
-            "and place; joints move as in EDITED, about RIG's own bind pose",
-        )
 
 
 def warn_tracks(

@@ -20,6 +20,7 @@ from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.messages import list_names
+from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.report import Report
 
@@ -86,7 +87,7 @@ def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report
     tracks = whole.clip.tracks
     if whole.home is None or not both.of:
         return tracks
-    seen = Comparison(both, whole, _TOLERANCE)
+    seen = Comparison(Proportions(both), whole, _TOLERANCE)
     try:
         seen.settled()
     except GeometryError:  # its time is not known, so it stays

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.maths.matrices import (
@@ -31,7 +32,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.proportions import Proportions
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +50,10 @@ class Transfer:
     """
 
     def __init__(
-        self, both: Counterparts, clip: Clip, home: Clip | None, ours: Callable[[Floats], Floats]
+        self, bodies: Proportions, clip: Clip, home: Clip | None, ours: Callable[[Floats], Floats]
     ) -> None:
-        self.both, self.clip, self.ours = both, clip, ours
+        self.bodies, self.clip, self.ours = bodies, clip, ours
+        self.both = both = bodies.both
         self.driven = _by_node(clip)
         self.own = {} if home is None else {n: t for n, t in _by_node(home).items() if n not in both.of}
 
@@ -81,7 +83,13 @@ class Transfer:
         own = self.driven.get(self.both.of[node], {})
         left, right = self.both.turns[node], self.both.between(node)
         if not self.is_carried(node) and _mappable(left, right, own):
-            return Transferred(tuple(_mapped(t, node, left, right) for t in own.values()), sampled=False)
+            place = self._in_parent(node)
+            placed = right if place is None else multiply(right, place)
+            tracks = (
+                _mapped(track, node, left, placed if track.path == "translation" else right)
+                for track in own.values()
+            )
+            return Transferred(tuple(tracks), sampled=False)
         return Transferred(self._sampled(node, left), sampled=True)
 
     def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
@@ -98,13 +106,20 @@ class Transfer:
         times = sorted_unique(np.concatenate([track.times for track in tracks]))
         placed = multiply(left, self._along(own, times))
         if parent >= 0:
-            carrier = multiply(both.turns[parent], self._along(above, times))
+            placed = multiply(placed, inverse(multiply(both.turns[parent], self._along(above, times))))
         else:
-            placed, carrier = multiply(placed, both.space), np.eye(4)[np.newaxis]
-        for k in reversed(apart):
-            tracks_of = self.own.get(k, {})
-            carrier = multiply(local_of(both.rig, k, tracks_of, self.ours(times)), carrier)
-        parts = to_parts(multiply(placed, inverse(carrier)))
+            placed = multiply(placed, both.space)
+        if (place := self.bodies.place(node)) is not None:
+            if parent != both.line(node)[2]:
+                raise GeometryError(
+                    f"'{both.rig.title(node)}' has another parent and another length in EDITED: through the "
+                    "world its bone would stretch. Give it the same parent in both, or --clip without it"
+                )
+            placed[..., 3, :3] = transform_points(placed[..., 3, :3], place)
+        for k in apart[::-1]:
+            carrier = local_of(both.rig, k, self.own.get(k, {}), self.ours(times))
+            placed = multiply(placed, inverse(carrier))
+        parts = to_parts(placed)
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
         return tuple(
@@ -136,7 +151,20 @@ class Transfer:
         """The local matrix, (4, 4), that a node of the rig has where the other file rests."""
         both = self.both
         there = both.other.local[both.of[node]]
-        return multiply(multiply(both.turns[node], there), both.between(node))
+        seen = multiply(multiply(both.turns[node], there), both.between(node))
+        if (place := self._in_parent(node)) is not None:
+            seen[3, :3] = transform_points(seen[3, :3], place)
+        return seen
+
+    def _in_parent(self, node: int) -> Floats | None:
+        """What becomes of a node's place in the axes of its own parent; see `Proportions.place`."""
+        place = self.bodies.place(node)
+        if place is None:
+            return None
+        own = np.eye(4)
+        for k in self.both.line(node)[1]:
+            own = multiply(own, self.both.rig.local[k])
+        return multiply(multiply(own, place), inverse(own))
 
 
 def _by_node(clip: Clip) -> dict[int, dict[Path, Track]]:

@@ -42,6 +42,7 @@ from rigtri.operations.take_clips.messages import (
 )
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.node_matching import pairs
+from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
 from rigtri.operations.take_clips.time_ranges import Ranges
@@ -80,11 +81,13 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         )
     every = names.taken(options.clip)
     driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
-    refuse_other_skeleton(both, {both.back[node] for node in driven if node in both.back})
+    bodies = Proportions(both)
+    refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
     warn_differences(both, report)
+    warn_lengths(bodies, report)
     taken_all, changed = set[str](), set[str]()
     for taken in every:
-        taking = _Taking(rig, both, taken, options.tolerance, report)
+        taking = _Taking(rig, bodies, taken, options.tolerance, report)
         if taking.is_a_pose():
             report.warn(
                 "no-length",
@@ -112,9 +115,9 @@ def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) 
 class _Taking:
     """One clip that is taken."""
 
-    def __init__(self, rig: Rig, both: Counterparts, taken: Taken, tolerance: float, report: Report) -> None:
-        self.rig, self.both, self.taken, self.report = rig, both, taken, report
-        self.seen = Comparison(both, taken, tolerance)
+    def __init__(self, rig: Rig, bodies: Proportions, taken: Taken, tolerance: float, report: Report) -> None:
+        self.rig, self.both, self.taken, self.report = rig, bodies.both, taken, report
+        self.seen = Comparison(bodies, taken, tolerance)
         self.clock, self.transfer, self.tolerances = (
             self.seen.clock,
             self.seen.transfer,

@@ -1,0 +1,256 @@
+"""Bones of two files side by side, and what a translation of the one is where the other has other lengths.
+
+A rotation gives a bone the same direction whatever its length. A translation is a place in the axes of the
+joint above, and holds the length of EDITED's bone: where that is not RIG's, RIG's stays, and what moves
+beside it is scaled with the bone. What carries the whole body is scaled with the legs, so that feet
+which stand still in EDITED stand still in RIG.
+
+Source: docs/take-clips.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from rigtri.evaluation.active_controls import size_of
+from rigtri.frames.skeleton import reference, skeleton
+from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
+from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, SAME_SIZE, fit_similarity
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, dot, length
+from rigtri.model.animation import Path, key_values
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.armature_motion import bind_poses
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.messages import list_names
+from rigtri.report import Report
+
+# Degrees. One skeleton after a DCC is off by 0.1 at most (joints that move a little against their parents),
+# other characters with the same names by up to 157. At 5, the end of a limb is a tenth of its length beside.
+MOST_DEGREES = 5.0
+# Of the size; shorter bones have no direction and no length that counts.
+SHORT = 1e-2
+# Of its length: a joint that moves by more against the joint above is no end of a bone, such as the target
+# of an IK.
+_SLIDES = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Bone:
+    """A joint seen from the nearest joint above that both files have, in that joint's axes in RIG.
+
+    ours, theirs: (3,), in the bind poses where ``bound``, otherwise at rest, EDITED's as its constant keys
+    hold it. unit: how long 1 is in the world. slides: it moves against the joint above.
+    """
+
+    ours: Floats
+    theirs: Floats
+    unit: float
+    bound: bool
+    slides: bool
+
+
+class Proportions:
+    """The bones of two rigs, and how translations of nodes are to be scaled."""
+
+    def __init__(self, both: Counterparts) -> None:
+        self.both = both
+        self.bones = _bones(both)
+
+    def place(self, node: int) -> Floats | None:
+        """What EDITED's place of a node in the axes of the node above becomes, (4, 4); None: it stays."""
+        bone = self.bones.get(node)
+        if bone is None:
+            return self._carried(node) if node in self._carriers else None
+        far = float(length(bone.ours - bone.theirs)) * bone.unit
+        if bone.slides and not bone.bound:
+            return _scaled(self.body, np.zeros(3))
+        if far <= SAME_PLACE * self.both.size:
+            return None
+        size = self.ratio(node)
+        return _scaled(size, bone.ours - size * bone.theirs)
+
+    def ratio(self, node: int) -> float:
+        """How long the bone of a joint is in RIG for one in EDITED."""
+        bone = self.bones[node]
+        ours, theirs = (float(length(offset)) for offset in (bone.ours, bone.theirs))
+        if min(ours, theirs) * bone.unit <= SHORT * self.both.size:
+            return self.body
+        return ours / theirs
+
+    @cached_property
+    def other_lengths(self) -> list[int]:
+        """The joints whose bones differ by more than rounding."""
+        far = OTHER_SHAPE * self.both.size
+        bones = {n: b for n, b in self.bones.items() if b.bound or not b.slides}
+        return [n for n, b in bones.items() if float(length(b.ours - b.theirs)) * b.unit > far]
+
+    @cached_property
+    def body(self) -> float:
+        """How long RIG's legs, from the lowest joint up to the highest above it, are for one in EDITED."""
+        if not self.bones:
+            return 1.0
+        up, places = np.array(self.both.rig.rules.up), self._reference[:, 3, :3]
+        heights = np.where(np.isfinite(places).all(axis=1), dot(places, up), np.inf)
+        path = [min(self.bones, key=lambda n: float(heights[n]))]
+        while path[-1] in self.bones:
+            path.append(self.both.line(path[-1])[2])
+        leg = [self.bones[n] for n in path[: int(np.argmax(heights[path]))]]
+        leg = [bone for bone in leg if bone.bound or not bone.slides]
+        ours = sum(float(length(bone.ours)) * bone.unit for bone in leg)
+        theirs = sum(float(length(bone.theirs)) * bone.unit for bone in leg)
+        if min(ours, theirs) <= SHORT * self.both.size or abs(ours / theirs - 1.0) <= SAME_SIZE:
+            return 1.0
+        return ours / theirs
+
+    @cached_property
+    def _reference(self) -> Floats:
+        """Where RIG's nodes stand in its bind pose, (n, 4, 4)."""
+        return reference(skeleton(self.both.rig, plain=True), None).world
+
+    @cached_property
+    def carriers(self) -> list[int]:
+        """The topmost joints that both files have, and the nodes above them: they carry the whole body."""
+        both = self.both
+        found = set[int]()
+        for joint in (n for n in both.of if both.rig.is_joint[n] and n not in self.bones):
+            above = [k for k in both.rig.path_to_root(joint)[1:] if k in both.of]
+            if not any(both.rig.is_joint[k] for k in above):
+                found |= {joint, *above}
+        return sorted(found)
+
+    @cached_property
+    def _carriers(self) -> set[int]:
+        return set(self.carriers) if self.body != 1.0 else set()
+
+    def _carried(self, node: int) -> Floats | None:
+        """The place of what carries the body, scaled with the legs: beside where both stand at rest or bound.
+
+        Where the two rest in other poses, nothing says which places correspond: about the origin.
+        """
+        both = self.both
+        if both.rig.is_joint[node]:
+            rested = self._rest_alike or (
+                _stands_bound(both.rig, node) and _stands_bound(both.other, both.of[node])
+            )
+        else:
+            rested = both.of[node] not in self._varying
+        if not rested:
+            return _scaled(self.body, np.zeros(3))
+        above = both.line(node)[2]
+        ours, theirs = both.rig.world[node, 3, :3], both.other.world[both.of[node]]
+        if above >= 0:
+            ours = transform_points(ours, inverse(both.rig.world[above]))
+            theirs = multiply(theirs, inverse(both.other.world[both.of[above]]))
+        seen = transform_points(theirs[3, :3], inverse(both.turns[above]) if above >= 0 else both.space)
+        offset = ours - self.body * seen
+        return _scaled(self.body, offset if np.isfinite(offset).all() else np.zeros(3))
+
+    @cached_property
+    def _varying(self) -> set[int]:
+        return varying(keys(self.both.other, "translation"))
+
+    @cached_property
+    def _rest_alike(self) -> bool:
+        """Whether all bones point the same way in the worlds of both files at rest."""
+        both, joints = self.both, list(self.bones)
+        above = [both.line(n)[2] for n in joints]
+        ours = both.rig.world[joints, 3, :3] - both.rig.world[above, 3, :3]
+        theirs = both.other.world[[both.of[n] for n in joints], 3, :3]
+        theirs = theirs - both.other.world[[both.of[n] for n in above], 3, :3]
+        theirs = transform_directions(theirs, both.space)
+        long = np.minimum(length(ours), length(theirs)) > SHORT * both.size
+        return bool((angle(ours[long], theirs[long]) <= np.radians(MOST_DEGREES)).all())
+
+
+def _stands_bound(rig: Rig, node: int) -> bool:
+    """Whether a joint rests where it is bound, in a space with the world's origin."""
+    binds = bind_poses(rig)
+    joints = [n for n in binds if np.isfinite(rig.world[n]).all()]
+    if node not in joints:
+        return False
+    points = np.array([binds[n][3, :3] for n in joints])
+    fit = fit_similarity(points, rig.world[joints, 3, :3], about_origin=True)
+    place = transform_points(binds[node][3, :3], fit.matrix)
+    return float(length(place - rig.world[node, 3, :3])) <= SHORT * size_of(rig)
+
+
+def _scaled(size: float, offset: Floats) -> Floats | None:
+    matrix = np.eye(4)
+    matrix[:3, :3] *= size
+    matrix[3, :3] = offset
+    return matrix if size != 1.0 or offset.any() else None
+
+
+def warn_lengths(bodies: Proportions, report: Report) -> None:
+    """Bones of other lengths, and by how much the motion of the whole body is scaled."""
+    both = bodies.both
+    if not bodies.other_lengths:
+        return
+    names = list_names(both.rig.names[n] for n in bodies.other_lengths)
+    text = f"The bones of {names} have other lengths in EDITED; RIG's were kept"
+    carriers = [n for n in bodies.carriers if both.of[n] in both.moving]
+    if bodies.body != 1.0 and carriers:
+        text += (
+            f". Translations of {list_names(both.rig.names[n] for n in carriers)} were scaled by "
+            f"{bodies.body:.3g}, as the legs are: other limbs may reach elsewhere than in EDITED"
+        )
+    report.warn("other-proportions", text)
+
+
+def _bones(both: Counterparts) -> dict[int, Bone]:
+    rig, held = both.rig, keys(both.other, "translation")
+    other = _as_keyed(both.other, held)
+    ours, theirs = bind_poses(rig), bind_poses(other)
+    sliding = varying(keys(rig, "translation")), varying(held)
+    found = {}
+    for node in sorted(both.of):
+        between, own, above = both.line(node)
+        if above < 0 or not (rig.is_joint[node] and rig.is_joint[above]):
+            continue
+        here, there = both.of[node], both.of[above]
+        bound = {node, above} <= both.bound
+        mine = _offset(rig, ours if bound else {}, node, above)
+        seen = transform_points(
+            _offset(other, theirs if bound else {}, here, there), inverse(both.turns[above])
+        )
+        if np.isfinite(mine).all() and np.isfinite(seen).all():
+            slides = bool(sliding[0] & {node, *own} or sliding[1] & {here, *between})
+            unit = float(length(rig.world[above, 0, :3]))
+            found[node] = Bone(mine, seen, unit if np.isfinite(unit) else 1.0, bound, slides)
+    return found
+
+
+def _offset(rig: Rig, bind: dict[int, Floats], node: int, above: int) -> Floats:
+    """Where a node stands in the axes of another, (3,): in the bind pose, or at rest."""
+    place, seen_from = (bind.get(k, rig.world[k]) for k in (node, above))
+    return np.asarray(multiply(place, inverse(seen_from))[3, :3])
+
+
+def keys(rig: Rig, path: Path) -> dict[int, Floats]:
+    """The translations or scales, (k, 3), that nodes have in all clips."""
+    found: dict[int, list[Floats]] = {}
+    for track in (t for clip in rig.clips for t in clip.tracks if t.path == path):
+        found.setdefault(track.node, []).append(key_values(track))
+    return {node: np.concatenate(values) for node, values in found.items()}
+
+
+def varying(keys: Mapping[int, Floats]) -> set[int]:
+    """The nodes whose keys, (k, 3), differ by more than a share of their size."""
+    return {
+        node
+        for node, values in keys.items()
+        if float(np.ptp(values, axis=0).max()) > _SLIDES * float(length(values).max())
+    }
+
+
+def _as_keyed(rig: Rig, keys: Mapping[int, Floats]) -> Rig:
+    """The rig with nodes where its clips hold them, which is not always where they rest."""
+    translation = rig.translation.copy()
+    for node in keys.keys() - varying(keys):
+        translation[node] = keys[node][0]
+    return replace(rig, translation=translation)
