@@ -62,12 +62,11 @@ def crowd(folder: Path, arc: str = "references", head: str = "") -> Path:
 TURNS = [[0.5, 0.5, 0.5, 0.5], [0, 0, 1, 0], [0.6, 0, 0, 0.8]]
 
 
-def alike(rig: Rig, only: str = "") -> Rig:
-    """The rig with the same turns for joints of the same path in all skeletons (or those below ``only``)."""
+def alike(rig: Rig) -> Rig:
+    """The rig with the same turns for joints of the same path in all skeletons."""
     turn = np.broadcast_to(IDENTITY, (len(rig), 4)).copy()
     for skin in rig.skins:
-        if str(skin.key[1]).startswith(only):
-            turn[skin.joints] = TURNS
+        turn[skin.joints] = TURNS
     return reframe(rig, turn)
 
 

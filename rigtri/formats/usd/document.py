@@ -21,7 +21,7 @@ from rigtri.formats.usd.opinions.instance_edits import instance_of
 from rigtri.formats.usd.reading.control_shape_reader import read_lines
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.scene_facts import read_scenery
-from rigtri.formats.usd.reading.source import Source, read_meshes
+from rigtri.formats.usd.reading.source import Source, played_by_instances, read_meshes
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -72,7 +72,8 @@ class UsdDocument:
         """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
         shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.attachment >= 0).tolist()}
         with quiet(f"{self._source.path}: USD cannot read what it shows"):
-            return read_scenery(self._source.stage, shown, closely=closely)
+            facts = read_scenery(self._source.stage, shown, closely=closely)
+            return replace(facts, own=played_by_instances(self._source))
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file, or with ``override`` only the opinions; see `formats.Document`.

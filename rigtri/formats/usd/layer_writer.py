@@ -74,7 +74,7 @@ class Output:
         stage = self.source.stage
         if self.is_new_layer:
             layer = self._over_source(target) if self.options.override == "stage" else self._bare(target)
-            apply_edits(stage, edits, layer, notices)
+            apply_edits(stage, edits, layer)
             encoding = "usda" if target.suffix.lower() == ".usda" else "usdc"
             part.write_bytes(layers.to_bytes(layer, encoding))
             return
@@ -85,7 +85,7 @@ class Output:
             return
         layer = layers.copy_of(self.layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
-        apply_edits(stage, edits, layer, notices)
+        apply_edits(stage, edits, layer)
         if strips and not packed and not is_override(self.layer):
             _drop_redundant(stage, layer, edits, self._composed_in_place)
         renamed = rename is not None and layers.rename_assets(layer, rename)

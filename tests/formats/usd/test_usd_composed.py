@@ -104,7 +104,7 @@ SHOTS = {
             body="double3 xformOp:translate = (300, 0, 0)\n"
             'uniform token[] xformOpOrder = ["xformOp:translate"]',
         ),
-        2,
+        1,  # both are one character
     ),
 }
 

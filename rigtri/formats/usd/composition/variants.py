@@ -49,6 +49,12 @@ class VariantState:
         return " and ".join(words) or "the selected variants"
 
 
+def variants_of(stage: Any, skeleton: str, animations: Iterable[str]) -> Iterator[SkeletonVariants]:
+    """The variants that matter to a skeleton with each of its animations."""
+    for animation in tuple(animations) or ("",):
+        yield SkeletonVariants(stage, skeleton, animation)
+
+
 class SkeletonVariants:
     """The variants that matter to one skeleton and its animation (paths; "" for none).
 

@@ -8,6 +8,7 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced, why_locked
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import choices
@@ -85,7 +86,7 @@ def why_bound_otherwise(stage: Any, skeleton: str) -> str:
 
 def _bound(stage: Any, skeleton: str) -> dict[str, str]:
     """The places in layers that the influences of each mesh of a skeleton come from, by prim path."""
-    prims = [query.GetPrim() for query in Bindings(stage).of({skeleton})]
+    prims = [query.GetPrim() for query in Bindings(SharedInstances(stage)).of({skeleton})]
     return {str(prim.GetPath()): _places(prim) for prim in prims}
 
 
@@ -109,7 +110,7 @@ def stale_names(source: Source, splits: Holders) -> list[Notice]:
         if split_token(token, holders) != token
     }
     edited = {(path, name) for path in splits for name in ("joints", "jointNames")}
-    edited |= {(source.skeletons[path].animation, "joints") for path in splits}
+    edited |= {(played, "joints") for path in splits for played in source.skeletons[path].animations}
     found = [
         str(attribute.GetPath())
         for prim in Usd.PrimRange(source.stage.GetPseudoRoot(), ALL_PRIMS)

@@ -78,7 +78,8 @@ def _retimed(source: Source, rig: Rig) -> list[str]:
             skeleton = source.skeletons[places[track.node][0]]
             before = known.get((track.node, track.path, track.key))
             if before is None or (track is not before and _other_keys(rig, clip.key, before, track)):
-                found[skeleton.animation or skeleton.path] = None
+                played = [path for path in skeleton.animations if path in parts(clip.key)]
+                found[(played or skeleton.animations or (skeleton.path,))[0]] = None
         there = {(t.node, t.path, t.key) for t in mine}
         gone = [t for t in known.values() if t.node in places and (t.node, t.path, t.key) not in there]
         # Those of joints that go altogether are taken out at last.
@@ -124,7 +125,7 @@ class _Plan:
         if not self.skeleton and path not in source.animations:
             raise FileError(f"Animation <{path}> cannot be read, so it can get no keys. Export it again.")
         self.animation = _blank(source, path) if self.skeleton else source.animations[path]
-        users = [s.path for s in source.skeletons.values() if path in (s.animation, s.path)]
+        users = [s.path for s in source.skeletons.values() if path in (*s.animations, s.path)]
         self.users = [source.skeletons[user] for user in users]
         self.defaults = _defaults(rig, path)
         self.tracks = self._tracks({node for node, (s, _) in places.items() if s in users})
@@ -139,7 +140,10 @@ class _Plan:
         """What moves the joints from now on: what has no place yet goes over what has."""
         home = ("samples", self.animation.path)
         stored = [t for c in self.rig.clips if c.key == home for t in c.tracks if t.key is not None]
-        fresh = [t for c in self.rig.clips for t in c.tracks if t.key is None]
+        # Another animation that the same skeleton has in other instances keeps its own.
+        others = {path for user in self.users for path in user.animations} - {self.animation.path}
+        clips = [c for c in self.rig.clips if not others.intersection(parts(c.key))]
+        fresh = [t for c in clips for t in c.tracks if t.key is None]
         resting = {id(t) for t in self.defaults.values() if self._has_default(t.path)}
         fresh = [t for t in fresh if id(t) not in resting]
         # A key in a default that the file does not have counts where nothing else moves.
@@ -216,7 +220,7 @@ class _Plan:
                 )
         own = [Sdf.Path(path).AppendProperty(name) for name in ("joints", *PROPERTIES)]
         for skeleton in self.users if not self.skeleton else ():
-            variants = SkeletonVariants(self.source.stage, skeleton.path, skeleton.animation)
+            variants = SkeletonVariants(self.source.stage, skeleton.path, path)
             variants.refuse_dependent(own, "Keys cannot be changed")
 
     def _array(self, name: str, times: Floats) -> Edit:

@@ -17,7 +17,13 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, VariantState, why_unselected
+from rigtri.formats.usd.composition.variants import (
+    VALUES,
+    SkeletonVariants,
+    VariantState,
+    variants_of,
+    why_unselected,
+)
 from rigtri.formats.usd.opinions import instance_edits
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Edit, Setting
@@ -39,10 +45,10 @@ def route_variants(edit: UsdEdit) -> None:
     source = edit.source
     changing: list[tuple[Skeleton, SkeletonVariants]] = []
     for skeleton in source.skeletons.values():
-        about = {Sdf.Path(path) for path in (skeleton.path, skeleton.animation) if path}
+        about = {Sdf.Path(path) for path in (skeleton.path, *skeleton.animations)}
         if any(value.prim in about for value in edit.values):
-            variants = SkeletonVariants(source.stage, skeleton.path, skeleton.animation)
-            changing += [(skeleton, variants)] if variants.depends else []
+            every = variants_of(source.stage, skeleton.path, skeleton.animations)
+            changing += [(skeleton, variants) for variants in every if variants.depends]
     if not changing:
         edit.opinions = list(edit.values)
         return

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
-from rigtri.formats.usd.composition.variants import SkeletonVariants, split_by
+from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_array, set_joints
@@ -108,16 +109,17 @@ def _refusal(splits: Mapping[str, Split]) -> str:
 def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
     """FileError where the skeleton or what drives and binds it cannot be edited."""
     skeleton, holders = splits[path].skeleton, splits[path].holders
-    prims = [source.stage.GetPrimAtPath(p) for p in (path, skeleton.animation) if p]
+    prims = [source.stage.GetPrimAtPath(p) for p in (path, *skeleton.animations)]
     for prim in prims:
         refuse(why_instanced(prim))
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
-        refuse(split_by(SkeletonVariants(source.stage, path, skeleton.animation)))
+        for variants in variants_of(source.stage, path, skeleton.animations):
+            refuse(split_by(variants))
         refuse(why_bound_otherwise(source.stage, path))
-    theirs = source.animations.get(skeleton.animation)
-    for other in source.skeletons.values():
-        if theirs is not None and other.animation == theirs.path:
+    played = [source.animations[path] for path in skeleton.animations if path in source.animations]
+    for theirs, other in product(played, source.skeletons.values()):
+        if theirs.path in other.animations:
             again = splits[other.path].holders if other.path in splits else {}
             _check_shared(source, theirs, holders, other, again)
 
@@ -168,7 +170,7 @@ def _named(split: Split, names: list[str]) -> list[str]:
 
 def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edit]:
     for path, animation in source.animations.items():
-        users = [splits[s] for s in splits if source.skeletons[s].animation == path]
+        users = [splits[s] for s in splits if path in source.skeletons[s].animations]
         holders = {token: name for split in users for token, name in split.holders.items()}
         if not holders:
             continue

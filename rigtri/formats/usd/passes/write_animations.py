@@ -76,6 +76,11 @@ def _write_animation(
         copy, made = _copy_of(source, animation, number + 1)
         found += [*made, *_array_edits(animation, copy, columns)]
         for skeleton in skeletons:
+            if len(source.skeletons[skeleton].animations) > 1:
+                raise FileError(
+                    f"Animation <{animation.path}> drives skeletons that were re-oriented differently, and "
+                    f"instances of <{skeleton}> play others, too. Re-orient them alike, or copy it for them."
+                )
             found += bind_animation(skeleton, copy)
         warnings.append(
             Notice(
@@ -91,7 +96,7 @@ def _groups(
     source: Source, animation: Animation, by_skeleton: Mapping[str, Columns]
 ) -> list[tuple[list[str], Columns]]:
     """Skeletons that can share one set of values, with that set; those that cannot be edited first."""
-    users = [s for s in source.skeletons.values() if s.animation == animation.path]
+    users = [s for s in source.skeletons.values() if animation.path in s.animations]
     groups: list[tuple[list[str], Columns, Columns]] = []
     for skeleton in sorted(users, key=lambda s: not s.locked):
         own = by_skeleton.get(skeleton.path, {})

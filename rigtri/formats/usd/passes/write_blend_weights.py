@@ -116,10 +116,15 @@ def _bound(source: Source, node: int) -> tuple[str, str, list[str]]:
         if str(query.GetPrim().GetPath()) != label or skeleton not in source.skeletons:
             continue
         stand = source.skeletons[skeleton]
-        if not stand.animation or stand.animation not in source.animations:
+        if not stand.animations or stand.animations[0] not in source.animations:
             break
+        if len(stand.animations) > 1:
+            raise FileError(
+                f"<{label}>: its instances play {len(stand.animations)} animations, and weights of its blend "
+                "shapes can be driven in one. Edit the file that the instances refer to."
+            )
         refuse(stand.locked)
-        return label, stand.animation, [str(name) for name in query.GetBlendShapeOrder() or ()]
+        return label, stand.animations[0], [str(name) for name in query.GetBlendShapeOrder() or ()]
     raise FileError(f"<{label}>: no SkelAnimation plays there that could hold weights of its blend shapes.")
 
 
@@ -135,7 +140,7 @@ def _check_shared(
         stand = source.skeletons.get(skeleton)
         if stand is None or path in keyed or not query.HasBlendShapes():
             continue
-        columns = driven.get(stand.animation, {})
+        columns = {name: column for path in stand.animations for name, column in driven.get(path, {}).items()}
         for name in map(str, query.GetBlendShapeOrder() or ()):
             if name in columns:
                 raise FileError(

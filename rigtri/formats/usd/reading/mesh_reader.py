@@ -6,7 +6,7 @@ straight line. Points are those of the Default time, else of the earliest sample
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, quiet
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import usable
@@ -30,24 +31,24 @@ ALL_PRIMS = Usd.TraverseInstanceProxies()
 class Bindings:
     """What is bound to which skeleton, found when first used: it walks the whole stage."""
 
-    def __init__(self, stage: Any) -> None:
-        self._stage = stage
+    def __init__(self, instances: SharedInstances) -> None:
+        self._instances = instances
 
     @cached_property
     def every(self) -> list[tuple[str, Any]]:
         """Skinned prims as (skeleton path, UsdSkel skinning query), those of instances included."""
         with quiet("USD cannot find what is bound to the skeletons"):
-            return _bindings(self._stage)
+            return _bindings(self._instances)
 
     def of(self, skeletons: Collection[str]) -> list[Any]:
         """The skinning queries of some skeletons."""
         return [query for path, query in self.every if path in skeletons]
 
 
-def _bindings(stage: Any) -> list[tuple[str, Any]]:
+def _bindings(instances: SharedInstances) -> list[tuple[str, Any]]:
     cache, found = UsdSkel.Cache(), []
-    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
-        if prim.IsA(UsdSkel.Root):
+    for prim in instances.prims():
+        if prim.IsA(UsdSkel.Root) and not instances.is_twin(prim.GetPath()):
             root = UsdSkel.Root(prim)
             cache.Populate(root, ALL_PRIMS)
             for binding in cache.ComputeSkelBindings(root, ALL_PRIMS):
@@ -72,20 +73,20 @@ def weighted(queries: Sequence[Any], tokens: Sequence[str]) -> Booleans:
 
 
 def read_meshes(
-    stage: Any,
+    prims: Iterable[Any],
     found: Sequence[tuple[str, Any]],
     node_of: Mapping[str, int],
     skins: Mapping[str, int],
     tokens: Mapping[str, Sequence[str]],
     animations: Mapping[str, Any],
 ) -> list[Mesh]:
-    """All points of a stage, with the morph weights that hold without samples: the defaults of animations.
+    """The points of prims, with the morph weights that hold without samples: the defaults of animations.
 
     node_of: nodes by prim path. skins, tokens, animations (prims): by skeleton path.
     """
     by_prim = {str(query.GetPrim().GetPath()): (path, query) for path, query in found}
     meshes = []
-    for prim in Usd.PrimRange(stage.GetPseudoRoot(), ALL_PRIMS):
+    for prim in prims:
         path = str(prim.GetPath())
         if not prim.IsA(UsdGeom.PointBased) or path not in node_of:
             continue

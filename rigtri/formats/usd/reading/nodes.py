@@ -7,8 +7,9 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import UsdGeom
 
+from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.value_types import ignored
 from rigtri.formats.usd.reading import joint_tokens, mesh_reader, metadata_attributes
@@ -26,8 +27,8 @@ OWN_PLACE = 1e-9
 class Nodes:
     """Nodes in columns. animated: prims that their ops move; own: prims of rigtri."""
 
-    def __init__(self, stage: Any, warnings: list[Notice]) -> None:
-        self.stage, self.warnings = stage, warnings
+    def __init__(self, stage: Any, instances: SharedInstances, warnings: list[Notice]) -> None:
+        self.stage, self.instances, self.warnings = stage, instances, warnings
         self.names: list[str] = []
         self.parents: list[int] = []
         self.matrices: list[np.ndarray] = []
@@ -46,7 +47,7 @@ class Nodes:
         """Add every prim with a transform; returns the Skeleton and SkelAnimation prims."""
         others = []
         above: dict[Any, int] = {}
-        for prim in Usd.PrimRange(self.stage.GetPseudoRoot(), mesh_reader.ALL_PRIMS):
+        for prim in self.instances.prims():
             path = prim.GetPath()
             parent = above.get(path.GetParentPath(), -1)
             above[path] = parent

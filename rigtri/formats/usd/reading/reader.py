@@ -12,6 +12,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bound_animation
+from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import quiet, why_locked
 from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.animation_reader import (
@@ -51,10 +52,11 @@ class _Reader:
 
     def __init__(self, path: Path, stage: Any, options: ReadOptions, warnings: list[Notice]) -> None:
         self.path, self.stage, self.options, self.warnings = path, stage, options, warnings
-        self.nodes = Nodes(stage, self.warnings)
+        self.instances = SharedInstances(stage)
+        self.nodes = Nodes(stage, self.instances, self.warnings)
         self.skeletons: dict[str, Skeleton] = {}
         self.animations: dict[str, Animation] = {}
-        self.bindings = mesh_reader.Bindings(stage)
+        self.bindings = mesh_reader.Bindings(self.instances)
         self.interpolation = interpolation_of(stage)
 
     def read(self) -> Source:
@@ -85,6 +87,7 @@ class _Reader:
             self.animations,
             self.warnings,
             self.bindings,
+            self.instances,
         )
 
     def _with_moving_prims(self, rig: Rig) -> Rig:
@@ -138,11 +141,17 @@ class _Reader:
         world = self.nodes.rig().world
         for prim in prims:
             path = str(prim.GetPath())
-            animation = bound_animation(prim, self.warnings)
-            skeleton = read_skeleton(prim, animation, world[self.nodes.node_of[path]], self.warnings)
+            animations = self._animations_of(path)
+            skeleton = read_skeleton(prim, animations, world[self.nodes.node_of[path]], self.warnings)
             if skeleton is not None:
                 self.skeletons[path] = skeleton
         self.nodes.add_joints(self.skeletons.values())
+
+    def _animations_of(self, skeleton: str) -> list[Any]:
+        """The SkelAnimation prims that drive a skeleton in any instance that it stands for."""
+        bound = (bound_animation(prim, self.warnings) for prim in self.instances.skeletons[skeleton])
+        paths = {self.instances.stands_for(prim.GetPath()): None for prim in bound if prim is not None}
+        return [self.stage.GetPrimAtPath(path) for path in paths]
 
     def _library(self, others: list[Any]) -> None:
         """Animations without any skeleton, as skeletons of their own; only the animations are written."""
@@ -166,7 +175,7 @@ class _Reader:
             self.nodes.add_joints(self.skeletons.values())
 
     def _animations(self, others: list[Any]) -> None:
-        bound = {skeleton.animation for skeleton in self.skeletons.values()} - {""}
+        bound = {path for skeleton in self.skeletons.values() for path in skeleton.animations}
         for path in sorted(bound):
             animation = read_animation(self.stage.GetPrimAtPath(path), self.warnings)
             if animation is not None:
@@ -189,7 +198,7 @@ class _Reader:
         names = [animation.name for animation in self.animations.values()]
         found = []
         for path, animation in self.animations.items():
-            users = [s.path for s in self.skeletons.values() if s.animation == path]
+            users = [s.path for s in self.skeletons.values() if path in s.animations]
             name = animation.name if names.count(animation.name) == 1 else path
             prim, weights = self.stage.GetPrimAtPath(path), []
             if prim.IsActive() and prim.GetAttribute("blendShapeWeights").HasAuthoredValue():
@@ -230,7 +239,7 @@ def _stand_in(prim: Any, animation: Animation, world: Floats) -> Skeleton:
     for name in ("translations", "rotations"):
         if name not in animation.properties:
             locked = locked or f"animation <{animation.path}> has no {name}, and no skeleton gives them"
-    return Skeleton(animation.path, tokens, parents, bind, rest, False, locked, animation.path)
+    return Skeleton(animation.path, tokens, parents, bind, rest, False, locked, (animation.path,))
 
 
 def _first_row(item: Property | None, name: str, order: list[int]) -> Floats:

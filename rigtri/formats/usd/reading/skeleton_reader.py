@@ -33,7 +33,7 @@ class Skeleton:
     """One Skeleton prim. parents: (n,), −1 for a root. bind, rest: (n, 4, 4).
 
     locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
-    animation: the path of the SkelAnimation that is bound to it, or "".
+    animations: the paths of the SkelAnimations that are bound to it, several where instances share it.
     """
 
     path: str
@@ -43,13 +43,15 @@ class Skeleton:
     rest: Floats
     has_rest: bool
     locked: str
-    animation: str
+    animations: tuple[str, ...]
 
 
-def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notice]) -> Skeleton | None:
+def read_skeleton(
+    prim: Any, animations: Sequence[Any], world: Floats, warnings: list[Notice]
+) -> Skeleton | None:
     """The skeleton of a Skeleton prim whose world matrix is ``world``; None if it has no joints.
 
-    animation: the SkelAnimation prim that is bound to it (`bound_animation`), or None.
+    animations: the SkelAnimation prims that are bound to it (`bound_animation`).
     FileError where its joints or matrices break UsdSkel's rules, naming them.
     """
     path = str(prim.GetPath())
@@ -77,8 +79,9 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
             "inverse (an axis is zero or two coincide), so its skin is undefined."
         )
     rest = _matrices(prim, "restTransforms", tokens)
-    if rest is None and animation is not None and animation.IsActive():
-        _check_covered(path, tokens, animation)
+    for animation in animations if rest is None else ():
+        if animation.IsActive():
+            _check_covered(path, tokens, animation)
     if rest is None:
         warnings.append(
             Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
@@ -91,7 +94,7 @@ def read_skeleton(prim: Any, animation: Any, world: Floats, warnings: list[Notic
         rest=_local(bind, parents, world) if rest is None else rest,
         has_rest=rest is not None,
         locked="",
-        animation="" if animation is None else str(animation.GetPath()),
+        animations=tuple(str(animation.GetPath()) for animation in animations),
     )
 
 

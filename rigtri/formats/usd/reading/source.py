@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pxr import UsdSkel
 
+from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.animation_reader import Animation
@@ -31,6 +33,7 @@ class Source:
     animations: Mapping[str, Animation]
     warnings: list[Notice]
     bindings: mesh_reader.Bindings
+    instances: SharedInstances
 
     @property
     def layer(self) -> Any:
@@ -47,6 +50,24 @@ class Source:
         }
 
 
+def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
+    """Which animations instances of one character play, by their nodes.
+
+    Numbers in the order of the first that plays each, because an edit may give an animation another name.
+    """
+    nodes = {label: node for node, label in enumerate(source.rig.labels)}
+    found: dict[int, dict[str, str]] = {}
+    for path, skeleton in source.skeletons.items():
+        prims = source.instances.skeletons.get(path, ())
+        for prim in prims if len(prims) > 1 else ():
+            played = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+            known = str(source.instances.stands_for(played.GetPath())) if played else ""
+            number = skeleton.animations.index(known) + 1 if known in skeleton.animations else 0
+            above = next(str(at) for at in prim.GetPath().GetAncestorsRange() if str(at) in nodes)
+            found.setdefault(nodes[above], {})[f"animation of '{prim.GetName()}'"] = str(number)
+    return found
+
+
 def read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
     """The meshes of a source; those that cannot be measured are noticed."""
     rig = source.rig
@@ -55,11 +76,12 @@ def read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
     tokens = {path: skeleton.tokens for path, skeleton in source.skeletons.items()}
     with quiet(f"{source.path}: USD cannot read its meshes"):
         playing = {
-            path: source.stage.GetPrimAtPath(skeleton.animation)
+            path: source.stage.GetPrimAtPath(skeleton.animations[0])
             for path, skeleton in source.skeletons.items()
-            if skeleton.animation
+            if skeleton.animations
         }
-        found = mesh_reader.read_meshes(source.stage, source.bindings.every, nodes, skins, tokens, playing)
+        prims = source.instances.prims()
+        found = mesh_reader.read_meshes(prims, source.bindings.every, nodes, skins, tokens, playing)
     for mesh in found:
         if mesh.skin is not None and not np.isfinite(mesh.weights).all():
             text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
