@@ -23,10 +23,15 @@ sys.path[:] = [folder for folder in sys.path if Path(folder).resolve() != ROOT]
 os.environ["PYTHONSAFEPATH"] = "1"
 
 from rigtri import register_usd_schemas  # noqa: E402
+from rigtri.files import worker_process  # noqa: E402
+from rigtri.pipeline.batch import local_engine  # noqa: E402
 
 # A slow machine is no failure, and a law that fails should fail the same way tomorrow.
 settings.register_profile("readme", deadline=None, derandomize=True, max_examples=25)
 settings.register_profile("proofs", deadline=None, derandomize=True, max_examples=200)
+
+# All workers of a test process come from one server: what it has loaded is not loaded by each of them.
+worker_process.PRELOADED.extend(local_engine.PRELOADED)
 
 # Tests open stages of their own.
 register_usd_schemas()

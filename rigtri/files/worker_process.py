@@ -33,7 +33,7 @@ from rigtri.files.temp_dirs import adopt, root
 T = TypeVar("T")
 
 # What the server of children has loaded already, so that a new child costs milliseconds.
-_PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "rigtri.formats.usd.document"]
+PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "rigtri.formats.usd.document"]
 
 # How many more objects there must be before rings of them are looked for, and how often that must have
 # been so before older ones are looked at, too.
@@ -83,7 +83,7 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
         method = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
         self._context: Any = multiprocessing.get_context(method)
         if method == "forkserver":
-            self._context.set_forkserver_preload([*_PRELOADED, *preload])
+            self._context.set_forkserver_preload([*PRELOADED, *preload])
         self._process: Any = None
         self._killed = False
         self._pipe: Connection | None = None

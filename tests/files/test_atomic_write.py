@@ -163,6 +163,7 @@ def restored(folder: Path, old: dict[str, bytes]) -> None:
 
 
 @POSIX
+@pytest.mark.slow
 def test_a_kill_at_any_step_leaves_old_or_new_and_the_next_run_tidies_up(gltf: Path, samples: Path) -> None:
     old, between, exitcode, moment = contents(gltf.parent), 0, None, 0
     buffer = (samples / "biped.bin").read_bytes()

@@ -138,6 +138,7 @@ def test_a_large_file_goes_to_the_disk_while_it_is_written(
     assert (tmp_path / "b.glb").read_bytes() == source.read_bytes()
 
 
+@pytest.mark.slow
 def test_mapped_files_are_closed_with_the_document(tmp_path: Path, all_mapped: None) -> None:
     folder = Path("/proc/self/fd")
     if not folder.is_dir():

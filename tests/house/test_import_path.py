@@ -126,6 +126,7 @@ def test_no_worker_runs_it_however_workers_start(command: str, method: str, pack
 
 
 @pytest.mark.parametrize("places", [os.pathsep, ".", f"{os.pathsep}{BUILDERS}"])
+@pytest.mark.slow
 def test_a_search_path_that_names_the_folder_where_one_works_is_no_way_in(places: str, pack: Path) -> None:
     """Python itself imports sitecustomize from there, before any program; nothing of rigtri's comes after."""
     for name in ("sitecustomize", "rigtri"):

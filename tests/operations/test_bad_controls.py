@@ -319,6 +319,7 @@ def test_a_control_below_what_it_moves_is_a_circle_that_names_all_on_the_way(
         assert places == sorted(places)
 
 
+@pytest.mark.slow
 def test_an_ik_end_below_the_head_is_no_circle() -> None:
     rig = below(with_keyed_controls(), "hand_L_ik_ctl_offset", "head")
     assert all(np.isfinite(t.values).all() for c in bake(rig, options=BakeOptions()).clips for t in c.tracks)

@@ -322,6 +322,7 @@ def growing(rig: Rig) -> Rig:
     return replace(rig, clips=(replace(walk, tracks=(*walk.tracks, track)),))
 
 
+@pytest.mark.slow
 def test_what_the_controls_do_not_give_back_is_a_warning_that_reports_where_when_and_how_far() -> None:
     rig = growing(without_fk(rigged()))
     report = Report()
@@ -343,6 +344,7 @@ def test_what_the_controls_do_not_give_back_is_a_warning_that_reports_where_when
     assert off > 1e-3
 
 
+@pytest.mark.slow
 def test_a_wider_tolerance_bears_more_and_strict_bears_none(tmp_path: Path) -> None:
     whole, bare, up = (tmp_path / f"{k}.glb" for k in ("whole", "bare", "up"))
 

@@ -126,6 +126,7 @@ def test_a_joint_that_follows_a_rivet_on_its_own_mesh_is_a_circle(tmp_path: Path
         bake(turned(rig, joint), options=BakeOptions())
 
 
+@pytest.mark.slow
 def test_what_follows_a_rivet_on_a_mesh_that_controls_spin_is_no_circle(tmp_path: Path) -> None:
     """The joint's keys were given to its control: each pass finds fewer of them, at other times."""
     source, joint, mesh = source_of("glb", tmp_path)

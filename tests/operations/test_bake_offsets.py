@@ -93,6 +93,7 @@ def test_offsets_keys_do_not_move_the_joints_that_ik_solves() -> None:
     assert apart(with_them, without, "walk", times) == 0.0
 
 
+@pytest.mark.slow
 def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -> None:
     rig = rigged()
     hand = next(

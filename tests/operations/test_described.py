@@ -91,6 +91,7 @@ def test_what_a_frame_shows_is_no_rest_where_the_rig_is_named(
 
 
 @pytest.mark.parametrize("name", [slow("biped.gltf"), "biped.usda"])
+@pytest.mark.slow
 def test_motion_goes_to_controls_from_the_rest_of_the_rig_that_is_named(name: str, tmp_path: Path) -> None:
     rig, up = rigged(tmp_path, name)
     out, home = tmp_path / f"out-{name}", tmp_path / f"home-{name}"
@@ -272,6 +273,7 @@ def test_an_op_of_a_control_without_a_default_reports_that_it_is_zero_at_rest(tm
     assert np.abs(joint_worlds(one) - joint_worlds(other)).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_an_offset_without_a_default_is_reported(tmp_path: Path) -> None:
     _, up = rigged(tmp_path, "biped.usda")
     stage = Usd.Stage.Open(str(up))

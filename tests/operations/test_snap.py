@@ -359,6 +359,7 @@ def crowd(rig: Rig, count: int) -> Rig:
     )
 
 
+@pytest.mark.slow
 def test_a_crowd_takes_as_long_as_its_characters(monkeypatch: pytest.MonkeyPatch) -> None:
     """Before, each limb evaluated all controls of all characters: eight took thirty times as long as two."""
     runs: list[Fk] = []

@@ -411,6 +411,7 @@ def test_a_file_that_the_source_refers_to_is_not_written_over(tmp_path: Path) ->
     assert not (tmp_path / "out.gltf").exists()
 
 
+@pytest.mark.slow
 def test_explain_writes_nothing_and_reports_what_each_step_would_do(tmp_path: Path) -> None:
     spec, source = write(tmp_path, WHOLE), SAMPLES / "biped.glb"
     before = sorted(tmp_path.iterdir())
@@ -501,6 +502,7 @@ def test_steps_of_braces_are_reported_with_their_words(tmp_path: Path) -> None:
     assert "2. add-twist (L): limb thigh_L shin_L foot_L" in explained
 
 
+@pytest.mark.slow
 def test_the_report_of_a_build_lists_its_steps(tmp_path: Path) -> None:
     line = [
         "build",

@@ -58,6 +58,7 @@ def test_limbs_of_every_naming_scheme_are_right(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("which", [DEVELOPMENT, JUDGING], ids=["development", "judging"])
+@pytest.mark.slow
 def test_limbs_of_every_kind_of_body_are_right_and_none_is_surely_wrong(which: int) -> None:
     found = list(results(population(which), recognise))
     for way, least in (("named", 0.97), ("unnamed", 0.88)):

@@ -20,7 +20,8 @@ from rigtri.pipeline.batch.remote_files import RemoteAssignment, is_elsewhere
 from rigtri.pipeline.batch.work import Assignment, OnReady, Record, work
 
 # What work and most tasks need, so that a new process has it.
-_PRELOADED = (
+PRELOADED = (
+    "rigtri.operations.orient_joints",  # and with it what most operations need
     "rigtri.pipeline.batch.work",
     "rigtri.pipeline.batch.spec_task",
     "rigtri.pipeline.rigspec.expand",
@@ -79,7 +80,7 @@ class FileProcess(AbstractContextManager["FileProcess"]):
         preload: Sequence[str] = (),
     ) -> None:
         self._folder, self._dry_run, self._at = folder, dry_run, at
-        self._child = WorkerProcess(seconds=seconds, memory=memory, preload=(*_PRELOADED, *preload))
+        self._child = WorkerProcess(seconds=seconds, memory=memory, preload=(*PRELOADED, *preload))
         # Of this object, for a process that is killed cannot remove what it has written for itself.
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
 

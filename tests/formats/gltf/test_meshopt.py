@@ -51,6 +51,7 @@ def test_decoding_gives_back_what_was_encoded(count: int, stride: int, version: 
         assert decoded.tobytes() == raw
 
 
+@pytest.mark.slow
 def test_more_elements_than_are_expanded_at_once_come_out_too() -> None:
     raw = elements(20_000, 32, 3)
     stream = encode_attributes(raw, 32, 0, random.Random(1))

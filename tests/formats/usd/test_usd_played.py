@@ -136,6 +136,7 @@ def joint_poses(path: Path) -> np.ndarray:
         slow("usdc", "biped.glb", "controls"),
     ],
 )
+@pytest.mark.slow
 def test_a_usd_file_that_has_lost_its_metadata_is_baked_with_that_of_another(
     suffix: str, described: str, to: str, tmp_path: Path
 ) -> None:
@@ -164,6 +165,7 @@ def without_keys(name: str) -> Callable[[Rig, Report], Rig]:
 
 
 @pytest.mark.parametrize(("name", "kind"), [("biped.usda", UsdDocument), slow("biped.glb", GltfDocument)])
+@pytest.mark.slow
 def test_the_self_check_sees_keys_of_a_control_that_were_to_go(
     name: str, kind: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -235,6 +235,7 @@ def test_a_scheduler_that_is_not_there_is_reported_before_anything_is_done(
 
 
 @pytest.mark.parametrize("address", ["foo", slow("tcp://foo"), slow("foo://127.0.0.1:1")])
+@pytest.mark.slow
 def test_what_is_no_address_is_reported_at_once(tmp_path: Path, address: str) -> None:
     begin = time.monotonic()
     with pytest.raises(FileError, match=f"no Dask scheduler answers at {address}"):
@@ -349,6 +350,7 @@ class Gone(Asked):
 
 
 @pytest.mark.parametrize("question", ["submit", "run", "nthreads"])
+@pytest.mark.slow
 def test_a_scheduler_that_dies_is_reported_alike_whenever_it_does(tmp_path: Path, question: str) -> None:
     (tmp_path / "a.glb").touch()
     entry = Entry(str(tmp_path / "a.glb"), "out/a.glb")

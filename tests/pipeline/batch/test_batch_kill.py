@@ -218,6 +218,7 @@ def test_a_second_interrupt_gives_up_what_is_begun(tmp_path: Path, start: Start,
 
 
 @POSIX
+@pytest.mark.slow
 def test_a_reader_that_has_gone_ends_a_batch(tmp_path: Path, start: Start) -> None:
     process = start("--json")
     assert process.stdout is not None

@@ -199,6 +199,7 @@ def test_an_override_of_a_package_is_a_layer(here: Path, samples: Path) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
+@pytest.mark.slow
 def test_a_terminal_sees_how_far_it_is_and_a_file_does_not(here: Path) -> None:
     code = "from rigtri.cli.main import program; program()"
     given = ["batch", "in/*.glb", "--spec", "rig.yaml", "-O"]
