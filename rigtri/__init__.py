@@ -2,6 +2,9 @@
 
 The names below are the library: each operation is the twin of a command. They
 are loaded when first used, so that the core needs numpy alone.
+
+`vectors`, `matrices`, `quaternions`, `triangle` and `euler` are the mathematics, for arrays of any
+shape: ``rigtri.triangle.pole_position([0, 0, 0], [3, 4, 0], [6, 0, 0])``.
 """
 
 from __future__ import annotations
@@ -52,6 +55,9 @@ _WHERE = {
     "RigtriError": "rigtri.errors",
 }
 
+# The public mathematics, modules of rigtri.maths.
+_MODULES = ("vectors", "matrices", "quaternions", "triangle", "euler")
+
 # Written out, for tools that read the source and do not run it.
 __all__ = [
     "ReadOptions",
@@ -73,13 +79,16 @@ __all__ = [
     "diff",
     "draw",
     "edit",
+    "euler",
     "explain",
     "export_blender",
     "freeze",
     "from_pygltflib",
     "make_limb",
+    "matrices",
     "mirror",
     "orient_joints",
+    "quaternions",
     "read",
     "recognise",
     "register_usd_schemas",
@@ -89,6 +98,8 @@ __all__ = [
     "take_clips",
     "take_pose",
     "to_pygltflib",
+    "triangle",
+    "vectors",
     "verify",
     "view",
     "write",
@@ -103,6 +114,11 @@ if TYPE_CHECKING:
     from rigtri.export.viewer.view import view as view
     from rigtri.formats import ReadOptions as ReadOptions
     from rigtri.formats.usd.codeless_schemas import register_usd_schemas as register_usd_schemas
+    from rigtri.maths import euler as euler
+    from rigtri.maths import matrices as matrices
+    from rigtri.maths import quaternions as quaternions
+    from rigtri.maths import triangle as triangle
+    from rigtri.maths import vectors as vectors
     from rigtri.model.rig import Rig as Rig
     from rigtri.operations.add_controls import add_controls as add_controls
     from rigtri.operations.add_polevector import add_polevector as add_polevector
@@ -143,4 +159,6 @@ def __dir__() -> list[str]:
 def __getattr__(name: str) -> Any:
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)
+    if name in _MODULES:
+        return import_module(f"rigtri.maths.{name}")
     raise AttributeError(f"module 'rigtri' has no attribute '{name}'")

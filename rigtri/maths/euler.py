@@ -17,6 +17,12 @@ from numpy.typing import ArrayLike
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos
 
+# The public mathematics; the rest of the module serves rigtri alone.
+__all__ = [
+    "from_angles",
+    "to_angles",
+]
+
 Order = Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"]
 # Of a unit vector: less of it gives no direction, and the last angle is taken as 0.
 _NOTHING = 1e-15
@@ -26,6 +32,9 @@ def to_angles(q: ArrayLike, order: Order) -> Floats:
     """Angles about x, y and z in radians, (..., 3), of unit quaternions (..., 4).
 
     The middle angle of the order lies in ±π/2; at its ends the last angle is 0.
+
+    >>> to_angles([0, 0, 0.6, 0.8], "xyz").round(6).tolist()  # 2·atan(0.6/0.8) about z
+    [0.0, 0.0, 1.287002]
     """
     i, j, k = ("xyz".index(letter) for letter in order)
     sign = 1.0 if (j - i) % 3 == 1 else -1.0

@@ -21,6 +21,24 @@ from rigtri.maths.quaternions import from_axes, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import as_vectors, by_component, cross, dot, length, normalise
 
+# The public mathematics; the rest of the module serves rigtri alone.
+__all__ = [
+    "compose",
+    "decompose",
+    "determinant",
+    "from_frame",
+    "identity",
+    "inverse",
+    "local",
+    "multiply",
+    "nearest_rotation",
+    "orthonormal_axes",
+    "skew",
+    "transform_directions",
+    "transform_points",
+    "world",
+]
+
 # Of each of three axes the one after it and the one before.
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 # Numbers of so few matrices are multiplied at once, which takes fewer steps and more memory.
@@ -38,9 +56,12 @@ def as_matrices(m: ArrayLike) -> Floats:
 
 
 def identity(*shape: int) -> Floats:
-    """Matrices aligned to the world, at the origin, shape (*shape, 4, 4).
+    """Matrices aligned to the world, at the origin, (..., 4, 4), with ``shape`` in front.
 
     Source: GDC 2018, slide "Identity Matrix".
+
+    >>> identity(2).shape, identity()[3].tolist()
+    ((2, 4, 4), [0.0, 0.0, 0.0, 1.0])
     """
     return np.broadcast_to(np.eye(4), (*shape, 4, 4)).copy()
 
@@ -72,6 +93,10 @@ def inverse(m: ArrayLike) -> Floats:
     axes, sheared or not); a perspective column is not looked at.
 
     Source: GDC 2018, slide "Inverse matrix"; adjugate over determinant.
+
+    >>> there = from_frame([[0, 1, 0], [-1, 0, 0], [0, 0, 1]], [1, 2, 3])
+    >>> multiply(inverse(there), there).tolist() == identity().tolist()
+    True
     """
     m = as_matrices(m)
     axes = m[..., :3, :3]
@@ -87,7 +112,13 @@ def inverse(m: ArrayLike) -> Floats:
 
 
 def determinant(m: ArrayLike) -> Floats:
-    """The volume of the three axes, (..., 4, 4) → (...); negative for a mirrored frame."""
+    """The volume of the three axes, (..., 4, 4) → (...); negative for a mirrored frame.
+
+    Source: GDC 2018, slide "The Cross Product": right-handed, so x × y · z is positive.
+
+    >>> float(determinant(from_frame([[2, 0, 0], [0, 1, 0], [0, 0, -1]], [0, 0, 0])))
+    -2.0
+    """
     m = as_matrices(m)
     return dot(cross(m[..., 0, :3], m[..., 1, :3]), m[..., 2, :3])
 
@@ -108,6 +139,9 @@ def world(local: ArrayLike, parent_world: ArrayLike) -> Floats:
     """World matrices: ``local · parent_world``, (..., 4, 4).
 
     Source: "Matrix parent constraint", childWorld = childLocal · childParent.
+
+    >>> world(from_frame(np.eye(3), [3, 0, 0]), from_frame(np.eye(3), [2, 0, 0]))[3].tolist()
+    [5.0, 0.0, 0.0, 1.0]
     """
     return multiply(local, parent_world)
 
@@ -123,7 +157,13 @@ def transform_points(points: ArrayLike, m: ArrayLike) -> Floats:
 
 
 def transform_directions(directions: ArrayLike, m: ArrayLike) -> Floats:
-    """Directions d·M without the position, (..., 3), (..., 4, 4) → (..., 3); lengths scale along."""
+    """Directions d·M without the position, (..., 3), (..., 4, 4) → (..., 3); lengths scale along.
+
+    Source: GDC 2018, slide "Fourth value in each row is 0": a direction is not moved.
+
+    >>> transform_directions([1, 1, 1], from_frame(2 * np.eye(3), [0, 0, 5])).tolist()
+    [2.0, 2.0, 2.0]
+    """
     return _row_times(as_vectors(directions), as_matrices(m)[..., :3, :3])
 
 
@@ -131,6 +171,9 @@ def from_frame(axes: ArrayLike, position: ArrayLike) -> Floats:
     """A matrix from three axes (rows), (..., 3, 3), and a position, (..., 3).
 
     Source: GDC 2018, slide "Aiming node A at node B": M = [aim_X, aim_Y, aim_Z, A_pos].
+
+    >>> from_frame(np.eye(3), [1, 2, 3])[3].tolist()
+    [1.0, 2.0, 3.0, 1.0]
     """
     axes, position = np.asarray(axes, dtype=np.float64), as_vectors(position)
     shape = np.broadcast_shapes(axes.shape[:-2], position.shape[:-1])
@@ -146,6 +189,10 @@ def compose(translation: ArrayLike, rotation: ArrayLike, scale: ArrayLike) -> Fl
     The rotation is taken as unit; `rigtri.evaluation.sampling` says what becomes of one that is not.
 
     Source: glTF 2.0 §3.5.3; UsdSkel joint-local transforms.
+
+    >>> half_turn_about_z = [0, 0, 1, 0]
+    >>> compose([5, 0, 0], half_turn_about_z, [1, 2, 1])[:, :3].tolist()
+    [[-1.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 1.0], [5.0, 0.0, 0.0]]
     """
     translation, scale = as_vectors(translation), as_vectors(scale)
     axes = to_axes(rotation) * scale[..., :, np.newaxis]
@@ -159,6 +206,9 @@ def decompose(m: ArrayLike) -> tuple[Floats, Floats, Floats]:
     rotation. Skew cannot be kept: ask `skew` first. NaN where an axis is zero.
 
     Source: GDC 2018, slides on scale and skew: lengths and angles of the rows.
+
+    >>> [part.tolist() for part in decompose(compose([5, 0, 0], [0, 0, 1, 0], [1, 2, 1]))]
+    [[5.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [1.0, 2.0, 1.0]]
     """
     m = as_matrices(m)
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
@@ -171,6 +221,11 @@ def orthonormal_axes(m: ArrayLike) -> Floats:
 
     X keeps its line, Y the plane of X and Y (Gram-Schmidt). A mirrored matrix has all
     three axes negated, which makes it right-handed. NaN where the axes do not span space.
+
+    Source: GDC 2018, slide "Adjusting the Up Vector".
+
+    >>> orthonormal_axes(from_frame([[2, 0, 0], [1, 1, 0], [0, 0, 3]], [0, 0, 0])).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     m = as_matrices(m)
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
@@ -187,6 +242,9 @@ def nearest_rotation(m: ArrayLike) -> Floats:
     NaN where the axes do not span space.
 
     Source: N. J. Higham, "Computing the polar decomposition", 1986 (Newton's iteration).
+
+    >>> nearest_rotation(from_frame(np.diag([2, 3, 5]), [0, 0, 0])).round(12).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     m = as_matrices(m)
     sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis, np.newaxis]
@@ -209,6 +267,9 @@ def skew(m: ArrayLike) -> Floats:
     0 for a frame that translation, rotation and scale can hold; compare with `SKEW`.
 
     Source: GDC 2018, slide "We can Skew the object by making x, y, z non-orthogonal".
+
+    >>> float(skew(from_frame([[1, 0, 0], [0.6, 0.8, 0], [0, 0, 1]], [0, 0, 0])).round(12))
+    0.6
     """
     rows = normalise(as_matrices(m)[..., :3, :3])
     x, y, z = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]

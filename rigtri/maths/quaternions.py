@@ -17,6 +17,27 @@ from rigtri.maths import vectors
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos, sine
 from rigtri.maths.vectors import as_vectors, by_component, cross, length
 
+# The public mathematics; the rest of the module serves rigtri alone.
+__all__ = [
+    "angle_between",
+    "average",
+    "between",
+    "conjugate",
+    "dot",
+    "from_axes",
+    "from_axis_angle",
+    "make_continuous",
+    "multiply",
+    "norm",
+    "normalise",
+    "rotate",
+    "rotation_angle",
+    "slerp",
+    "to_axes",
+    "twist_angle",
+    "unit",
+]
+
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 # Stored rotations this near to unit were meant to be unit; float32 leaves 1e-7.
 NEARLY_UNIT = 1e-6
@@ -55,7 +76,11 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def conjugate(q: ArrayLike) -> Floats:
-    """The inverse rotations, (..., 4), for unit quaternions."""
+    """The inverse rotations, (..., 4), for unit quaternions.
+
+    >>> multiply(conjugate([0.6, 0, 0, 0.8]), [0.6, 0, 0, 0.8]).tolist()
+    [0.0, 0.0, 0.0, 1.0]
+    """
     return np.asarray(as_quaternions(q) * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
@@ -73,7 +98,11 @@ def dot(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def norm(q: ArrayLike) -> Floats:
-    """Lengths of quaternions, (..., 4) → (...); 1 for a rotation."""
+    """Lengths of quaternions, (..., 4) → (...); 1 for a rotation.
+
+    >>> float(norm([0, 3, 0, 4]))
+    5.0
+    """
     q = as_quaternions(q)
     return np.sqrt(
         q[..., 0] * q[..., 0] + q[..., 1] * q[..., 1] + q[..., 2] * q[..., 2] + q[..., 3] * q[..., 3]
@@ -81,7 +110,11 @@ def norm(q: ArrayLike) -> Floats:
 
 
 def unit(q: ArrayLike) -> Floats:
-    """Quaternions of length 1, (..., 4); NaN for a zero quaternion, unlike `normalise`."""
+    """Quaternions of length 1, (..., 4); NaN for a zero quaternion, unlike `normalise`.
+
+    >>> unit([0, 3, 0, 4]).tolist()
+    [0.0, 0.6, 0.0, 0.8]
+    """
     q = as_quaternions(q)
     with np.errstate(divide="ignore", invalid="ignore"):
         return q / norm(q)[..., np.newaxis]
@@ -127,7 +160,11 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
 
 
 def to_axes(q: ArrayLike) -> Floats:
-    """The X, Y and Z axes after rotation by unit quaternions, as rows, (..., 4) → (..., 3, 3)."""
+    """The X, Y and Z axes after rotation by unit quaternions, as rows, (..., 4) → (..., 3, 3).
+
+    >>> to_axes([0, 0, 1, 0]).tolist()  # a half turn about z
+    [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
     q = as_quaternions(q)
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     twice = x + x, y + y, z + z
@@ -150,6 +187,9 @@ def from_axes(axes: ArrayLike) -> Floats:
     and gives a meaningless rotation.
 
     Source: Shepperd 1978: the largest of the four squares is never below 1/4.
+
+    >>> from_axes([[-1, 0, 0], [0, -1, 0], [0, 0, 1]]).tolist()
+    [0.0, 0.0, 1.0, 0.0]
     """
     m = np.asarray(axes, dtype=np.float64)
     xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
@@ -168,7 +208,11 @@ def from_axes(axes: ArrayLike) -> Floats:
 
 
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
-    """Rotations by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0: (..., 4)."""
+    """Rotations by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0: (..., 4).
+
+    >>> from_axis_angle([0, 0, 2], np.pi / 2).round(6).tolist()
+    [0.0, 0.0, 0.707107, 0.707107]
+    """
     sine, cosine = sin_cos(np.asarray(angle, dtype=np.float64) / 2.0)
     xyz = vectors.normalise(axis) * sine[..., np.newaxis]
     result = by_component((*xyz.shape[:-1], 4))
@@ -181,6 +225,9 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
 
     Opposite directions have no shortest one; they get a half turn about an
     axis perpendicular to ``a``. NaN where a direction is zero.
+
+    >>> rotate(between([1, 0, 0], [0, 0, 5]), [1, 0, 0]).round(12).tolist()
+    [0.0, 0.0, 1.0]
     """
     a, b = vectors.normalise(a), vectors.normalise(b)
     a, b = np.broadcast_arrays(a, b)
@@ -218,7 +265,11 @@ def make_continuous(q: ArrayLike) -> Floats:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """How far unit quaternions are apart, (..., 4), (..., 4) → (...), in radians, 0 to π."""
+    """How far unit quaternions are apart, (..., 4), (..., 4) → (...), in radians, 0 to π.
+
+    >>> float(np.degrees(angle_between([0, 0, 0, 1], [0, 0, 1, 0])).round(6))
+    180.0
+    """
     return rotation_angle(multiply(conjugate(a), b))
 
 
@@ -304,6 +355,9 @@ def average(q: ArrayLike, weights: ArrayLike) -> Floats:
     near the heaviest is taken.
 
     Source: X. Pennec, "Computing the mean of geometric features", 1998 (gradient descent).
+
+    >>> average([[0, 0, 0, 1], [0, 0, 1, 0]], [1, 1]).round(6).tolist()
+    [0.0, 0.0, 0.707107, 0.707107]
     """
     q, weights = as_quaternions(q), np.asarray(weights, dtype=np.float64)
     count = q.shape[-2]

@@ -28,6 +28,19 @@ from rigtri.maths.vectors import (
     project,
 )
 
+# The public mathematics; the rest of the module serves rigtri alone.
+__all__ = [
+    "axis_of",
+    "barycentric",
+    "bend_angle",
+    "bend_direction",
+    "bend_sine",
+    "frame",
+    "hinge",
+    "limb_length",
+    "pole_position",
+]
+
 # Below this sine three points lie on one line: what is left of the normal is rounding.
 DEGENERATE_SINE = 1e-6
 # Below this sine a limb is nearly straight: float32 files hold its plane to a degree or worse.
@@ -82,6 +95,9 @@ def hinge(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
     NaN where the points lie on one line (`sine` below `DEGENERATE_SINE`).
 
     Source: "Using Vector Math to Rig an Arm", shdYAxis; glossary in docs/conventions.md.
+
+    >>> hinge([0, 0, 0], [1, 1, 0], [2, 0, 0]).tolist()
+    [0.0, 0.0, -1.0]
     """
     a, b, c = as_vectors(start), as_vectors(middle), as_vectors(end)
     clear = (bend_sine(a, b, c) >= DEGENERATE_SINE)[..., np.newaxis]
@@ -89,7 +105,13 @@ def hinge(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
 
 
 def bend_sine(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
-    """|sin| of the bend at the middle of limbs, (...): 0 where straight, or where points coincide."""
+    """|sin| of the bend at the middle of limbs, (...): 0 where straight, or where points coincide.
+
+    Source: GDC 2018, slide "The Cross Product".
+
+    >>> float(bend_sine([0, 0, 0], [1, 0, 0], [1, 1, 0])), float(bend_sine([0, 0, 0], [1, 0, 0], [2, 0, 0]))
+    (1.0, 0.0)
+    """
     a, b, c = as_vectors(start), as_vectors(middle), as_vectors(end)
     with np.errstate(invalid="ignore"):
         sine = length(cross(normalise(b - a), normalise(c - b)))
@@ -97,7 +119,13 @@ def bend_sine(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
 
 
 def bend_angle(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
-    """How far limbs bend at the middle, (...), in radians: 0 for a straight limb, π folded back."""
+    """How far limbs bend at the middle, (...), in radians: 0 for a straight limb, π folded back.
+
+    Source: GDC 2018, slide "The Dot Product": acos(v1 dot v2).
+
+    >>> float(np.degrees(bend_angle([0, 0, 0], [1, 0, 0], [1, 1, 0])).round(6))
+    90.0
+    """
     a, b, c = as_vectors(start), as_vectors(middle), as_vectors(end)
     return angle(b - a, c - b)
 
@@ -116,6 +144,9 @@ def bend_direction(
     the halves differ in length. NaN where the limb is straight.
 
     Source: GDC 2018, slide "Pole Vector"; article, planeP and upNode.
+
+    >>> bend_direction([0, 0, 0], [3, 4, 0], [6, 0, 0]).tolist()
+    [0.0, 1.0, 0.0]
     """
     a, b, c = as_vectors(start), as_vectors(middle), as_vectors(end)
     if method == "perpendicular":
@@ -132,7 +163,13 @@ def bend_direction(
 
 
 def limb_length(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
-    """|AB| + |BC|, (...), in file units."""
+    """|AB| + |BC|, (...), in file units.
+
+    Source: GDC 2018, slide "Pole Vector": shldr-elbow + elbow-wrist.
+
+    >>> float(limb_length([0, 0, 0], [3, 4, 0], [6, 0, 0]))
+    10.0
+    """
     return distance(start, middle) + distance(middle, end)
 
 
@@ -173,6 +210,9 @@ def barycentric(point: ArrayLike, a: ArrayLike, b: ArrayLike, c: ArrayLike) -> F
     (..., 3) → (..., 3), summing to 1. NaN where the triangle has no area.
 
     Source: C. Ericson, "Real-Time Collision Detection", §3.4.
+
+    >>> barycentric([1, 1, 5], [0, 0, 0], [4, 0, 0], [0, 4, 0]).tolist()
+    [0.5, 0.25, 0.25]
     """
     point, a, b, c = (as_vectors(p) for p in (point, a, b, c))
     ab, ac, ap = b - a, c - a, point - a

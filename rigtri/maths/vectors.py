@@ -17,6 +17,18 @@ from numpy.typing import ArrayLike
 
 from rigtri.maths.trigonometry import Floats, arc_tangent
 
+# The public mathematics; the rest of the module serves rigtri alone.
+__all__ = [
+    "angle",
+    "cross",
+    "distance",
+    "dot",
+    "length",
+    "normalise",
+    "perpendicular",
+    "project",
+]
+
 
 def as_vectors(v: ArrayLike) -> Floats:
     """Anything array-like as float64, shape (..., 3); ValueError for another last axis."""
@@ -154,7 +166,13 @@ def project(point: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
 
 
 def perpendicular(v: ArrayLike, to: ArrayLike) -> Floats:
-    """The part of ``v`` at a right angle to ``to``, (..., 3); ``v`` itself where ``to`` is zero."""
+    """The part of ``v`` at a right angle to ``to``, (..., 3); ``v`` itself where ``to`` is zero.
+
+    Source: GDC 2018, slide "Pole Vector": the elbow minus its projection.
+
+    >>> perpendicular([3, 4, 0], [1, 0, 0]).tolist()
+    [0.0, 4.0, 0.0]
+    """
     v, to = as_vectors(v), as_vectors(to)
     square = dot(to, to)
     share = dot(v, to) / np.where(square == 0, 1.0, square)

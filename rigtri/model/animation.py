@@ -78,6 +78,9 @@ class Clip:
     idle: bool = False
     fixed_times: bool = False
 
+    def __repr__(self) -> str:
+        return f"<Clip {self.name!r}: {len(self.tracks)} tracks>"
+
     @property
     def without_idle(self) -> Clip:
         """What is seen of it: a clip that is idle without its idle tracks."""

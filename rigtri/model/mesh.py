@@ -58,6 +58,9 @@ class Mesh:
     surface: Callable[[], Surface | None] | None = None
     box: Floats | None = None
 
+    def __repr__(self) -> str:
+        return f"<Mesh {self.name!r}: {len(self.points)} points>"
+
     @cached_property
     def moved(self) -> tuple[Integers, Integers]:
         """Joint and point of each weight that is not 0, (w,) each, joint by joint."""

@@ -79,6 +79,10 @@ class Rig(NodeNames):
     content: Content = field(default_factory=Content)
     source: RigSource | None = None
 
+    def __repr__(self) -> str:
+        counts = (len(self), int(self.is_joint.sum()), len(self.skins), len(self.clips))
+        return "<Rig: {} nodes, {} joints, {} skins, {} clips>".format(*counts)
+
     @property
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn and can be read; none for a rig that no file was read for."""

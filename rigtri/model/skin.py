@@ -32,6 +32,9 @@ class Skin:
     key: Hashable = None
     drawn: bool = False
 
+    def __repr__(self) -> str:
+        return f"<Skin {self.name!r}: {len(self.joints)} joints>"
+
     @cached_property
     def bind(self) -> Floats:
         """Bind matrices of the joints, seen from the skin, (m, 4, 4); NaN where a matrix has no inverse."""
