@@ -160,7 +160,7 @@ def _bend(
 ) -> Bend | None:
     facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
     body = body_of(known, limb.start)
-    facing = facing if body is None else body.facing
+    facing = facing if body is None else body.facing_of(ref.world[list(limb.triple), 3, :3])
     prescribed = None if rig.rules.facing is None else np.array(rig.rules.facing)
     found = bend(
         rig,

@@ -16,7 +16,7 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.maths.matrices import nearest_rotation
-from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotate, rotation_angle
+from rigtri.maths.quaternions import between, conjugate, from_axes, multiply, rotate, rotation_angle
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
@@ -74,6 +74,16 @@ class Body:
     limbs: frozenset[int]
     unsure: frozenset[int]
     hinges: Mapping[int, Hinge]
+
+    def facing_of(self, points: Floats) -> Floats:
+        """Where the body looks as a limb at ``points``, (3, 3), has it, unit, (3,).
+
+        For one that runs along it, the direction that swung with the limb: of a leg that is stretched out
+        ahead the knee is above, of an arm the elbow below.
+        """
+        chord = normalise(points[2] - points[0])
+        along = abs(float(dot(chord, self.facing))) > LATERAL
+        return rotate(between(-self.up, chord), self.facing) if along else self.facing
 
     def default(self, bone: Floats) -> Floats:
         """The hinge of a bone of which nothing else is known: lateral, or for lateral bones across them."""

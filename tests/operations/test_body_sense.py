@@ -170,6 +170,16 @@ def test_facing_turns_the_poles_of_straight_limbs() -> None:
     assert ahead.world[ahead.find(knee), 3, 2] > 0 > back.world[back.find(knee), 3, 2]
 
 
+def test_knees_of_legs_stretched_ahead_are_above_and_elbows_of_such_arms_below() -> None:
+    """There "ahead" says nothing: it swings with the limb."""
+    for pose in (Pose(seated=88.0, arms=88.0, forward=85.0), Pose(seated=97.0, arms=90.0, forward=80.0)):
+        body, report = posed_body(pose), Report()
+        add_polevector(body.rig, limbs="auto", report=report)
+        for record in report.limbs:
+            up = record["position"][1] - body.rig.world[body.rig.find(record["limb"][1]), 3, 1]
+            assert up > 0.1 if "Leg" in record["limb"][1] else up < -0.1
+
+
 def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
     body = posed_body(Pose("blender"))
     dotted = replace(body.rig, rules=replace(body.rig.rules, dotted_names=True))

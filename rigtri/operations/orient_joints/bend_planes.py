@@ -128,7 +128,7 @@ def _set_limb(
     report: Report,
 ) -> None:
     rig, ref = targets.tree.rig, targets.ref
-    known = facing if body is None else body.facing
+    known = facing if body is None else body.facing_of(ref.world[list(limb.triple), 3, :3])
     found: Bend | None = posed
     if posed.sine < STRAIGHT_SINE:
         name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"

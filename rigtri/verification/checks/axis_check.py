@@ -248,7 +248,7 @@ class _Seen:
 
     def _flexing(self, limb: Limb, aim: Signed) -> set[Signed] | None:
         """The axes of the middle joint about which a positive rotation bends the limb; None: nobody knows."""
-        facing = None if self.body is None else self.body.facing
+        facing = None if self.body is None else self.body.facing_of(self.at[list(limb.triple)])
         found = bend(
             self.rig,
             limb,
@@ -279,7 +279,8 @@ def _poles(rig: Rig, character: Character, body: Body) -> Iterator[Found]:
         a, b, c = at[list(chain.bend)]
         if float(bend_sine(a, b, c)) >= CLEAR:
             continue
-        ahead = perpendicular(body.facing if chain.kind == "leg" else -body.facing, normalise(c - a))
+        facing = body.facing_of(at[list(chain.bend)])
+        ahead = perpendicular(facing if chain.kind == "leg" else -facing, normalise(c - a))
         for pole in _poles_of(rig, chain):
             side = perpendicular(at[pole] - b, normalise(c - a))
             off = float(np.degrees(angle(side, ahead)))
