@@ -152,6 +152,44 @@ def test_a_sheared_matrix_is_refused_where_a_clip_would_move_it(tmp_path: Path) 
         take_clips(rig_of(path), from_=rig_of())
 
 
+def test_a_flat_matrix_is_moved_where_parts_hold_it_and_else_refused(tmp_path: Path) -> None:
+    """Before, its motion was left out, and EDITED was said to have no changes."""
+    rig = rig_of(with_matrix("thigh_L", tmp_path))
+    thigh, matrix = rig.find("thigh_L"), rig.matrix.copy()
+    matrix[thigh, 2, :3] = 0.0
+    home = take_clips(replace(rig, matrix=matrix), from_=rig_of())
+    (track,) = (t for t in rig_of().clip("walk").tracks if (t.node, t.path) == (thigh, "rotation"))
+    (taken,) = (t for t in home.clip("walk").tracks if (t.node, t.path) == (thigh, "rotation"))
+    np.testing.assert_allclose(sampling.sample(taken, track.times), track.values, atol=1e-4)
+    matrix[thigh, 1, :3] = 0.0
+    with pytest.raises(GeometryError, match="'thigh_L' has a matrix that is sheared or flat"):
+        take_clips(replace(rig, matrix=matrix), from_=rig_of())
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 2.0, 1.0), (1.0, 1.01, 1.0)])
+def test_a_scale_along_one_axis_above_edited_is_refused_with_what_it_shears(sizes: Any) -> None:
+    """Before, half of it was lost: bones were up to 22° off, with exit code 0."""
+    rig = rig_of()
+    above = replace(rig, scale=np.where(np.arange(len(rig))[:, np.newaxis] == 0, sizes, rig.scale))
+    assert not rig.is_joint[0]
+    with pytest.raises(GeometryError, match=r"EDITED shears 'hips'.*scaled along one axis"):
+        take_clips(rig, from_=above)
+
+
+def test_a_node_above_without_a_size_is_refused() -> None:
+    rig = rig_of()
+    flat = replace(rig, scale=np.where(np.arange(len(rig))[:, np.newaxis] == 0, 0.0, rig.scale))
+    with pytest.raises(GeometryError, match="scale of 0"):
+        take_clips(flat, from_=rig)
+
+
+@pytest.mark.parametrize("other", ["tail.glb", "hand.glb", "flat_ik.glb"])
+def test_clips_that_move_nothing_of_the_rig_are_refused(other: str, samples: Path) -> None:
+    """Before: EDITED has no changes, with exit code 0."""
+    with pytest.raises(GeometryError, match=r"move nothing that RIG has: they move '\w+'"):
+        take_clips(rig_of(), from_=rig_of(samples / other))
+
+
 def test_proportions_beyond_half_of_the_size_are_refused(tmp_path: Path) -> None:
     rig = rig_of()
     scaled = [replace(skin, inverse_bind=skin.inverse_bind.copy()) for skin in rig.skins]

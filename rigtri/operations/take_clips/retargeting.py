@@ -119,6 +119,7 @@ class Transfer:
         for k in apart[::-1]:
             carrier = local_of(both.rig, k, self.own.get(k, {}), self.ours(times))
             placed = multiply(placed, inverse(carrier))
+        self._refuse_shear(node, placed)
         parts = to_parts(placed)
         held = all(track.interpolation == "STEP" or len(track.times) == 1 for track in tracks)
         way: Interpolation = "STEP" if held else "LINEAR"
@@ -127,6 +128,20 @@ class Transfer:
             for path, values in zip(PATHS, parts, strict=True)
             if np.isfinite(values).all()
         )
+
+    def _refuse_shear(self, node: int, placed: Floats) -> None:
+        """GeometryError where local matrices, (f, 4, 4), are none that keys could hold."""
+        title = self.both.rig.title(node)
+        if not np.isfinite(placed).all():
+            raise GeometryError(
+                f"'{title}' cannot be seen from the nodes above it, which have a scale of 0 or "
+                "a flat matrix. Give them their size at rest and in all keys"
+            )
+        if float(np.nan_to_num(skew(placed)).max(initial=0.0)) > SAME_TURN:
+            raise GeometryError(
+                f"EDITED shears '{title}', seen from RIG, which keys of rotation and scale cannot hold: "
+                "something above it is scaled along one axis. Apply that scale in the DCC, or even it out"
+            )
 
     def _lines(self, node: int, other: int) -> tuple[list[int], list[int]]:
         """The nodes of the other file from two of its nodes up to the nearest above both; −1: to the top."""

@@ -81,6 +81,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         )
     every = names.taken(options.clip)
     driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
+    _refuse_other_nodes(both, every)
     bodies = Proportions(both)
     refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
     warn_differences(both, report)
@@ -102,6 +103,20 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
     )
     return hold_switched_on_ik(rig, switched, [each for each in timelines(rig) if each.name in changed])
+
+
+def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
+    """GeometryError where clips move only nodes that RIG lacks, and that nothing of it is below."""
+    driven = {track.node for taken in every for track in taken.clip.tracks}
+    if driven and not any(driven.intersection(both.other.path_to_root(node)) for node in both.back):
+        names, ours = (
+            list_names(rig.names[n] for n in nodes)
+            for rig, nodes in ((both.other, sorted(driven)), (both.rig, np.flatnonzero(both.rig.is_joint)))
+        )
+        raise GeometryError(
+            f"EDITED's clips move nothing that RIG has: they move {names}, and RIG has {ours}. "
+            "Were the files made of one another?"
+        )
 
 
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:

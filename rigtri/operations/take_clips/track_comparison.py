@@ -53,7 +53,7 @@ def off(was: Track, now: Track, missed: float = MISSED) -> Floats:
 
 def differing(was: Track, now: Track, bound: Floats) -> Booleans:
     """The keys, (k,), at which a track differs; of splines also beside a curve that does."""
-    found = off(was, now) > bound
+    found = ~(off(was, now) <= bound)  # what a flat matrix says, NaN, is no motion at all
     if was.interpolation == now.interpolation == "CUBICSPLINE" and len(now.times) > 1:
         for share in (0.25, 0.5, 0.75):
             between = now.times[:-1] + share * np.diff(now.times)
