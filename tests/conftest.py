@@ -33,6 +33,10 @@ settings.register_profile("proofs", deadline=None, derandomize=True, max_example
 # All workers of a test process come from one server: what it has loaded is not loaded by each of them.
 worker_process.PRELOADED.extend(local_engine.PRELOADED)
 
+# Programs that tests start would compile every module anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 # Tests open stages of their own.
 register_usd_schemas()
 
