@@ -1,8 +1,8 @@
 """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
 
-Each control has its joint's frame and zero channels. Its parent is an offset group below the
-control of the parent joint. A second run finds its controls again: unedited ones get the
-requested shape, size, colour and name; edited ones stay and are listed.
+Each control stands at its joint, aimed along the bone, with zero channels. Its parent is an
+offset group below the control of the parent joint. A second run finds its controls again:
+unedited ones get the requested shape, size, colour and name; edited ones stay and are listed.
 
 \b
 Examples:

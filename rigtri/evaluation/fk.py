@@ -133,8 +133,8 @@ class Fk:
         """Local parts of the joint, of those at ``rest`` and the channels of its control."""
         turn, size = channels.rotation, channels.scale
         if self._axes is not None:
+            turn, size = _scaled_along(turn, size, self._shares)
             turn = product(product(self._axes, turn), conjugate(self._axes))
-            size = _shared(size, self._shares)
         move = transform_directions(channels.translation, self._moves if moves is None else moves)
         return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * size)
 
@@ -173,23 +173,32 @@ class Fk:
     def needed(self, rest: Parts, target: Parts, moves: Floats | None = None) -> Parts:
         """The channels that take the joint from ``rest`` to its local parts ``target``; see `moved`."""
         turn = product(conjugate(rest.rotation), target.rotation)
-        if self._axes is not None:
-            turn = product(product(conjugate(self._axes), turn), self._axes)
         back = inverse(self._moves if moves is None else moves)
         move = transform_directions(target.translation - rest.translation, back)
         with np.errstate(divide="ignore", invalid="ignore"):
             size = np.where(rest.scale == 0, 1.0, target.scale / rest.scale)
         if self._axes is not None:
-            size = _shared(size, self._shares.T)
+            turn, size = _scaled_along(turn, size, self._shares.T)
+            turn = product(product(conjugate(self._axes), turn), self._axes)
         return Parts(move, turn, size)
 
 
-def _shared(scale: Floats, shares: Floats) -> Floats:
-    """Scales along other axes, (f, 3): those of each axis by how much they are along it."""
-    uniform = scale[:, :1] == scale[:, 1:]
-    if bool(uniform.all()):
-        return scale
-    return np.asarray(sum(scale[:, k, np.newaxis] * shares[k] for k in range(3)))
+def _scaled_along(turn: Floats, scale: Floats, shares: Floats) -> tuple[Floats, Floats]:
+    """The rotation and the scale along other axes, (f, 4) and (f, 3), of those along some: by their shares.
+
+    Mirrored axes are exact: two that are reversed are half a turn about the third, in whatever axes.
+    """
+    if bool((scale[:, :1] == scale[:, 1:]).all()):
+        return turn, scale
+    reversed_ = scale < 0
+    mirrors = reversed_[:, :1] ^ reversed_[:, 1:2] ^ reversed_[:, 2:]
+    two = reversed_ ^ mirrors
+    half_turn = np.where(
+        two.any(axis=1, keepdims=True), np.append(~two, [[False]] * len(two), axis=1), IDENTITY
+    )
+    sizes = np.abs(scale)
+    shared = sum(sizes[:, k, np.newaxis] * shares[k] for k in range(3))
+    return product(turn, half_turn), np.where(mirrors, -1.0, 1.0) * shared
 
 
 def _still(matrices: Floats) -> Floats:

@@ -1,13 +1,13 @@
 """add-controls: a hierarchy of FK and IK controls over joint chains.
 
 Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger": for each joint an
-offset at the joint's frame, the control under it with zero channels, the next offset
+offset at the joint, the control under it with zero channels, the next offset
 under the control.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
@@ -18,16 +18,7 @@ from rigtri.evaluation.sampling import world_of
 from rigtri.evaluation.zero_pose import ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
-from rigtri.maths.quaternions import (
-    angle_between,
-    conjugate,
-    from_axes,
-    multiply,
-    rotation_angle,
-    to_axes,
-)
-from rigtri.maths.triangle import axis_of
+from rigtri.maths.matrices import from_frame, orthonormal_axes, transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
 from rigtri.model.control_shapes import COLORS, Kind
@@ -36,9 +27,8 @@ from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, Pole
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
-from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew
-from rigtri.operations.control_frames import control_axes, stored_style, with_style
+from rigtri.operations.control_frames import ControlAxes, stored_style
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
@@ -53,6 +43,7 @@ from rigtri.operations.rigtri_nodes import (
     home,
     remembered,
     stand,
+    unposed,
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
@@ -60,8 +51,6 @@ from rigtri.operations.skin_sections import SkinSections
 from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.report import Report
 
-# Axes of a control and a joint that differ by less (radians) are the same: rotations are float32.
-SAME_AXES = 2e-6
 # What {kind} stands for in a name, by the kind of control.
 _WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
 _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
@@ -83,7 +72,7 @@ def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
 def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Rig:
     """Put controls over joints; a second run finds its controls and sets their offsets anew.
 
-    Each control stands at its joint at rest, in its axes or aimed as the options say, its own channels zero;
+    Each control stands at its joint at rest, aimed along the bone or as the options say, its channels zero;
     what a user has since set or drawn on it stays. The record of each goes to ``report.added``.
 
     Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
@@ -105,10 +94,10 @@ class _Builder:
         self.aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
         bones = [aim.length for aim in self.aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
-        self.frames: dict[tuple[int, ControlKind], Floats] = {}
         self.sections = SkinSections(rig)
         # Of earlier runs; what this run makes has neither keys nor been moved.
         self.moved = moved_controls(rig)
+        self.axes = ControlAxes(self.tree, options, self.moved)
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
@@ -134,7 +123,7 @@ class _Builder:
         if options.root_control or options.whole_character:
             self._root()
         joints = self._joints()
-        self._aim([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
+        self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
         for joint in joints:
             self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
         for limb in dict.fromkeys(self.limbs):
@@ -186,77 +175,41 @@ class _Builder:
             control = self._new("root", top, parent, about, drawing)
         else:
             self._again(control, "root", top, drawing)
-        self.rig = stand(self.rig, int(self.rig.parents[control]), place, np.eye(3))
+        self._stand(control, place, np.eye(3))
         self.made.append((control, "root", top))
-
-    def _aim(self, controls: Sequence[tuple[int, ControlKind]]) -> None:
-        """Find the axes of controls that are to be aimed, all of one style at once."""
-        groups: dict[AxisStyle, dict[int, list[ControlKind]]] = {}
-        for joint, kind in controls:
-            style = self._style(joint, kind)
-            if style is not None:
-                groups.setdefault(style, {}).setdefault(joint, []).append(kind)
-        for style, kinds in groups.items():
-            found = control_axes(self.rig, list(kinds), style, self.options.ik, self.options.root)
-            self.frames |= {(joint, kind): axes for joint, axes in found.items() for kind in kinds[joint]}
-
-    def _style(self, joint: int, kind: ControlKind) -> AxisStyle | None:
-        """What a control is aimed by; None where it has the axes of its joint.
-
-        A control that has been moved or has keys stays as it is.
-        """
-        known = find(self.rig, OffsetRecord, kind=kind, joint=self.rig.address(joint))
-        if known is not None:
-            stored = stored_style(self.rig.records(OffsetRecord)[known])
-            if self.options.style is None and self.options.frame is None:
-                return stored
-            if self.moved.intersection(self.rig.children[known]):
-                return stored
-        return self.options.style
 
     def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:
         return find(self.rig, ControlRecord, kind=kind, **about)
 
     def _control(self, joint: int, kind: ControlKind, about: Mapping[str, Any]) -> int:
-        """The control of a kind over a joint, found again or new, its offset in the joint's frame."""
+        """The control of a kind over a joint, found again or new, its offset at the joint."""
         control = self._find(kind, about)
-        style, parent = self._style(joint, kind), self._parent(joint, kind)
-        drawing = self._drawing(kind, joint, *self._size(joint, self.frames.get((joint, kind)), style))
+        parent, frame = self._parent(joint, kind), self.axes.frames.get((joint, kind))
+        drawing = self._drawing(kind, joint, *self._size(joint, frame))
         if control is None:
             control = self._new(kind, joint, parent, about, drawing)
         else:
-            self._again(control, kind, joint, drawing, style)
+            self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
         if int(self.rig.parents[offset]) != parent:
             self._report_kept(control)
-        axes = self._offset_axes(control, joint, kind, style)
-        self.rig = stand(self.rig, offset, self.world[joint, 3, :3], axes)
+        record = self.rig.records(OffsetRecord).get(offset)
+        axes, record = self.axes.of_offset(control, joint, kind, record)
+        if record is not None:
+            self.rig = with_record(self.rig, offset, record)
+        self._stand(control, self.world[joint, 3, :3], axes)
         self.made.append((control, kind, joint))
         return control
 
-    def _offset_axes(self, control: int, joint: int, kind: ControlKind, style: AxisStyle | None) -> Floats:
-        """The axes of a control's offset, (3, 3): its own, the joint's, or those in which it has been moved.
-
-        Their record: how the joint is turned against them.
-        """
-        offset = int(self.rig.parents[control])
-        record = self.rig.records(OffsetRecord).get(offset)
-        own = self._frame(joint)
-        if record is None:
-            return own
-        if control in self.moved:
-            if record.axes is None:
-                return own
-            return to_axes(multiply(from_axes(own), conjugate(np.array(record.axes))))
-        axes = self.frames.get((joint, kind), own)
-        rest = multiply(conjugate(from_axes(axes)), from_axes(own))
-        same = float(rotation_angle(rest)) <= SAME_AXES
-        if record.axes is None or float(angle_between(np.array(record.axes), rest)) > SAME_AXES:
-            x, y, z, w = rest.tolist()
-            record = replace(record, axes=(x, y, z, w))
-        record = with_style(replace(record, axes=None) if same else record, style)
-        self.rig = with_record(self.rig, offset, record)
-        return own if same else axes
+    def _stand(self, control: int, place: Floats, axes: Floats) -> None:
+        """Stand the offset of a control in the world; what is below the control stays where it is."""
+        before, offset = self.rig, int(self.rig.parents[control])
+        self.rig = stand(before, offset, place, axes)
+        if not np.array_equal(before.local[offset], self.rig.local[offset]):
+            for node in before.children[control]:
+                if node in before.own:
+                    there = unposed(before, node)
+                    self.rig = stand(self.rig, node, there[3, :3], orthonormal_axes(there))
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
@@ -281,7 +234,7 @@ class _Builder:
 
     def _ik_joint(self, limb: Limb, known: int | None, about: Mapping[str, Any]) -> None:
         """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""
-        place, axes = self.world[limb.end, 3, :3], self._frame(limb.end)
+        place, axes = self.world[limb.end, 3, :3], self.axes.of_joint(limb.end)
         if known is None:
             parent, like = beside(self.rig, limb.start)
             record = ControlRecord(kind="ik", **about, side=self._side(limb.end))
@@ -290,12 +243,6 @@ class _Builder:
         else:
             self.rig, node = move_joint(self.rig, known, place, axes), known
         self.made.append((node, "ik", limb.end))
-
-    def _frame(self, joint: int) -> Floats:
-        axes = nearest_rotation(self.world[joint])
-        if not np.isfinite(axes).all():
-            raise GeometryError(f"'{self.rig.title(joint)}' has no frame: a scale on or above it is zero")
-        return axes
 
     def _name(self, joint: int, kind: ControlKind, rule: str = NAME) -> str:
         name = self.rig.names[joint] or f"joint_{joint}"
@@ -318,12 +265,11 @@ class _Builder:
         kind: ControlKind,
         joint: int,
         drawing: Drawing,
-        style: AxisStyle | None = None,
     ) -> None:
         """A control that is there already gets what was asked for; drawn anew where its axes are others."""
         requested, offset = self._requested(kind, joint), int(self.rig.parents[control])
         record = self.rig.records(OffsetRecord).get(offset)
-        turned = record is not None and stored_style(record) != style
+        turned = record is not None and stored_style(record) != self.axes.styles.get((joint, kind))
         self.rig = draw_anew(self.rig, control, drawing, requested, self.report, turned=turned)
 
     def _drawing(
@@ -356,27 +302,24 @@ class _Builder:
         self.rig, parent = home(self.rig)
         return parent
 
-    def _size(
-        self, joint: int, axes: Floats | None = None, style: AxisStyle | None = None
-    ) -> tuple[float, Floats]:
+    def _size(self, joint: int, axes: Floats | None = None) -> tuple[float, Floats]:
         """The radius of a joint's shape, and which axis of its control lies along the bone, (3,).
 
-        axes: of a control that has its own, aimed by ``style``.
+        axes: of a control that has its own.
         """
-        aim = self.aims.get(joint, Aim("keep"))
-        above = self.aims.get(self.tree.above.get(joint, -1), Aim("keep"))
-        bone = aim.length or 0.5 * above.length
-        direction = aim.direction if aim.direction is not None else above.direction
-        normal = np.array([1.0, 0.0, 0.0])
-        if axes is not None and style is not None and not style.world:
-            letter, sign = axis_of(style.aim)
-            normal = np.where(np.arange(3) == letter, sign, 0.0)
-        elif direction is not None:
-            axis = int(np.argmax(np.abs(direction)))
-            normal = np.where(np.arange(3) == axis, np.sign(direction[axis]), 0.0)
+        end = Aim("keep")
+        aim, from_ = self.aims.get(joint, end), joint
+        bone = aim.length or 0.5 * self.aims.get(self.tree.above.get(joint, -1), end).length
+        if aim.direction is None and self.tree.above.get(joint, -1) >= 0:
+            from_ = self.tree.above[joint]
+            aim = self.aims.get(from_, end)
         stand = self.world[joint] if axes is None else from_frame(axes, self.world[joint, 3, :3])
-        along = normalise(transform_directions(normal, stand))
-        around = self.sections.radius(joint, stand[3, :3], along)
+        normal = np.array([1.0, 0.0, 0.0])
+        if aim.direction is not None:
+            along = dot(transform_directions(aim.direction, self.world[from_]), normalise(stand[:3, :3]))
+            axis = int(np.argmax(np.abs(along)))
+            normal = np.where(np.arange(3) == axis, np.sign(along[axis]), 0.0)
+        around = self.sections.radius(joint, stand[3, :3], normalise(transform_directions(normal, stand)))
         bone = max(bone, SHORTEST * self.typical)
         return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal
 
@@ -442,5 +385,6 @@ class _Builder:
                 "parent": self.rig.names[parent],
                 "new": self.rig.keys[control] is None,
                 "position": [float(x) for x in place],
+                **self.axes.described(joint, kind),
             }
         )

@@ -27,7 +27,7 @@ AVERAGE_OFF = 0.5
 # … or shorter than this share of the children's mean length.
 AVERAGE_SHORT = 0.3
 
-_EYES = ("leftEye", "rightEye")
+EYES = ("leftEye", "rightEye")
 # Chains whose last joint may have one below it that only says where it ends.
 _ENDED = ("finger", "foot", "head")
 
@@ -124,7 +124,7 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
 
 def _candidates(tree: Skeleton, ref: ReferencePose, joint: int) -> list[int]:
     """Joints below that may continue a chain: no eyes, sockets, twist joints; only weighted if some are."""
-    eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
+    eyes = {tree.rig.humanoid.get(eye) for eye in EYES}
     left_out = tree.sockets.union(eyes)
     below = [k for k in tree.below[joint] if k not in left_out and tree.rig.type_of(k) != "twist"]
     weighted = [k for k in below if tree.carries[k]]

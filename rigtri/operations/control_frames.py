@@ -9,47 +9,180 @@ Source: R. Katz, "Using Vector Math to Rig an Arm" (rest offset); `rigtri.operat
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
-from rigtri.maths.matrices import transform_directions
-from rigtri.maths.quaternions import to_axes
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.frames.skeleton import Skeleton
+from rigtri.maths.matrices import nearest_rotation, transform_directions
+from rigtri.maths.quaternions import (
+    angle_between,
+    conjugate,
+    from_axes,
+    multiply,
+    rotation_angle,
+    to_axes,
+)
 from rigtri.maths.triangle import axis_of, frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.metadata import OffsetRecord
-from rigtri.model.rig import Rig
+from rigtri.model.metadata import ControlKind, OffsetRecord
+from rigtri.operations.aim_targets import EYES
 from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.joint_selection import EYE, ROOT
+from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.orient import plan_frames
 from rigtri.report import Report
 
-# What a record has for axes along the world.
-_WORLD = "world"
+# A joint and a kind of control over it.
+Control = tuple[int, ControlKind]
+# Axes of a control and a joint that differ by less (radians) are the same: rotations are float32.
+SAME_AXES = 2e-6
+# What a record has for axes along the world, and for those that mirror the axes of a control's twin.
+_WORLD, _MIRRORED = "world", "mirrored"
+MIRRORED = AxisStyle("", "", _MIRRORED)
 
 
-def control_axes(
-    rig: Rig, joints: Sequence[int], style: AxisStyle, limbs: tuple[Any, ...], root: str | None
-) -> dict[int, Floats]:
-    """The axes, (3, 3) rows in the world at rest, of controls over joints; without those that have none.
+class ControlAxes:
+    """What the controls of one run are aimed by, and their axes. moved: see `moved_controls`.
 
-    limbs: as users name them, whose hinges count. A joint whose scale is not uniform gets the nearest of its
-    own axes: no others share its scale. Raises UsageError and NameNotFoundError for what ``style`` names.
+    styles, frames: by joint and kind, (3, 3) rows in the world at rest; of others those of their joints.
     """
-    free = replace(rig, rules=replace(rig.rules, fixed={}, orient_locked="", world_aligned=frozenset()))
-    options = OrientJointsOptions(
-        **_request(style), joints=tuple(map(rig.address, joints)), limb=limbs, pose="nodes", root=root
-    )
-    plan = plan_frames(free, options)
-    delta = plan.policy.allowed(plan.requested.delta, plan.targets.styles, Report())
-    aim, up = (style.aim[-1], style.up[-1])
-    world, found = plan.targets.ref.world, dict[int, Floats]()
-    for joint in plan.requested.joints:
-        rows = normalise(transform_directions(to_axes(delta[joint]), world[joint]))
-        # Right-handed, also over a joint that mirrors.
-        found[joint] = frame(rows[axis_of(aim)[0]], rows[axis_of(up)[0]], aim_axis=aim, up_axis=up)
-    return found
+
+    def __init__(self, tree: Skeleton, options: AddControlsOptions, moved: frozenset[int]) -> None:
+        self._tree, self._options, self._moved = tree, options, moved
+        self._world = tree.rig.world
+        self.styles: dict[Control, AxisStyle] = {}
+        self.frames: dict[Control, Floats] = {}
+        offsets = tree.rig.records(OffsetRecord)
+        self._offsets = {(record.joint, record.kind): node for node, record in offsets.items()}
+
+    def find(self, controls: Iterable[Control]) -> None:
+        """Find what controls are aimed by, and their axes, all of one style at once."""
+        groups: dict[AxisStyle, list[Control]] = {}
+        for joint, kind in controls:
+            style = self._style(joint, kind)
+            if style is not None:
+                groups.setdefault(style, []).append((joint, kind))
+        for style, found in groups.items():
+            self.styles |= dict.fromkeys(found, style)
+            if style == MIRRORED:
+                self.frames |= {(joint, kind): self._mirrored(joint, kind) for joint, kind in found}
+                continue
+            axes = self._aimed({joint for joint, _ in found}, style)
+            self.frames |= {(joint, kind): axes[joint] for joint, kind in found if joint in axes}
+
+    def of_joint(self, joint: int) -> Floats:
+        """The axes of a joint in the world, (3, 3). Raises GeometryError where it has none."""
+        axes = nearest_rotation(self._world[joint])
+        if not np.isfinite(axes).all():
+            title = self._tree.rig.title(joint)
+            raise GeometryError(f"'{title}' has no frame: a scale on or above it is zero")
+        return axes
+
+    def of_offset(
+        self, control: int, joint: int, kind: ControlKind, record: OffsetRecord | None
+    ) -> tuple[Floats, OffsetRecord | None]:
+        """The axes of a control's offset, (3, 3): its own, its joint's, or those in which it has been moved.
+
+        And its record: how the joint is turned against them.
+        """
+        own = self.of_joint(joint)
+        if record is None:
+            return own, None
+        if control in self._moved:
+            return self._standing(joint, record), record
+        axes = self.frames.get((joint, kind), own)
+        rest = multiply(conjugate(from_axes(axes)), from_axes(own))
+        same = float(rotation_angle(rest)) <= SAME_AXES
+        if record.axes is None or float(angle_between(np.array(record.axes), rest)) > SAME_AXES:
+            x, y, z, w = rest.tolist()
+            record = replace(record, axes=(x, y, z, w))
+        style = self.styles.get((joint, kind))
+        return own if same else axes, with_style(replace(record, axes=None) if same else record, style)
+
+    def described(self, joint: int, kind: ControlKind) -> dict[str, str]:
+        """For the report: the axes of what a control has, and why it has those of its joint."""
+        style = self.styles.get((joint, kind))
+        if kind == "root" or (style is not None and style.world):
+            return {"frame": "world"}
+        if style is not None:
+            return {"frame": "mirrored" if style == MIRRORED else "bone"}
+        why = "" if self._options.frame == "joint" else self._steady.get(joint, "")
+        return {"frame": "joint", **({"reason": why} if why else {})}
+
+    def _style(self, joint: int, kind: ControlKind) -> AxisStyle | None:
+        """What a control is aimed by; None where it has the axes of its joint.
+
+        A control that has been moved or has keys stays as it is.
+        """
+        options, rig = self._options, self._tree.rig
+        known = self._offsets.get((rig.address(joint), kind))
+        stored = None if known is None else stored_style(rig.records(OffsetRecord)[known])
+        if known is not None and not self._moved.isdisjoint(rig.children[known]):
+            return stored
+        if rig.address(joint) in options.axes:
+            return MIRRORED
+        if known is not None and options.style is None and options.frame is None:
+            return stored
+        if options.frame == "joint":
+            return None
+        return options.style or (None if joint in self._steady else AxisStyle())
+
+    @cached_property
+    def _steady(self) -> dict[int, str]:
+        """Why joints give their controls their own axes, where nothing else is asked for.
+
+        What moves no vertex itself at the root is the motion of the whole character; eyes look.
+        """
+        rig = self._tree.rig
+        moving = {joint for skin in rig.skins for joint in skin.joints[skin.weighted].tolist()}
+        eyes = {rig.humanoid.get(eye) for eye in EYES}
+        found = {joint: EYE for joint in self._tree.joints if joint in eyes}
+        return found | {joint: ROOT for joint in self._tree.roots if joint not in moving}
+
+    def _mirrored(self, joint: int, kind: ControlKind) -> Floats:
+        """The axes of a control that mirrors another: those that are given, or those that it has."""
+        rig = self._tree.rig
+        axes = self._options.axes.get(rig.address(joint))
+        if axes is not None:
+            return np.asarray(axes)
+        return self._standing(joint, rig.records(OffsetRecord)[self._offsets[rig.address(joint), kind]])
+
+    def _standing(self, joint: int, record: OffsetRecord) -> Floats:
+        """The axes of an offset, as its joint stands to it."""
+        own = self.of_joint(joint)
+        if record.axes is None:
+            return own
+        return to_axes(multiply(from_axes(own), conjugate(np.array(record.axes))))
+
+    def _aimed(self, joints: set[int], style: AxisStyle) -> dict[int, Floats]:
+        """The axes of controls over joints; without those that have none.
+
+        A joint whose scale is not uniform gets the nearest of its own axes: no others share its scale.
+        Raises UsageError and NameNotFoundError for what ``style`` names.
+        """
+        rig, given = self._tree.rig, self._options
+        free = replace(rig, rules=replace(rig.rules, fixed={}, orient_locked="", world_aligned=frozenset()))
+        # All joints, whichever have controls: ends have the axes of the joints above them.
+        all_joints = tuple(map(rig.address, self._tree.joints))
+        options = OrientJointsOptions(
+            **_request(style), joints=all_joints, limb=given.ik, pose="nodes", root=given.root
+        )
+        plan = plan_frames(free, options)
+        delta = plan.policy.allowed(plan.requested.delta, plan.targets.styles, Report())
+        aim, up = (style.aim[-1], style.up[-1])
+        world, found = plan.targets.ref.world, dict[int, Floats]()
+        for joint in joints.intersection(plan.requested.joints):
+            rows = normalise(transform_directions(to_axes(delta[joint]), world[joint]))
+            # Right-handed, also over a joint that mirrors.
+            found[joint] = frame(rows[axis_of(aim)[0]], rows[axis_of(up)[0]], aim_axis=aim, up_axis=up)
+        return found
 
 
 def _request(style: AxisStyle) -> dict[str, Any]:
@@ -63,8 +196,8 @@ def _request(style: AxisStyle) -> dict[str, Any]:
 
 def stored_style(record: OffsetRecord) -> AxisStyle | None:
     """What a control was aimed by; None where it has the axes of its joint."""
-    if record.up_from == _WORLD:
-        return AxisStyle(world=True)
+    if record.up_from in (_WORLD, _MIRRORED):
+        return AxisStyle(world=True) if record.up_from == _WORLD else MIRRORED
     if not record.aim:
         return None
     return AxisStyle(record.aim, record.up, record.up_from, held=record.held)
@@ -72,15 +205,5 @@ def stored_style(record: OffsetRecord) -> AxisStyle | None:
 
 def with_style(record: OffsetRecord, style: AxisStyle | None) -> OffsetRecord:
     """A record that says what its control is aimed by."""
-    if style is None or style.world:
-        return replace(record, aim="", up="", up_from="" if style is None else _WORLD, held=False)
+    style = AxisStyle("", "", "") if style is None else AxisStyle("", "", _WORLD) if style.world else style
     return replace(record, aim=style.aim, up=style.up, up_from=style.up_from, held=style.held)
-
-
-def frame_options(record: OffsetRecord) -> Mapping[str, Any]:
-    """The options of add-controls that give another control axes of the same kind."""
-    style = stored_style(record)
-    if style is None:
-        return {"frame": "joint"}
-    given = _request(style)
-    return {"preset": "vrm"} if "world" in given else given

@@ -7,11 +7,10 @@ from collections.abc import Collection, Container, Sequence
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.model.rig import Rig
-from rigtri.operations.aim_targets import chain_child
+from rigtri.operations.aim_targets import EYES, chain_child
 from rigtri.operations.declaration import Selection
 from rigtri.recognition.limbs import along
 
-_EYES = ("leftEye", "rightEye")
 EXCLUDED = "excluded"
 ROOT = "root joint: its motion is root motion"
 EYE = "VRM eye"
@@ -122,7 +121,7 @@ def _unnamed_stay(
     whole: Container[int],
 ) -> dict[int, str]:
     """Why joints that nobody named keep their axes."""
-    eyes = {tree.rig.humanoid.get(eye) for eye in _EYES}
+    eyes = {tree.rig.humanoid.get(eye) for eye in EYES}
     driven = {c.node for c in tree.rig.node_constraints if c.kind == "roll"}
     carrying = {joint: sum(bool(tree.carries[k]) for k in below) for joint, below in tree.below.items()}
     found = {}

@@ -64,7 +64,7 @@ def test_motion_survives_an_edit(
 
 
 def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:
-    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints=("upper_arm_L",))
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints=("upper_arm_L",), frame="joint")
     turned = rigtri.orient_joints(rig, preset="blender")
     again = rigtri.add_controls(turned, joints=("upper_arm_L",))
     control, joint = again.find("upper_arm_L_ctl"), again.find("upper_arm_L")

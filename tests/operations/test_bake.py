@@ -204,7 +204,7 @@ def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float
 
 
 def test_a_clip_of_one_key_and_a_control_of_uneven_scale_have_a_meaning() -> None:
-    rig = rigged()
+    rig = add_controls(rigged(), options=AddControlsOptions(joints=("head",), frame="joint"))
     head = control(rig, "head", "fk")
     rig = animated(rig, head, "scale", [[1.0, 2.0, 0.5]], times=[0.25])
     baked = bake(rig, options=BakeOptions(clip=("new",)))

@@ -42,7 +42,7 @@ def source_of(kind: str, folder: Path) -> tuple[Path, str, str]:
 
 
 def built(rig: Rig, joint: str, mesh: str, report: Report) -> Rig:
-    rig = add_controls(rig, options=AddControlsOptions(joints=(joint,)), report=report)
+    rig = add_controls(rig, options=AddControlsOptions(joints=(joint,), frame="joint"), report=report)
     reader = AddPosereaderOptions(
         driver=joint, axis=(0, 1, 0), target=(SIDE,), morph=(("side", mesh, "bulge"),), name="reader"
     )

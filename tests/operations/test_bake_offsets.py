@@ -31,7 +31,11 @@ def off(rig: Rig, clip: str) -> float:
         if note.get("type") == "control" and note["kind"] == "fk":
             joint = rig.find(note["joint"])
             place = np.abs(world[:, node, 3, :3] - world[:, joint, 3, :3]).max() / size(rig)
-            turn = 0.1 * np.abs(nearest_rotation(world[:, node]) - nearest_rotation(world[:, joint])).max()
+            rest = nearest_rotation(rig.world[node]) @ nearest_rotation(rig.world[joint]).T
+            turn = (
+                0.1
+                * np.abs(nearest_rotation(world[:, node]) - rest @ nearest_rotation(world[:, joint])).max()
+            )
             far = max(far, float(place), float(turn))
     return far
 
@@ -112,7 +116,7 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     times = sampling.key_times(rig.clip("walk"))
     world = sampling.worlds(home, sampling.locals_at(home, home.clip("walk"), times))
     joint = rig.find("hand_L")
-    back = np.linalg.inv(rig.world[hand]) @ rig.world[joint]
+    back = rig.world[joint] @ np.linalg.inv(rig.world[hand])  # the joint by its control
     assert np.abs(world[:, joint] - world[0, joint]).max() > 0.05
     np.testing.assert_allclose(
         world[:, rig.find("staff")], offset @ np.linalg.inv(back) @ world[:, joint], atol=3e-5

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,11 @@ from places import SAMPLES, asset_files, slow
 
 import rigtri
 from rigtri.errors import RigtriError, UsageError
+from rigtri.frames.mirroring import Across, Mirror, mirrored_axes
 from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.mirror.symmetry_check import asymmetry
+from rigtri.report import Report
 
 # Degrees between a control's aim axis and its bone that float32 rotations leave.
 ALONG = 0.01
@@ -34,7 +38,7 @@ def off_bone(rig: Rig, joint: str, axis: int = 0, sign: float = 1.0) -> float:
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 @pytest.mark.parametrize(
     ("options", "axis", "sign"),
-    [({"frame": "bone"}, 0, 1.0), ({"preset": "blender"}, 1, 1.0), ({"aim": "-z", "up": "x"}, 2, -1.0)],
+    [({}, 0, 1.0), ({"preset": "blender"}, 1, 1.0), ({"aim": "-z", "up": "x"}, 2, -1.0)],
     ids=str,
 )
 def test_controls_are_aimed_along_their_bones_and_joints_keep_their_axes(
@@ -48,7 +52,7 @@ def test_controls_are_aimed_along_their_bones_and_joints_keep_their_axes(
 
 def test_a_joint_stands_to_its_control_by_the_rest_offset() -> None:
     """joint_world = rest_offset · control_world, by matrices alone."""
-    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True, frame="bone")
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     for node, record in rig.records(OffsetRecord).items():
         if record.kind != "fk":
             continue
@@ -93,7 +97,7 @@ def test_a_second_run_keeps_what_controls_are_aimed_by(tmp_path: Path) -> None:
 def test_a_skeleton_that_may_not_change_gets_aimed_controls(tmp_path: Path) -> None:
     """VRM 0.x: no joint may have axes of its own."""
     path = avatar_0(1).glb(tmp_path / "avatar.vrm")
-    rig = rigtri.add_controls(rigtri.read(path), joints=("hair",), frame="bone")
+    rig = rigtri.add_controls(rigtri.read(path), joints=("hair",))
     assert off_bone(rig, "hair") < ALONG
 
 
@@ -109,7 +113,7 @@ def test_the_axes_of_joints_do_not_go_with_others() -> None:
 @pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
 def test_controls_of_real_limbs_are_aimed(path: Path) -> None:
     try:
-        rig = rigtri.add_controls(rigtri.read(path), whole_character=True, frame="bone")
+        rig = rigtri.add_controls(rigtri.read(path), whole_character=True)
     except RigtriError:
         pytest.skip("nothing in this file is there to build it for")
     chains = {r.chain for r in rig.records(ControlRecord).values() if r.kind == "ik"}
@@ -117,3 +121,53 @@ def test_controls_of_real_limbs_are_aimed(path: Path) -> None:
         for joint in (start, middle):
             if sum(bool(rig.is_joint[k]) for k in rig.children[rig.find(joint)]) == 1:
                 assert off_bone(rig, joint) < ALONG
+
+
+def reasons(path: Path) -> dict[str, str]:
+    report = Report()
+    rigtri.add_controls(rigtri.read(path), whole_character=True, report=report)
+    return {entry["joint"]: entry["reason"] for entry in report.added if "reason" in entry}
+
+
+def test_a_root_that_moves_no_vertex_and_eyes_keep_their_axes_and_the_report_says_why(tmp_path: Path) -> None:
+    assert reasons(SAMPLES / "flat_ik.glb") == {"root": "root joint: its motion is root motion"}
+    assert reasons(SAMPLES / "biped.glb") == {}  # its hips are a root with skin of their own
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    eyes = replace(rig, humanoid={"leftEye": rig.find("fingers_L"), "hips": rig.find("hips")})
+    built = rigtri.add_controls(eyes, joints=("fingers_L", "hand_L"))
+    here, joint = built.world[built.find("fingers_L_ctl")], built.world[built.find("fingers_L")]
+    assert np.abs(here[:3, :3] - joint[:3, :3]).max() < 1e-6
+
+
+@pytest.mark.parametrize("mode", ["behavior", "orientation", "blender"])
+@pytest.mark.parametrize("style", [{}, {"aim": "-z", "up": "x", "up_from": "vector:1,2,3"}], ids=str)
+def test_mirror_gives_the_twin_of_a_control_the_mirrored_axes(
+    mode: Mirror, style: dict[str, str], tmp_path: Path
+) -> None:
+    one, two, three = (tmp_path / f"{word}.glb" for word in ("one", "two", "three"))
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True, **style)
+    rigtri.write(rigtri.mirror(rig, mode=mode), one)
+    mirrored = rigtri.read(one)
+    for joint in ("clavicle", "upper_arm", "forearm", "hand", "thigh", "shin", "toe"):
+        here, there = (mirrored.world[mirrored.find(f"{joint}_{side}_ctl"), :3, :3] for side in "LR")
+        assert np.abs(mirrored_axes(here, mode, Across()) - there).max() < 1e-5
+    rigtri.write(rigtri.mirror(mirrored, mode=mode), two)
+    assert one.read_bytes() == two.read_bytes()
+    rigtri.write(rigtri.add_controls(mirrored, joints=("*",)), three)
+    assert one.read_bytes() == three.read_bytes()
+    found = asymmetry(mirrored)
+    assert not [pair for pair in found.worse() if pair.node.endswith("_ctl")]
+
+
+def test_both_sides_by_one_rule_are_symmetric_whatever_axes_the_joints_have() -> None:
+    built = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    assert not [pair for pair in asymmetry(built).worse() if pair.node.endswith("_ctl")]
+
+
+def test_other_axes_of_a_control_leave_the_controls_below_where_they_are() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    again = rigtri.add_controls(rig, joints=("upper_arm_L",), aim="z", up="x")
+    changed = rig.find("upper_arm_L_ctl")
+    far = np.abs(again.world[: len(rig)] - rig.world).max(axis=(1, 2))
+    assert far[changed] > 0.1
+    assert far[[k for k in range(len(rig)) if k not in (changed, int(rig.parents[changed]))]].max() < 1e-6

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def test_one_builder_serves_chains_of_any_length(count: int) -> None:
 
 def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
     turned = replace(FINGER, rotation=np.stack([from_axis_angle([1, 2, 3], k) for k in range(4)]))
-    out = add_controls(turned, options=AddControlsOptions(joints=("*",)))
+    out = add_controls(turned, options=AddControlsOptions(joints=("*",), frame="joint"))
     world = out.world
     for joint, control in controls(out).items():
         assert_allclose(world[control], world[out.find(joint)], atol=1e-12)
@@ -62,20 +62,21 @@ def test_a_control_stands_in_its_joints_frame_with_zero_channels() -> None:
 
 def test_a_scaled_or_mirrored_joint_gives_its_control_no_scale() -> None:
     scaled = replace(FINGER, scale=FINGER.scale * [[100], [1], [-1], [1]])
-    out = add_controls(scaled, options=AddControlsOptions(joints=("*",)))
+    out = add_controls(scaled, options=AddControlsOptions(joints=("*",), frame="joint"))
     world = out.world
     for joint, control in controls(out).items():
         assert_allclose(world[control, 3], world[out.find(joint), 3], atol=1e-9)
         assert_allclose(world[control, :3, :3], nearest_rotation(world[out.find(joint)]), atol=1e-9)
 
 
-def test_a_flat_shape_lies_across_its_bone_and_grows_with_it() -> None:
-    options = AddControlsOptions(joints=("b", "c"), size=2.0)
+@pytest.mark.parametrize("frame", ["bone", "joint"])
+def test_a_flat_shape_lies_across_its_bone_and_grows_with_it(frame: Literal["bone", "joint"]) -> None:
+    options = AddControlsOptions(joints=("b", "c"), size=2.0, frame=frame)
     out = add_controls(FINGER, options=options)
     for joint, child in (("b", "c"), ("c", "d")):
         shape = out.pending.shapes[controls(out)[joint]]
         bone = FINGER.translation[FINGER.find(child)]
-        axis = np.eye(3)[np.argmax(np.abs(bone))]
+        axis = np.eye(3)[0 if frame == "bone" else np.argmax(np.abs(bone))]
         assert_allclose(shape.strips[0] @ axis, 0.0, atol=1e-9)
         assert_allclose(np.linalg.norm(shape.strips[0], axis=1), np.linalg.norm(bone), rtol=0.2)
 
@@ -141,7 +142,8 @@ def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> N
 
 
 def test_offsets_follow_joints_that_were_reoriented_since(samples: Path) -> None:
-    rig = add_controls(FINGER, options=AddControlsOptions(joints=("*",)))
+    options = AddControlsOptions(joints=("*",), frame="joint")
+    rig = add_controls(FINGER, options=options)
     turned = replace(rig, rotation=rig.rotation.copy())
     turned.rotation[1] = from_axis_angle([0, 0, 1], 0.5)
     out = add_controls(turned, options=AddControlsOptions(joints=("*",)))

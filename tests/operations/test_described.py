@@ -152,7 +152,7 @@ def test_joints_keep_their_rest_and_their_controls_get_that_of_the_other() -> No
 
 
 def test_a_control_that_is_posed_without_keys_is_held_in_all_clips() -> None:
-    rig = biped()
+    rig = rigtri.add_controls(biped(), joints=("head",), frame="joint")
     control = rig.find("head_ctl", "node")
     turn = np.array([np.sin(0.35), 0.0, 0.0, np.cos(0.35)]).astype(np.float32).astype(np.float64)
     rotation = rig.rotation.copy()

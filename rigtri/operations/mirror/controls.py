@@ -9,13 +9,15 @@ import numpy as np
 
 from rigtri.frames.mirroring import mirrored_axes
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.triangle import bend_sine
 from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import NO_PLANE
-from rigtri.operations.control_frames import frame_options
+from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.counterparts import (
+    ALIKE,
     existing_twin_record,
     mirror_each,
     of_side,
@@ -61,8 +63,7 @@ def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions,
     before = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     drawn = before is not None and rig.records(ControlRecord)[before].shape == record.shape
     shapes: Any = {record.kind: record.shape} if record.shape and not drawn else {}
-    above = int(rig.parents[node])
-    frame = frame_options(rig.records(OffsetRecord)[above]) if rig.type_of(above) == "offset" else {}
+    frame = _frame(rig, node, before, there.joint, options)
     if record.kind == "fk":
         made = AddControlsOptions(joints=(there.joint,), shape=shapes, **frame)
     else:
@@ -82,6 +83,21 @@ def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions,
     if before is None:
         rig = remembered(renamed(rig, found, twin_name(rig.names[node], rig.names[found])), [found])
     return _edited(rig, node, found, options)
+
+
+def _frame(rig: Rig, node: int, before: int | None, joint: str, options: MirrorOptions) -> dict[str, Any]:
+    """What gives the twin of a control its axes: its joint's, where the control has those of its joint."""
+    offset = rig.record(int(rig.parents[node]))
+    if not isinstance(offset, OffsetRecord):
+        return {}
+    if stored_style(offset) is None and offset.axes is None:
+        return {"frame": "joint"}
+    axes = mirrored_axes(orthonormal_axes(unposed(rig, node)), options.mode, options.across)
+    if before is not None:
+        apart = angle_between(from_axes(orthonormal_axes(unposed(rig, before))), from_axes(axes))
+        if float(apart) <= ALIKE:
+            return {}
+    return {"axes": {joint: axes}}
 
 
 def _bends(

@@ -15,7 +15,7 @@ from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.joint_names import twin
-from rigtri.model.metadata import PoseReaderRecord, RivetRecord
+from rigtri.model.metadata import OffsetRecord, PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.mirror.counterparts import other, side
@@ -53,7 +53,7 @@ class Asymmetry:
     """All pairs of joints and of nodes that rigtri made, and those without a twin.
 
     plane, at: the mirror, in the character's own space. better: another one that most pairs lie
-    about, where they do not about that. mode: what the axes of the pairs were compared by.
+    about, where they do not about that. mode: what the axes of the joints were compared by.
     """
 
     pairs: tuple[Pair, ...]
@@ -91,20 +91,27 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
     standing, unpaired = _pairs(rig, (n for n, kind in kinds.items() if kind in _STANDING), options)
     rules = (n for n, kind in kinds.items() if kind in ("constraint", "poseReader"))
     alone += unpaired + _pairs(rig, rules, options)[1]
-    turned = {node: there for node, there in standing.items() if kinds[node] in _WITH_AXES}
-    placed = {node: there for node, there in standing.items() if node not in turned}
-    by_mode = {
-        each: [
-            *_compared(rig, found, ref.world, ref.extent, options, each),
-            *_compared(rig, turned, rest, ref.extent, options, each),
-        ]
-        for each in ([mode] if mode else CONVENTIONS)
-    }
-    kept = max(by_mode, key=lambda each: _fit(by_mode[each]))
-    compared = [*by_mode[kept], *_compared(rig, placed, rest, ref.extent, options, None)]
+    # Joints, controls that are aimed by themselves, those that are not, and pole vectors may each keep a
+    # convention of their own.
+    aimed = {node for node, offset in rig.records(OffsetRecord).items() if offset.up_from}
+    groups: dict[Any, dict[int, int]] = {}
+    for node, there in standing.items():
+        if kinds[node] in _WITH_AXES:
+            groups.setdefault((kinds[node], int(rig.parents[node]) in aimed), {})[node] = there
+    compared, modes = list[Pair](), list[Convention]()
+    for group, world in [(found, ref.world), *((group, rest) for group in groups.values())]:
+        by_mode = {
+            each: _compared(rig, group, world, ref.extent, options, each)
+            for each in ([mode] if mode else CONVENTIONS)
+        }
+        kept = max(by_mode, key=lambda each: _fit(by_mode[each]))
+        compared += by_mode[kept]
+        modes += [kept] if group else []
+    placed = {node: there for node, there in standing.items() if kinds[node] not in _WITH_AXES}
+    compared += _compared(rig, placed, rest, ref.extent, options, None)
     titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
     better = None if parted.fits else _better(tree, ref, options)
-    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better, kept)
+    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better, (modes or ["behavior"])[0])
 
 
 def _fit(pairs: Sequence[Pair]) -> tuple[int, float]:

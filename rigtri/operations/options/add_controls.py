@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from rigtri.errors import UsageError
 from rigtri.model.control_shapes import KINDS
@@ -70,7 +70,7 @@ class AddControlsOptions:
     """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
 
     color: by ``left``, ``right`` and "" for the middle. as_: None keeps what is there. bend: as pole
-    vectors have it.
+    vectors have it. axes: by the address of a joint those that its control mirrors, (3, 3) rows in the world.
     """
 
     whole_character: bool = option(
@@ -105,7 +105,7 @@ class AddControlsOptions:
     up_from: str | None = axes.up_from()
     frame: Literal["bone", "joint"] | None = option(
         None,
-        help="The axes of controls. [as stored, else joint; bone with --aim, --up, --up-from or --preset]",
+        help="The axes of controls. [as stored, else bone]",
         values={
             "bone": "aimed along the bone, whatever axes the joints have",
             "joint": "those of the joints",
@@ -138,6 +138,7 @@ class AddControlsOptions:
     facing: Facing | None = option(None)
     root: str | None = option(None, where="shared")
     bend: Bends = option({}, where="python")
+    axes: Any = option({}, where="python")
 
     @cached_property
     def selection(self) -> Selection:
