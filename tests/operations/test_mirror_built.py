@@ -99,6 +99,23 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Rig:
     return mirror(left(read(SAMPLES / "biped.glb").rig))
 
 
+@pytest.mark.parametrize("named", ["", "nobody"])
+def test_a_chain_that_names_no_joint_is_reported_and_left_out(samples: Path, named: str) -> None:
+    """Before, a joint without its name ended in a traceback."""
+    options = AddControlsOptions(whole_character=True)
+    rig = add_controls(read(samples / "biped.glb").rig, options=options, report=Report())
+    metadata = {
+        node: {**kept, "chain": [named if name == "hand_L" else name for name in kept["chain"]]}
+        if "chain" in kept
+        else kept
+        for node, kept in rig.metadata.items()
+    }
+    report = Report()
+    mirror(replace(rig, metadata=metadata), report=report)
+    left_out = [w.text for w in report.warnings if w.code == "not-mirrored"]
+    assert "control 'hand_L_ik_ctl' is not mirrored: the other side has no such joint" in left_out
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_all_of_one_side_is_built_on_the_other_once_and_nothing_else_moves(
     name: str, samples: Path, tmp_path: Path, golden: Golden

@@ -138,6 +138,8 @@ def of_side(rig: Rig, options: MirrorOptions, kind: type[Record]) -> list[int]:
 def twin_record(rig: Rig, record: R, deep: int = 0) -> R | None:
     """The record of the twin: the same of the twins of its joints; None where one of those is missing."""
     twins: dict[str, str] = {}
+    if not all(getattr(record, "chain", ())):  # of a file whose joints lost their names
+        return None
     for name in joints_of(record):
         node = rig.known(name)
         there = None if node is None else other(rig, node, deep)

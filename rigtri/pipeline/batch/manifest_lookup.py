@@ -125,6 +125,8 @@ def sqlite_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.Error as error:
-        broken = getattr(error, "sqlite_errorname", "") in ("SQLITE_NOTADB", "SQLITE_CORRUPT")
-        remedy = f". {_WITHOUT}" if broken else ""
+        name = getattr(error, "sqlite_errorname", "")
+        remedy = f". {_WITHOUT}" if name in ("SQLITE_NOTADB", "SQLITE_CORRUPT") else ""
+        if name == "SQLITE_FULL" or name.startswith("SQLITE_IOERR"):
+            remedy = "; make room on that disk and run the same command again, which skips what is done"
         raise FileError(f"{path}: the manifest cannot be used: {error}{remedy}") from error

@@ -14,7 +14,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Self
@@ -102,9 +102,10 @@ class Manifest:
         return self
 
     def __exit__(self, *_: object) -> None:
-        with self._lock:
-            self._base.execute("COMMIT")
-            self._base.close()
+        # What could not be written, as on a full disk, SQLite has rolled back, and its error is on the way.
+        with self._lock, closing(self._base), sqlite_errors(self._path):
+            if self._base.in_transaction:
+                self._base.execute("COMMIT")
 
     def known(self, entry: Entry) -> Known | None:
         """What is known of an entry's output; None for a new one."""

@@ -13,12 +13,17 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from places import BUILDERS, slow
 from polling import wait_for
 
 from rigtri import edit, orient_joints
+from rigtri.errors import FileError
+from rigtri.pipeline.batch.inputs import Entry
+from rigtri.pipeline.batch.manifest_writer import Manifest
+from rigtri.pipeline.batch.work import Record
 
 PROGRAM = BUILDERS / "batch_tasks.py"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
@@ -228,3 +233,29 @@ def test_a_reader_that_has_gone_ends_a_batch(tmp_path: Path, start: Start) -> No
     assert process.stderr is not None
     assert "Traceback" not in process.stderr.read()
     assert left_behind(tmp_path) == []
+
+
+def test_a_manifest_on_a_full_disk_is_one_error_and_the_next_run_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before: a traceback, "cannot commit - no transaction is active"."""
+    path, connect = tmp_path / "rigtri-batch.sqlite", sqlite3.connect
+    entry, record = Entry("a.glb", "out/a.glb"), Record("ok", message="x" * 9000)
+    with Manifest(path):
+        pass
+
+    def full(*given: Any, **more: Any) -> sqlite3.Connection:
+        base = connect(*given, **more)
+        (pages,) = base.execute("PRAGMA page_count").fetchone()
+        base.execute(f"PRAGMA max_page_count={pages}")
+        return base
+
+    with monkeypatch.context() as patched:
+        patched.setattr(sqlite3, "connect", full)
+        found = pytest.raises(FileError, match=r"cannot be used: database or disk is full.*make room")
+        with found, Manifest(path) as manifest:
+            manifest.ready(entry, "key", record)
+    with Manifest(path) as manifest:
+        manifest.ready(entry, "key", record)
+        manifest.done(entry, "key", record)
+        assert manifest.known(entry) is not None
