@@ -1,6 +1,7 @@
 """The size of a rig: the measure to which movements are compared.
 
-Bounds and shares are of the diagonal of the box of all points at rest.
+Bounds and shares are of the diagonal of the box of all points at rest, where a file has several characters
+of those of each.
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ from rigtri.maths.vectors import length
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
+# The share of its distance from the origin that a character is as large as at least: a chain of some ten
+# joints adds up ten roundings of float32, 6e-8 of that distance each.
+FAR = 0.1
 # The size of each rig with the meshes that it was measured by.
 _sizes: WeakKeyDictionary[Rig, tuple[tuple[ref[Mesh], ...], float]] = WeakKeyDictionary()
 
@@ -33,6 +37,55 @@ def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> fl
     size = _measured(rig, meshes, rig.normalised_world if world is None else world)
     _sizes[rig] = tuple(map(ref, meshes)), size
     return size
+
+
+def sizes_of(rig: Rig, meshes: Sequence[Mesh]) -> Floats:
+    """What the movement of each node is compared to, (n,), in file units: the size of its character.
+
+    A character is what skins with common joints move, with all that is below these joints. Other nodes have
+    the size of the whole.
+    """
+    sizes, world = np.full(len(rig), size_of(rig, meshes)), rig.normalised_world
+    for nodes in characters(rig):
+        some = np.zeros(len(rig), dtype=bool)
+        some[nodes] = True
+        mine = [mesh for mesh in meshes if some[placing_node(rig, mesh)]]
+        low, high = _box(rig, mine, world)
+        if not (low <= high).all():
+            places = world[nodes, 3, :3]
+            low, high = places.min(axis=0), places.max(axis=0)
+        with np.errstate(invalid="ignore"):
+            far = float(np.maximum(length(low), length(high)))
+            size = max(float(length(high - low)), FAR * far)
+        if 0.0 < size < sizes[nodes[0]]:
+            sizes[nodes] = size
+            sizes[[mesh.node for mesh in mine]] = size
+    return sizes
+
+
+def characters(rig: Rig) -> list[list[int]]:
+    """The nodes of each character: joints of skins that share any, and all below them, in order."""
+    number = np.full(len(rig), -1)
+    for k, skin in enumerate(rig.skins):
+        known = set(number[skin.joints].tolist()) - {-1}
+        number[np.isin(number, list(known))] = k
+        number[skin.joints] = k
+    for node, parent in enumerate(rig.parents.tolist()):
+        if parent >= 0 and number[parent] >= 0 and number[node] != number[parent]:
+            # What a joint carries is of its character, other skeletons too.
+            own = number == number[node] if number[node] >= 0 else node
+            number[own] = number[parent]
+    found: dict[int, list[int]] = {}
+    for node, k in enumerate(number.tolist()):
+        if k >= 0:
+            found.setdefault(k, []).append(node)
+    return list(found.values())
+
+
+def placing_node(rig: Rig, mesh: Mesh) -> int:
+    """The node that places a mesh: of a skinned one a joint."""
+    skin = None if mesh.skin is None or not mesh.joints.shape[1] else rig.skins[mesh.skin]
+    return mesh.node if skin is None or not len(skin.joints) else int(skin.joints[0])
 
 
 def _measured(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:

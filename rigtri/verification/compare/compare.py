@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.frames.rig_size import fits, size_of
+from rigtri.frames.rig_size import fits, sizes_of
 from rigtri.maths.arrays import Booleans
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -79,12 +79,12 @@ def verify(before: Source, after: Source) -> Comparison:
     mine, theirs = played_together(before.rig, after.rig, by_key=False)
     found = match(mine, theirs, by_key=False)
     meshes, others = _measurable(before, before.meshes), _measurable(after, after.meshes)
-    diagonal = size_of(mine, meshes)
+    sizes = sizes_of(mine, meshes)
     everything = np.ones(len(mine), dtype=bool)
     bodies, lost = _mesh_probes(mine, theirs, found, meshes, others)
     probes: list[Probe] = [
         *bodies,
-        *frames(mine, found, meshes, everything, diagonal),
+        *frames(mine, found, meshes, everything, sizes),
         origins(mine, found, everything),
     ]
     shown, now = before.scenery(closely=True), after.scenery(closely=True)
@@ -94,7 +94,7 @@ def verify(before: Source, after: Source) -> Comparison:
         pairs, _ = _mesh_pairs(mine, found, meshes, others)
         different += compare_surfaces(pairs, lambda mesh: mesh_title(mine, mesh))
     found = found.with_more(lost=lost, changed=changed)
-    return compared(mine, theirs, found, probes, diagonal, different, added=True)
+    return compared(mine, theirs, found, probes, sizes, different, added=True)
 
 
 def self_check(
@@ -117,7 +117,7 @@ def self_check(
         before,
         before.meshes if detail == "points" else lambda: before.outlines(closely=detail == "boxes"),
     )
-    diagonal = size_of(mine, meshes)
+    sizes = sizes_of(mine, meshes)
     moving = changed_nodes(mine, theirs, found)
     bodies = _box_probes(mine, theirs, found, meshes, moving)
     if detail == "points" and bodies:
@@ -127,14 +127,14 @@ def self_check(
         found = found.with_more(lost=lost)
     probes: list[Probe] = [
         *bodies,
-        *frames(mine, found, meshes, moving, diagonal),
-        *(own_frames(mine, found, moving, diagonal) if own_nodes else ()),
+        *frames(mine, found, meshes, moving, sizes),
+        *(own_frames(mine, found, moving, sizes) if own_nodes else ()),
         origins(mine, found, moving),
     ]
     different, changed = compare_scenery((mine, theirs), before.scenery(), after.scenery(), found)
     different += compare_attached(mine, theirs, found)
     found = found.with_more(changed=changed)
-    result = compared(mine, theirs, found, probes, diagonal, different)
+    result = compared(mine, theirs, found, probes, sizes, different)
     boxed = tuple(mesh_title(mine, mesh) for mesh in meshes if mesh.box is not None)
     return replace(result, boxed=() if detail == "boxes" else boxed)
 
@@ -148,16 +148,15 @@ def motion_between(before: Source, after: Source) -> Motion:
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     found = match(mine, theirs, by_key=True)
     meshes = _measurable(before, before.outlines)
-    diagonal = size_of(mine, meshes)
+    sizes = sizes_of(mine, meshes)
     moving = changed_nodes(mine, theirs, found)
     probes: list[Probe] = [
         *_box_probes(mine, theirs, found, meshes, moving),
-        *rotations(mine, found, meshes, moving, diagonal),
+        *rotations(mine, found, meshes, moving, sizes),
         origins(mine, found, moving),
     ]
-    result = measure(*side_by_side(mine, theirs, found), probes)
-    clips = {name: value / diagonal for name, value in result.clips.items()}
-    return Motion(result.largest / diagonal, result.worst, clips)
+    result = measure(*side_by_side(mine, theirs, found), probes, sizes)
+    return Motion(result.largest, result.worst, result.clips)
 
 
 def _box_probes(

@@ -15,6 +15,7 @@ import numpy as np
 from rigtri.evaluation import sampling
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.quaternions import norm
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.correspondence import Correspondence, timeline
@@ -34,20 +35,26 @@ _POINTS_BLOCK = 1 << 23
 
 @dataclass
 class Deviation:
-    """The largest distances of ``probes`` so far, in file units."""
+    """The largest distances of ``probes`` so far, as shares of ``sizes``: of the rows of each, (r,).
+
+    distance: the one that is the largest share, in file units. size: that of what it is of.
+    """
 
     probes: Sequence[Probe]
+    sizes: Sequence[Floats]
     worst: Worst | None = None
     largest: float = 0.0
+    distance: float = 0.0
+    size: float = 1.0
     poses: int = 0
     owners: dict[str, float] = field(default_factory=dict)
     clips: dict[str, float] = field(default_factory=dict)
 
     def add(self, poses: SampledPoses, clip: str) -> None:
         self.poses += len(poses.times)
-        for probe in self.probes:
-            distances = probe.distances(poses)
-            rows = distances.max(axis=1)
+        for probe, size in zip(self.probes, self.sizes, strict=True):
+            shares = probe.distances(poses) / size[:, np.newaxis]
+            rows = shares.max(axis=1)
             for owner, row in zip(probe.owners, rows.tolist(), strict=True):
                 if owner:
                     self.owners[owner] = max(self.owners.get(owner, 0.0), row)
@@ -56,27 +63,33 @@ class Deviation:
                 self.clips[clip] = max(self.clips.get(clip, 0.0), largest)
             if self.worst is None or largest > self.largest:
                 self.largest = largest
-                row, time = np.unravel_index(np.argmax(distances), distances.shape)
+                row, time = np.unravel_index(np.argmax(shares), shares.shape)
+                self.size = float(size[int(row)])
+                self.distance = largest * self.size
                 self.worst = Worst(probe.titles[int(row)], clip, float(poses.times[time]))
 
 
-def measure(before: Rig, after: Rig, probes: Sequence[Probe], *, normalised: bool = True) -> Deviation:
+def measure(
+    before: Rig, after: Rig, probes: Sequence[Probe], sizes: Floats, *, normalised: bool = True
+) -> Deviation:
     """Evaluate two rigs with the same clips at rest and in each, a block of times at once.
 
+    sizes: of the nodes of ``before``, (n,), in file units (`rig_size.sizes_of`).
     normalised: take rotations as unit, as glTF means them; else as they are stored.
     """
-    found = Deviation([probe for probe in probes if len(probe.titles)])
+    titled = [probe for probe in probes if len(probe.titles)]
+    found = Deviation(titled, [sizes[probe.placed] for probe in titled])
     if not found.probes:
         return found
     (before, after), found.probes = _needed(before, after, found.probes)
     both, count = joined(before, after), len(before)  # one evaluation costs less than two
     still = sampling.worlds(both, both.normalised_local if normalised else both.local)[np.newaxis]
     found.add(SampledPoses(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
-    size = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
+    block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
     for clip, *clips in zip(both.clips, before.clips, after.clips, strict=True):
         motion, times = sampling.Motion(both, clip), sampling.between_keys(sampling.key_times(clip))
-        for start in range(0, len(times), size):
-            some = times[start : start + size]
+        for start in range(0, len(times), block):
+            some = times[start : start + block]
             worlds = sampling.worlds(both, motion.locals_at(some, normalised=normalised))
             poses = SampledPoses(worlds[:, :count], worlds[:, count:], (clips[0], clips[1]), some)
             found.add(poses, clip.name)
@@ -88,7 +101,7 @@ def compared(
     after: Rig,
     correspondence: Correspondence,
     probes: Sequence[Probe],
-    diagonal: float,
+    sizes: Floats,
     different: Sequence[str],
     *,
     added: bool = False,
@@ -98,19 +111,19 @@ def compared(
     # Of any two files, what only the second has can have lost nothing.
     nodes = np.isin(np.arange(len(after)), correspondence.node) if added else np.ones(len(after), dtype=bool)
     was, now = denormalisation(before), denormalisation(after, nodes)
-    found = measure(before, after, probes)
+    found = measure(before, after, probes, sizes)
     raw = found.largest
     if max(was, now) > (UNIT_AS_SHOWN if before.rules.raw_quaternions else UNIT):
-        raw = measure(before, after, probes, normalised=False).largest
+        raw = measure(before, after, probes, sizes, normalised=False).largest
     return Comparison(
-        deviation=found.largest / diagonal,
-        absolute=found.largest,
-        diagonal=diagonal,
-        raw_deviation=raw / diagonal,
+        deviation=found.largest,
+        absolute=found.distance,
+        diagonal=found.size if found.largest > 0 else float(sizes.max()) if len(sizes) else 1.0,
+        raw_deviation=raw,
         denormalisation=was,
         worst=found.worst,
-        per_mesh={name: value / diagonal for name, value in found.owners.items()},
-        per_clip={name: value / diagonal for name, value in found.clips.items()},
+        per_mesh=found.owners,
+        per_clip=found.clips,
         lost=(*correspondence.lost, *lost_unit_rotations(was, now)),
         added=correspondence.added,
         changed=correspondence.changed,

@@ -185,36 +185,36 @@ def rigid_corners(
 
 
 def frames(
-    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans, sizes: Floats
 ) -> Iterator[FramePoints]:
-    """The whole frames, a diagonal long, of what is no mesh: cameras, lights and such not ours."""
+    """The whole frames of what is no mesh: cameras, lights and such not ours. sizes: how long, (n,)."""
     nodes = [node for node in frames_shown(before, meshes) if _to_watch(node, m, moving)]
     if nodes:
         titles = [f"frame of {before.title(node)}" for node in nodes]
-        yield _framed(nodes, m, _whole(before, nodes, diagonal), titles, [""] * len(nodes))
+        yield _framed(nodes, m, _whole(before, nodes, sizes), titles, [""] * len(nodes))
 
 
-def own_frames(before: Rig, m: Correspondence, moving: Booleans, diagonal: float) -> Iterator[FramePoints]:
-    """The whole frames, a diagonal long, of what rigtri itself has added."""
+def own_frames(before: Rig, m: Correspondence, moving: Booleans, sizes: Floats) -> Iterator[FramePoints]:
+    """The whole frames of what rigtri itself has added. sizes: how long, (n,)."""
     nodes = [node for node in sorted(before.own) if m.node[node] >= 0 and moving[node]]
     if nodes:
         titles = [f"frame of {before.title(node)}" for node in nodes]
-        points = _whole(before, nodes, diagonal)
+        points = _whole(before, nodes, sizes)
         yield FramePoints((np.array(nodes), m.node[nodes]), (points, points), titles, [""] * len(nodes))
 
 
 def rotations(
-    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans, diagonal: float
+    before: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans, sizes: Floats
 ) -> Iterator[FramePoints]:
     """The ends of the axes of nodes that show no mesh and have none below them, nor are rigtri's own.
 
-    They show rotations; as far away as what hangs on each node, a twentieth of the diagonal at least.
+    They show rotations; as far away as what hangs on each node, a twentieth of its size, (n,), at least.
     """
     unseen = ~_drawn(before, meshes) & moving & (m.node >= 0)
     unseen[list(before.own)] = False
     nodes = np.flatnonzero(unseen).tolist()
     if nodes:
-        reach = _reaches(before, 0.05 * diagonal)[nodes]
+        reach = _reaches(before, 0.05 * sizes)[nodes]
         axes = length(before.world[nodes, :3, :3])
         with np.errstate(divide="ignore", invalid="ignore"):
             far = reach[:, np.newaxis] / axes
@@ -243,9 +243,9 @@ def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
     return found
 
 
-def _reaches(rig: Rig, least: float) -> Floats:
+def _reaches(rig: Rig, least: Floats) -> Floats:
     """How far what hangs on each node reaches at rest, (n,), in file units."""
-    places, found = rig.world[:, 3, :3], np.full(len(rig), least)
+    places, found = rig.world[:, 3, :3], least.copy()
     for node in range(len(rig) - 1, -1, -1):
         parent = int(rig.parents[node])
         if parent >= 0:
@@ -254,11 +254,11 @@ def _reaches(rig: Rig, least: float) -> Floats:
     return found
 
 
-def _whole(rig: Rig, nodes: Sequence[int], diagonal: float) -> Floats:
-    """The corners of frames a diagonal long, (r, 8, 4); of what has no size at rest, its place."""
+def _whole(rig: Rig, nodes: Sequence[int], sizes: Floats) -> Floats:
+    """The corners of frames as long as their sizes, (r, 8, 4); of what has no size at rest, its place."""
     axes = length(rig.world[nodes, :3, :3])
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = diagonal / axes
+        size = sizes[nodes, np.newaxis] / axes
     size = np.where(np.isfinite(size), size, 0.0)
     return _corners(-size, size)
 

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from rigtri.evaluation import sampling, skinning
+from rigtri.frames.rig_size import placing_node
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -45,6 +46,10 @@ class Probe(Protocol):
     def titles(self) -> Sequence[str]: ...
     @property
     def owners(self) -> Sequence[str]: ...
+    @property
+    def placed(self) -> Integers:
+        """The nodes of the first rig that place the rows, (r,)."""
+
     def distances(self, poses: SampledPoses) -> Floats:
         """(r, f), in file units; inf where only one of the two is a number."""
 
@@ -57,6 +62,10 @@ class FramePoints:
     points: tuple[Floats, Floats]
     titles: Sequence[str]
     owners: Sequence[str]
+
+    @property
+    def placed(self) -> Integers:
+        return self.nodes[0]
 
     def apart(self, poses: SampledPoses) -> Floats:
         """The points' differences, (r, k, 3, f): one matrix product a row and side."""
@@ -120,6 +129,10 @@ class MeshPoints:
     @property
     def owners(self) -> Sequence[str]:
         return [mesh_title(self.rigs[0], self.meshes[0])]
+
+    @property
+    def placed(self) -> Integers:
+        return np.array([placing_node(self.rigs[0], self.meshes[0])])
 
     def distances(self, poses: SampledPoses) -> Floats:
         sides = zip(self.meshes, self.rigs, (poses.before, poses.after), poses.clips, strict=True)

@@ -73,9 +73,9 @@ class Motion:
 class Comparison:
     """How far two rigs are apart.
 
-    deviation: the largest distance between the same point in both, relative to
-    ``diagonal``; absolute: in file units; inf where one of the two is not a number.
-    diagonal: of the box of all points at rest. denormalisation: max | |q|−1 | of
+    deviation: the largest distance between the same point in both, relative to the size of its character
+    (`rig_size.sizes_of`); absolute: in file units; inf where one of the two is not a number.
+    diagonal: that size, of the box of all points at rest. denormalisation: max | |q|−1 | of
     the source's rotations; raw_deviation: what renderers show that do not
     normalise them (equal to ``deviation`` where all are unit); raw_counts: the format's own
     viewer is one of these. per_mesh, per_clip:
