@@ -17,6 +17,7 @@ GROUPS = {
     },
     "Skeleton": {
         "freeze": "Put scale and rotation above joints into the joints; nothing that can be seen moves.",
+        "rename-joints": "Give joints the names of another scheme: Mixamo, Unreal, Unity, VRM, Rigify ...",
     },
     "Re-orient": {
         "orient-joints": "Give joints new axes; nothing that can be seen moves.",

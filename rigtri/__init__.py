@@ -23,6 +23,7 @@ _WHERE = {
     "build": "rigtri.pipeline.rigspec.build",
     "auto": "rigtri.pipeline.rigspec.auto",
     "freeze": "rigtri.operations.freeze",
+    "rename_joints": "rigtri.operations.rename_joints",
     "orient_joints": "rigtri.operations.orient_joints.orient",
     "add_polevector": "rigtri.operations.add_polevector",
     "make_limb": "rigtri.operations.make_limb",
@@ -92,6 +93,7 @@ __all__ = [
     "read",
     "recognise",
     "register_usd_schemas",
+    "rename_joints",
     "snap",
     "spec_init",
     "strip",
@@ -132,6 +134,7 @@ if TYPE_CHECKING:
     from rigtri.operations.mirror.mirror import mirror as mirror
     from rigtri.operations.orient_joints.orient import orient_joints as orient_joints
     from rigtri.operations.pose import take_pose as take_pose
+    from rigtri.operations.rename_joints import rename_joints as rename_joints
     from rigtri.operations.snap import snap as snap
     from rigtri.operations.strip import strip as strip
     from rigtri.operations.take_clips.restore_metadata import as_described as as_described

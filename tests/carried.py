@@ -36,6 +36,7 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
+from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
 
@@ -168,8 +169,16 @@ def _last_joint(rig: Rig) -> list[str]:
     return [rig.names[node] for node in range(len(rig)) if node == joint or rig.is_below(node, joint)]
 
 
+def _renamed_and_back(rig: Rig) -> Rig:
+    """With other names and back: motion is compared by names."""
+    report = Report()
+    renamed = rigtri.rename_joints(rig, to="unreal", report=report)
+    return rigtri.rename_joints(renamed, map=names_json(report), inverse=True)
+
+
 EDITS: dict[str, Edit] = {
     "freeze": Edit(rigtri.freeze),
+    "rename-joints": Edit(_renamed_and_back),
     "orient-joints": Edit(lambda rig: rigtri.orient_joints(rig, preset="talk")),
     "orient-joints --mirror": Edit(lambda rig: rigtri.orient_joints(rig, mirror="behavior")),
     "make-limb": Edit(_built("limbs")),

@@ -371,6 +371,14 @@ def _clip_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
     return dict(_assignment(flag, text, usage) for text in texts)
 
 
+def _joint_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
+    """By the name of a joint its new one: ``JOINT=NAME``, where the first may hold ``=`` itself."""
+    found = dict(_assignment(flag, text, "JOINT=NAME, a joint and its new name") for text in texts)
+    if empty := [joint for joint, name in found.items() if not name]:
+        raise UsageError(f"{flag} {empty[0]}=: give JOINT=NAME, a joint and its new name")
+    return found
+
+
 # Names of nodes, joints mostly: specs look for them in the rig.
 Node = Annotated[str, Kind("node", "NODE", group="joints")]
 Nodes = Annotated[tuple[str, ...], Kind("nodes", "GLOB", group="joints")]
@@ -437,6 +445,8 @@ Points = Annotated[tuple[Vector, ...], Kind("points", "X,Y,Z", parse=point)]
 Integers = Annotated[tuple[int, ...], Kind("integers", "N")]
 Bends = Annotated[Mapping[str, Direction], Kind("of nodes", "JOINT=X,Y,Z", read=_bends)]
 ClipNames = Annotated[Mapping[str, str], Kind("assignments", "NAME=CLIP", read=_clip_names)]
+
+JointNames = Annotated[Mapping[str, str], Kind("assignments", "JOINT=NAME", read=_joint_names)]
 
 # Other files, which Python may have as rigs or values already. The last is edited outside: it may have a
 # stream for its source, and need no skeleton.

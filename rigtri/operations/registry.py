@@ -11,6 +11,7 @@ from rigtri.model.rig import Rig
 # Where their functions are, in the order in which a rig is built.
 OPERATIONS = {
     "freeze": "freeze",
+    "rename-joints": "rename_joints",
     "orient-joints": "orient_joints.orient",
     "make-limb": "make_limb",
     "add-twist": "add_twist.twist",

@@ -3,7 +3,9 @@
 A scheme has a ``title``; ``marks``, words that occur in its names alone; and two tables, ``middle`` and
 ``sides``, from bones of the VRM 1.0 humanoid (without ``left`` and ``right``) to the words that mean them:
 lower case, without spaces and marks, several apart by spaces. ``like`` takes over the tables of another.
-``chains`` are words of joints that are only numbered. A user's own files (`own_schemes`) go before ours.
+``chains`` are words of joints that are only numbered. ``write`` says how its names are written
+(`rigtri.recognition.written_names`); a scheme like another without marks is there only to be written. A
+user's own files (`own_schemes`) go before ours.
 """
 
 from __future__ import annotations
@@ -47,6 +49,7 @@ _CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "skull"
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
+_FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 _TEXTS = ("title", "marks", "like")
 _TO_DO = "give a text in quotes, several words apart by spaces"
 
@@ -126,7 +129,9 @@ def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:
 
 @cache
 def _ours() -> tuple[Scheme, ...]:
-    order = sorted(_tables(), key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
+    tables = _tables().items()
+    read = [k for k, table in tables if "marks" in table or "like" not in table or k in _LAST]
+    order = sorted(read, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
     return tuple(_scheme(_tables()[name], name) for name in order)
 
 
@@ -159,8 +164,18 @@ def own_schemes(paths: Sequence[Path]) -> tuple[Scheme, ...]:
     return tuple(found)
 
 
+def scheme_tables() -> Mapping[str, Mapping[str, Any]]:
+    """Our schemes as their files have them, by name, those that are only written among them."""
+    return _tables()
+
+
 def own_scheme(path: Path) -> Scheme:
     """A scheme of one's own from a file. Raises FileError, with all that is wrong, where it is none."""
+    return _scheme(own_table(path), str(path))
+
+
+def own_table(path: Path) -> Mapping[str, Any]:
+    """The tables of a scheme of one's own. Raises FileError, with all that is wrong, where it is none."""
     if not path.is_file():
         raise FileError(f"{path} is no naming scheme: it is not there, or no plain file")
     try:
@@ -173,7 +188,7 @@ def own_scheme(path: Path) -> Scheme:
         raise FileError(f"{path} is no naming scheme: this is no TOML: {error}") from error
     if found := list(_faults(table)):
         raise FileError(f"{path} is no naming scheme: {'; '.join(found)}. docs/recognise.md has an example")
-    return _scheme(table, str(path))
+    return table
 
 
 def _read(part: str, word: str) -> tuple[bool, str]:
@@ -268,8 +283,10 @@ def _faults(table: Mapping[str, Any]) -> Iterator[str]:
     for key, value in table.items():
         if key in _TABLES:
             yield from _of_table(key, value)
+        elif key == "write":
+            yield from _of_written(value)
         elif key not in _TEXTS:
-            yield f"there is no '{key}'.{_near(key, (*_TEXTS, *_TABLES))}"
+            yield f"there is no '{key}'.{_near(key, (*_TEXTS, *_TABLES, 'write'))}"
         elif not isinstance(value, str):
             yield f"'{key}' is {_kind(value)}: {_TO_DO}"
         elif key == "like" and value not in _tables():
@@ -296,6 +313,24 @@ def _of_table(name: str, value: object) -> Iterator[str]:
             for word in text.split():
                 if taken.setdefault(word, bone) != bone:
                     yield f"{where}: '{word}' means {taken[word]} already, and a word means one bone"
+
+
+def _of_written(value: object) -> Iterator[str]:
+    if not isinstance(value, dict):
+        yield f"'write' is {_kind(value)}: make it a table, [write] with a line for each bone"
+        return
+    for bone, text in value.items():
+        if bone in _FINGERS:
+            fits = isinstance(text, list) and len(text) <= 3 and all(isinstance(one, str) for one in text)
+            if not fits:
+                yield f"[write] {bone} is {_kind(text)}: give a list of up to three names, root to tip"
+        elif bone not in ("sided", *MIDDLE, *SIDED):
+            known = ("sided", *MIDDLE, *SIDED, *_FINGERS)
+            yield f"[write] {bone}: there is no such bone.{_near(bone, known)}"
+        elif not isinstance(text, str) or not text:
+            yield f"[write] {bone} is {_kind(text)}: give a name in quotes"
+        elif bone == "sided" and "{name}" not in text:
+            yield "[write] sided: it has no {name}, e.g. {name}_{s} or {Side}{name}"
 
 
 def _of_words(where: str, table: str, text: str) -> Iterator[str]:

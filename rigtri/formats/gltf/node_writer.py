@@ -8,6 +8,7 @@ Source: glTF 2.0 §3.5; GODOT_single_root; docs/decisions.md.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,10 @@ from rigtri.model.rig import Rig
 
 _DEFAULTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 PARTS = tuple(_DEFAULTS)
+
+
+# Extensions that name the joints of characters.
+_BY_NAME = ("KHR_character", "KHR_avatar")
 
 
 class NodeWriter:
@@ -82,9 +87,18 @@ class NodeWriter:
         return owned
 
     def _write_names(self) -> None:
+        now: dict[str, str] = {}
         for node, was in enumerate(self._was.tolist()):
             if was >= 0 and self._rig.names[node] != self._source.names[was]:
                 self._node(node)["name"] = self._rig.names[node]
+                if not self._rig.names[node] and node not in self._rig.pending.removed:
+                    self._node(node).pop("name")
+                now[self._source.names[was]] = self._rig.names[node]
+        for name in self._draft.gltf.get("extensions", {}) if now else ():
+            if name.startswith(_BY_NAME):
+                held = self._draft.gltf["extensions"][name]
+                if (new := _with_names(held, now)) != held:
+                    self._draft.edit("extensions")[name] = new
 
     def _write_rest(self) -> None:
         rig, source = self._rig, self._source
@@ -329,3 +343,12 @@ class NodeWriter:
 
 def _parts(rig: Rig) -> tuple[Floats, Floats, Floats]:
     return rig.translation, rig.rotation, rig.scale
+
+
+def _with_names(held: Any, now: Mapping[str, str]) -> Any:
+    """What an extension holds, with the new names of nodes as values."""
+    if isinstance(held, str):
+        return now.get(held, held)
+    if isinstance(held, dict):
+        return {key: _with_names(value, now) for key, value in held.items()}
+    return [_with_names(value, now) for value in held] if isinstance(held, list) else held

@@ -10,6 +10,7 @@ from rigtri.formats.usd.passes.add_joints import add_joints
 from rigtri.formats.usd.passes.find_changes import find_changes
 from rigtri.formats.usd.passes.key_xforms import key_xforms
 from rigtri.formats.usd.passes.remove_joints import remove_joints
+from rigtri.formats.usd.passes.rename_joints import rename_joints
 from rigtri.formats.usd.passes.reorient_xforms import reorient_xforms
 from rigtri.formats.usd.passes.retime_samples import retime_samples
 from rigtri.formats.usd.passes.route_tracks import route_tracks
@@ -40,6 +41,7 @@ VALUES: tuple[Pass, ...] = (
     write_joint_metadata,
 )
 PASSES: tuple[Pass, ...] = (
+    rename_joints,
     # The stage gets all joints, samples and clips of the rig, without a change to any value.
     add_joints,
     split_joints,

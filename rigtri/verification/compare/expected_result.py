@@ -246,14 +246,15 @@ def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
-    """The rig that was read, with the result's keys of renamed nodes of ours: keys may be names."""
+    """The rig that was read, with the result's keys of renamed nodes: keys may be names."""
     new = {key: node for node, key in enumerate(rig.keys) if key is not None}
-    ours = [node for node in before.own if before.keys[node] in new]
-    renamed = [node for node in ours if rig.names[new[before.keys[node]]] != before.names[node]]
-    if not renamed:
+    there = [node for node, key in enumerate(before.keys) if key in new]
+    kept = set(after.keys)
+    if all(rig.names[new[before.keys[node]]] == before.names[node] for node in there):
         return before
     places = {after.path(node): key for node, key in enumerate(after.keys)}
     keys = list(before.keys)
-    for node in ours:  # also those below a node that was renamed
-        keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
+    for node in there:  # also those below a node that was renamed
+        if keys[node] not in kept:
+            keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
     return replace(before, keys=tuple(keys))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pxr import Sdf, Usd
@@ -13,7 +13,6 @@ from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced,
 from rigtri.formats.usd.composition.value_types import usable
 from rigtri.formats.usd.composition.variants import choices
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
-from rigtri.formats.usd.reading.joint_tokens import split_token
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings
 from rigtri.formats.usd.reading.source import Source
 from rigtri.report import Notice
@@ -21,31 +20,31 @@ from rigtri.text import listed
 
 ORDER, INDICES = "skel:joints", "primvars:skel:jointIndices"
 
-# The name of each split joint's holder by the joint's token, for each skeleton.
-Holders = Mapping[str, Mapping[str, str]]
+# What becomes of a joint's token, for each skeleton.
+Renaming = Mapping[str, Callable[[str], str]]
 
 
-def influence_edits(source: Source, splits: Holders) -> list[Edit]:
-    """The joint order of every mesh that is bound to a split skeleton, by the new tokens.
+def influence_edits(source: Source, renaming: Renaming, *, grown: bool = True) -> list[Edit]:
+    """The joint order of every mesh that is bound to a skeleton of renamed joints, by the new tokens.
 
-    Indices stay as they are: a mesh without an order of its own gets the one that they
-    were counted in. FileError where the order cannot be edited.
+    Indices stay as they are: where the skeleton has grown, a mesh without an order of its own gets the one
+    that they were counted in. FileError where the order cannot be edited.
     """
     orders: dict[str, list[str]] = {}
     for path, query in source.bindings.every:
-        if path not in splits or not query.HasJointInfluences():
+        if path not in renaming or not query.HasJointInfluences():
             continue
         prim, old = _author(query.GetPrim()), source.skeletons[path].tokens
         if prim is not None:
             old = tuple(map(str, prim.GetAttribute(ORDER).Get(DEFAULT)))
-        new = [split_token(token, splits[path]) for token in old]
-        if prim is not None and new == list(old):
+        new = list(map(renaming[path], old))
+        if new == list(old) if prim is not None else not grown:
             continue
         edited = prim or query.GetPrim()
         refuse(why_instanced(edited) or why_locked(edited, (ORDER, INDICES)))
         at = str(edited.GetPath())
         if orders.setdefault(at, new) != new:
-            raise FileError(f"<{at}>.{ORDER} is for two skeletons that are split differently.")
+            raise FileError(f"<{at}>.{ORDER} is for two skeletons whose joints are renamed differently.")
     return [set_tokens(at, ORDER, order) for at, order in orders.items()]
 
 
@@ -78,8 +77,8 @@ def why_bound_otherwise(stage: Any, skeleton: str) -> str:
             if before.get(mesh) != places:
                 return (
                     f"Variant '{variant}' of the variant set '{name}' on <{path}> binds <{mesh}> to "
-                    f"<{skeleton}> otherwise, by joints that a split renames. Give each variant a file "
-                    "of its own, or choose snap or skip"
+                    f"<{skeleton}> otherwise, by joints that get other paths. Give each variant a file "
+                    "of its own"
                 )
     return ""
 
@@ -101,16 +100,16 @@ def _places(prim: Any) -> str:
     return " ".join(words)
 
 
-def stale_names(source: Source, splits: Holders) -> list[Notice]:
+def stale_names(source: Source, renaming: Renaming) -> list[Notice]:
     """Notices of attributes that name renamed joints by the tokens they had, and are not changed."""
     old = {
         token
-        for path, holders in splits.items()
+        for path, renamed in renaming.items()
         for token in source.skeletons[path].tokens
-        if split_token(token, holders) != token
+        if renamed(token) != token
     }
-    edited = {(path, name) for path in splits for name in ("joints", "jointNames")}
-    edited |= {(played, "joints") for path in splits for played in source.skeletons[path].animations}
+    edited = {(path, name) for path in renaming for name in ("joints", "jointNames")}
+    edited |= {(played, "joints") for path in renaming for played in source.skeletons[path].animations}
     found = [
         str(attribute.GetPath())
         for prim in Usd.PrimRange(source.stage.GetPseudoRoot(), ALL_PRIMS)
@@ -120,7 +119,7 @@ def stale_names(source: Source, splits: Holders) -> list[Notice]:
     if not found:
         return []
     shown = listed([f"<{path}>" for path in found])
-    text = f"{len(found)} attributes name split joints by their old paths and are left as they were: {shown}."
+    text = f"{len(found)} attributes name joints by their old paths and are left as they were: {shown}."
     return [Notice("renamed-elsewhere", text)]
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -67,8 +68,9 @@ def split_joints(edit: UsdEdit) -> None:
     for path in splits:
         _check(source, splits, path)
     holders = {path: split.holders for path, split in splits.items()}
-    influences = influence_edits(source, holders)
-    edit.notices += stale_names(source, holders)
+    renaming = {path: partial(split_token, holders=each) for path, each in holders.items()}
+    influences = influence_edits(source, renaming)
+    edit.notices += stale_names(source, renaming)
     edit.prepare([*_skeleton_edits(source, splits), *_animation_edits(source, splits), *influences])
     edit.rig = _aligned(edit.source, edit.rig)
 

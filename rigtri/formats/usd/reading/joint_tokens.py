@@ -30,6 +30,17 @@ def split_token(token: str, holders: Mapping[str, str]) -> str:
     return "/".join(steps)
 
 
+def renamed_token(token: str, names: Mapping[str, str]) -> str:
+    """A token with other names for joints. names: by the token of each joint its new name.
+
+    >>> renamed_token("A/B/C", {"A": "X", "A/B/C": "Z"})
+    'X/B/Z'
+    """
+    steps = token.split("/")
+    passed = ["/".join(steps[: k + 1]) for k in range(len(steps))]
+    return "/".join(names.get(way, step) for way, step in zip(passed, steps, strict=True))
+
+
 def unsplit(tokens: Sequence[str], holders: Collection[str]) -> list[str]:
     """Tokens without the steps that ``holders`` (tokens) are in them; a holder keeps its own name.
 

@@ -1,0 +1,59 @@
+"""Give the recognised joints of IN the names of a scheme.
+
+What names joints follows: rigtri's own metadata, maps of characters, and in USD the tokens of skeletons,
+animations and meshes. Joints that are no bones of a body (twist joints, ends, hair) keep their names. A
+name that two joints would have, or a joint of which it is not sure what it is, is an error.
+
+\b
+Examples:
+    rigtri rename-joints hero.glb -o out.glb --to unreal --save-map names.json
+    rigtri rename-joints walk.glb -o out.glb --map names.json
+    rigtri rename-joints out.glb -o hero.glb --map names.json --inverse
+    rigtri rename-joints hero.vrm -o out.vrm --to mixamo --prefix '' --name J_Sec_Tail=Tail
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.operations.options.rename_joints import RenameJointsOptions
+from rigtri.report import Report
+
+from .edit_command import edit_command
+from .help_format import Option
+from .text import counted
+
+
+def _save_map(values: dict[str, Any], report: Report) -> None:
+    from rigtri.files.staged_output import write_text
+    from rigtri.operations.rename_joints import names_json
+
+    if values["save_map"]:
+        text = json.dumps(names_json(report), indent=1, ensure_ascii=False) + "\n"
+        write_text(Path(values["save_map"]), text)
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
+    if not report.joints:
+        return "all joints have these names already; nothing was changed"
+    first = report.joints[0]
+    return f"{counted(len(report.joints), 'joint')} renamed: {first['joint']} is {first['name']}, and so on"
+
+
+_MORE = [
+    Option(
+        ["--save-map"],
+        metavar="FILE.json",
+        type=click.Path(dir_okay=False),
+        help="Write what each joint was called and is called now, for engines and for --map.",
+        group="output",
+    )
+]
+command = edit_command(
+    "rename-joints", RenameJointsOptions, summary, __doc__, more=_MORE, besides=_save_map
+)

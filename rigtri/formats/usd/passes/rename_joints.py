@@ -1,0 +1,109 @@
+"""Rename joints: their tokens, and those of all below them, wherever joints are listed.
+
+No value changes; the passes after this one write the rig as into any other file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import refuse, why_instanced
+from rigtri.formats.usd.composition.variants import split_by, variants_of
+from rigtri.formats.usd.opinions.edits import Edit, set_tokens
+from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
+from rigtri.formats.usd.opinions.skeleton_edits import joint_names
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.joint_tokens import renamed_token
+from rigtri.formats.usd.reading.node_keys import kind
+from rigtri.formats.usd.reading.source import Source
+from rigtri.model.rig import Rig
+
+# By the path of a skeleton what becomes of its tokens.
+Renaming = Mapping[str, Callable[[str], str]]
+
+
+def rename_joints(edit: UsdEdit) -> None:
+    """Read the source again with the new names; FileError where not all that names joints can be edited."""
+    source, names = edit.source, _names(edit.source, edit.rig)
+    if not names:
+        return
+    renaming: Renaming = {path: partial(renamed_token, names=each) for path, each in names.items()}
+    for path in renaming:
+        _check(source, path)
+    influences = influence_edits(source, renaming, grown=False)
+    edit.notices += stale_names(source, renaming)
+    edit.prepare([*_skeleton_edits(source, renaming), *_animation_edits(source, renaming), *influences])
+    edit.rig = replace(edit.rig, keys=_keys(source, edit.source, edit.rig))
+
+
+def _names(source: Source, rig: Rig) -> dict[str, dict[str, str]]:
+    """By skeleton and token the new names of joints. FileError for a prim with another name."""
+    found: dict[str, dict[str, str]] = {}
+    place = {key: node for node, key in enumerate(rig.keys) if key is not None}
+    for node, (path, token) in source.joints.items():
+        name = rig.names[place[source.rig.keys[node]]]
+        if name != source.rig.names[node] and name:
+            found.setdefault(path, {})[token] = name
+    for node, key in enumerate(source.rig.keys):
+        if kind(key) == "prim" and node not in source.rig.metadata:
+            name = rig.names[place[key]]
+            if name != source.rig.names[node] and name:
+                raise FileError(
+                    f"<{source.rig.labels[node]}> is a prim, and another name would give it and all below "
+                    "it other paths; only joints of skeletons can be renamed"
+                )
+    return found
+
+
+def _check(source: Source, path: str) -> None:
+    """FileError where the skeleton or what drives and binds it cannot be edited."""
+    skeleton = source.skeletons[path]
+    for prim in [source.stage.GetPrimAtPath(p) for p in (path, *skeleton.animations)]:
+        refuse(why_instanced(prim))
+    refuse(skeleton.locked)
+    if path not in source.animations:
+        for variants in variants_of(source.stage, path, skeleton.animations):
+            refuse(split_by(variants))
+        refuse(why_bound_otherwise(source.stage, path))
+
+
+def _skeleton_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
+    for path, renamed in renaming.items():
+        skeleton = source.skeletons[path]
+        if path in source.animations:
+            continue
+        tokens = list(map(renamed, skeleton.tokens))
+        yield set_tokens(path, "joints", tokens)
+        names = joint_names(source.stage, skeleton)
+        leaves = [token.rpartition("/")[2] for token in skeleton.tokens]
+        if names is not None:
+            pairs = zip(names, leaves, tokens, strict=True)
+            yield set_tokens(
+                path, "jointNames", [new.rpartition("/")[2] if n == leaf else n for n, leaf, new in pairs]
+            )
+
+
+def _animation_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
+    for path, animation in source.animations.items():
+        users = [skeleton for skeleton in source.skeletons.values() if path in skeleton.animations]
+        users += [skeleton for skeleton in source.skeletons.values() if skeleton.path == path]
+        tokens = []
+        for token in animation.tokens:
+            mine = [skeleton.path for skeleton in users if token in skeleton.tokens]
+            new = {renaming[user](token) if user in renaming else token for user in mine}
+            if len(new) > 1:
+                raise FileError(
+                    f"Animation <{path}> drives several skeletons, for which '{token}' would have to have "
+                    "several names in it. Give each skeleton an animation of its own"
+                )
+            tokens += new or {token}
+        if tokens != list(animation.tokens):
+            yield set_tokens(path, "joints", tokens)
+
+
+def _keys(before: Source, after: Source, rig: Rig) -> tuple[object, ...]:
+    now = dict(zip(before.rig.keys, after.rig.keys, strict=True))
+    return tuple(now.get(key) for key in rig.keys)

@@ -1,0 +1,46 @@
+"""The options of rename-joints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.errors import UsageError
+from rigtri.operations.declaration import JointNames, JsonFile, Node, Nodes, option
+
+
+@dataclass(frozen=True)
+class RenameJointsOptions:
+    """Give recognised joints the names of a scheme; everything that names them follows."""
+
+    to: str | None = option(
+        None,
+        metavar="SCHEME|FILE.toml",
+        help="The naming scheme: mixamo, unreal, unity, vrm, godot, rigify, hik, … or a file of one's own.",
+        group="what",
+    )
+    name: JointNames = option({}, help="The name of one joint, whatever it is; repeatable.", group="what")
+    map: JsonFile | None = option(
+        None, help="The names that --save-map has written, of this file or one like it.", group="what"
+    )
+    inverse: bool = option(False, help="With --map: back to the names that joints had.", group="what")
+    prefix: str | None = option(
+        None, help="What new names begin with, in place of the scheme's own namespace (mixamorig:)."
+    )
+    side_style: Literal["Left", "left", "_l", "_L", ".l", ".L", "_left", "l_", "L_", "left_"] | None = option(
+        None, help="How new names say their side, in place of the scheme's own way."
+    )
+    below: Node | None = option(None, help="Only this joint and all below it: of two characters, one.")
+    exclude: Nodes = option((), help="Not these joints.")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError where nothing says what the names are to be."""
+        if not (self.to or self.name or self.map is not None):
+            raise UsageError("give the names with --to SCHEME, --name JOINT=NAME or --map FILE.json")
+        if self.inverse and self.map is None:
+            raise UsageError("--inverse is for --map FILE.json")
+        if self.to is None and (self.prefix is not None or self.side_style):
+            raise UsageError("--prefix and --side-style are for --to SCHEME")
+
+

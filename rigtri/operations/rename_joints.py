@@ -1,0 +1,127 @@
+"""rename-joints: recognised joints get the names of a scheme, and all that names them follows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.model.metadata import with_references
+from rigtri.model.rig import Rig
+from rigtri.operations.joint_records import joint_record
+from rigtri.operations.operation import operation
+from rigtri.operations.options.rename_joints import RenameJointsOptions as RenameJointsOptions
+from rigtri.operations.rigtri_nodes import plain_name
+from rigtri.recognition.layout import CONFIDENT, Part
+from rigtri.recognition.recognise import recognise
+from rigtri.recognition.written_names import written_names
+from rigtri.report import Report
+from rigtri.text import listed
+
+FORMAT = "rigtri names 1"
+
+
+@operation(RenameJointsOptions)
+def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> Rig:
+    """The rig with other names of joints; nodes keep their places, and nothing moves.
+
+    Metadata of rigtri, maps of characters and joint tokens follow; what each was called is in
+    ``report.joints``. Raises GeometryError for joints of which it is not sure what they are, UsageError for
+    names that several would have, NameNotFoundError for joints that are not there.
+    """
+    names = dict(_of_map(rig, options)) | dict(_of_scheme(rig, options))
+    names |= {rig.find(joint): name for joint, name in options.name.items()}
+    if not rig.rules.dotted_names:
+        names = {node: plain_name(name) if name else "" for node, name in names.items()}
+    _refuse_clashes(rig, names)
+    names = {node: name for node, name in names.items() if rig.names[node] != name}
+    for node, name in sorted(names.items()):
+        report.joints.append(joint_record(rig, node, "renamed", name=name))
+    return renamed(rig, names) if names else rig
+
+
+def renamed(rig: Rig, names: Mapping[int, str]) -> Rig:
+    """The rig with names of nodes, and metadata that finds them by these."""
+    after = replace(rig, names=tuple(names.get(node, name) for node, name in enumerate(rig.names)))
+    changed = {node for top in names for node in rig.below(top)}
+    now = {rig.address(node): after.address(node) for node in changed}
+    metadata = {
+        node: with_references(stored, lambda _, name: now.get(name, name))
+        for node, stored in rig.metadata.items()
+    }
+    return replace(after, metadata=metadata)
+
+
+def names_json(report: Report) -> dict[str, Any]:
+    """What --save-map writes: by the address that each joint had its new name."""
+    return {"format": FORMAT, "names": {each["address"]: each["name"] for each in report.joints}}
+
+
+def _of_map(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, str]]:
+    """Nodes and names of a map; those that the file does not have are left out."""
+    if options.map is None:
+        return
+    table = options.map.get("names") if isinstance(options.map, Mapping) else None
+    if not isinstance(table, Mapping) or not all(isinstance(name, str) for name in table.values()):
+        raise FileError('--map: this is no map of names: {"names": {"old": "new", …}}, as --save-map writes')
+    for old, new in table.items():
+        # A node without a name was found by its number.
+        before = old.rpartition("/")[2]
+        was, name = (new, re.sub("^#[0-9]+$", "", before)) if options.inverse else (old, new)
+        node = rig.known(was)
+        if node is not None:
+            yield node, name
+
+
+def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, str]]:
+    """Nodes of recognised bones and their names in the scheme."""
+    if options.to is None:
+        return
+    written = written_names(options.to, sided=options.side_style or "")
+    inside = set(range(len(rig))) if options.below is None else set(rig.below(rig.find(options.below)))
+    inside -= {node for glob in options.exclude for node in rig.match(glob)}
+    inside -= {rig.find(joint) for joint in options.name}
+    bones = [part for part in _bones(rig) if part.joint in inside]
+    unsure = [f"{rig.title(part.joint)} as {part.bone}" for part in bones if part.confidence < CONFIDENT]
+    if unsure:
+        raise GeometryError(
+            f"It is not sure what these joints are: {listed(unsure, 6)}. Name each with --name JOINT=NAME, "
+            "or leave it out with --exclude; see why with: rigtri recognise FILE --joints"
+        )
+    for part in bones:
+        if part.bone in written:
+            name = written[part.bone]
+            if options.prefix is not None:
+                name = options.prefix + name.rpartition(":")[2]
+            yield part.joint, name
+
+
+def _bones(rig: Rig) -> list[Part]:
+    """The joints that are bones of bodies. GeometryError where there is none."""
+    layout = recognise(rig)
+    found = [part for character in layout.characters for part in character.parts if part.bone]
+    if not found:
+        why = "; ".join(layout.remarks) or "no joint is known"
+        raise GeometryError(f"No character is recognised here: {why}. Give names with --name or --map")
+    return found
+
+
+def _refuse_clashes(rig: Rig, names: Mapping[int, str]) -> None:
+    """UsageError for a name that two joints would have."""
+    joints = {*np.flatnonzero(rig.is_joint).tolist(), *names}
+    taken: dict[str, int] = {}
+    for node in sorted(joints):
+        name = names.get(node, rig.names[node])
+        if name and name in taken and (node in names or taken[name] in names):
+            pair = f"'{rig.title(taken[name])}' and '{rig.title(node)}'"
+            if rig.names[node] == rig.names[taken[name]]:
+                continue  # they shared one before
+            raise UsageError(
+                f"{pair} would both be called '{name}'. Name one of them with --name JOINT=NAME, or leave "
+                "one out with --exclude; of two characters rename one at a time with --below NAME"
+            )
+        taken.setdefault(name, node)

@@ -1,0 +1,88 @@
+"""How the names of a scheme are written: the ``[write]`` table of its TOML file.
+
+``sided`` is how a name of one side is made of the bone's ``{name}`` and the side: ``{Side}`` is Left,
+``{side}`` left, ``{S}`` L, ``{s}`` l, ``{左}`` the same in Japanese. Then a line for each bone of VRM 1.0's
+humanoid, without ``left`` and ``right``, and three names for each finger. A scheme without the table is
+written as it is read: the first word of each bone, with ``_l`` and ``_r`` behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rigtri.errors import UsageError, did_you_mean
+from rigtri.model.joint_names import Side
+from rigtri.recognition.layout import MIDDLE, SIDED
+from rigtri.recognition.naming_schemes import own_table, scheme_tables
+
+# Side styles by name: how a name of one side is made.
+SIDE_STYLES = {
+    "Left": "{Side}{name}",
+    "left": "{side}{name}",
+    "_l": "{name}_{s}",
+    "_L": "{name}_{S}",
+    ".l": "{name}.{s}",
+    ".L": "{name}.{S}",
+    "_left": "{name}_{side}",
+    "l_": "{s}_{name}",
+    "L_": "{S}_{name}",
+    "left_": "{side}_{name}",
+}
+_SIDES: tuple[Side, ...] = ("left", "right")
+_CJK = {"left": "左", "right": "右"}
+_FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
+
+
+def scheme_names() -> list[str]:
+    """The schemes of rigtri whose names can be written."""
+    return sorted(scheme_tables())
+
+
+def written_names(scheme: str, *, sided: str = "") -> dict[str, str]:
+    """The names of a scheme by bones of the VRM 1.0 humanoid (``leftUpperArm``).
+
+    scheme: one of `scheme_names`, or the path of a TOML file. sided: another way to write sides, one of
+    `SIDE_STYLES`. Raises UsageError for a scheme that there is not, FileError for a file that is none.
+    """
+    if scheme in scheme_tables():
+        table = scheme_tables()[scheme]
+    elif scheme.endswith(".toml"):
+        table = own_table(Path(scheme))
+    else:
+        known = scheme_names()
+        hint = did_you_mean(scheme, known) or f" There are {', '.join(known)}."
+        raise UsageError(f"--to {scheme}: there is no such naming scheme.{hint} Or give a FILE.toml")
+    words = _words(table)
+    pattern = SIDE_STYLES[sided] if sided else str(words.get("sided", SIDE_STYLES["_l"]))
+    found = {bone: str(words[bone]) for bone in MIDDLE if bone in words}
+    for side in _SIDES:
+        found |= {side + bone: with_side(pattern, str(words[bone]), side) for bone in SIDED if bone in words}
+    return found
+
+
+def with_side(pattern: str, name: str, side: Side) -> str:
+    """A name of one side.
+
+    >>> with_side("{name}_{s}", "upperarm", "left"), with_side("{Side}{name}", "Arm", "right")
+    ('upperarm_l', 'RightArm')
+    """
+    words = {"{name}": name, "{side}": side, "{Side}": side.title(), "{s}": side[:1], "{S}": side[:1].upper()}
+    for word, text in {**words, "{左}": _CJK.get(side, "")}.items():
+        pattern = pattern.replace(word, text)
+    return pattern
+
+
+def _words(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The written word of each bone, and ``sided``."""
+    base = dict(_words(scheme_tables()[table["like"]])) if "like" in table else {}
+    words = [each for part in ("middle", "sides") for each in table.get(part, {}).items()]
+    read = {bone: text.split()[0] for bone, text in words}
+    if "write" not in table:
+        return base | read
+    own = dict(table["write"])
+    for finger in _FINGERS:
+        parts = [bone for bone in SIDED if bone.startswith(finger)]
+        own |= dict(zip(parts, own.pop(finger, ()), strict=False))
+    return own if "sided" in own else base | own

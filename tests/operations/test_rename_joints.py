@@ -1,0 +1,151 @@
+"""rename-joints: joints get the names of a scheme, and whatever names them follows."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from gltf_files import glb_json, small
+from places import SAMPLES, real_files
+from program import cli
+
+import rigtri
+from rigtri.errors import GeometryError, UsageError
+from rigtri.formats import read
+from rigtri.recognition.layout import MIDDLE, SIDED
+from rigtri.recognition.naming_schemes import parse_name, schemes
+from rigtri.recognition.recognise import recognise
+from rigtri.recognition.written_names import SIDE_STYLES, scheme_names, written_names
+from rigtri.verification.compare.compare import verify
+
+
+@pytest.mark.parametrize("scheme", scheme_names())
+def test_every_written_name_is_read_as_the_bone_that_it_is_for(scheme: str) -> None:
+    reader = {"godot": "vrm", "readyplayerme": "mixamo"}.get(scheme, scheme)
+    (reads,) = (each for each in schemes() if each.source == reader)
+    for bone, name in written_names(scheme).items():
+        parsed = parse_name(name)
+        assert parsed.side + reads.bone(parsed)[0] == bone, name
+
+
+@pytest.mark.parametrize("style", SIDE_STYLES)
+def test_sides_are_found_in_every_style(style: str) -> None:
+    names = written_names("unity", sided=style)
+    assert parse_name(names["leftUpperArm"]).side == "left"
+    assert parse_name(names["rightIndexDistal"]).side == "right"
+
+
+def test_schemes_have_all_bones_of_the_body() -> None:
+    bones = {*MIDDLE[:4], "neck", "head", *(f"left{bone}" for bone in SIDED[1:9])}
+    for scheme in scheme_names():
+        assert bones <= written_names(scheme).keys(), scheme
+
+
+@pytest.mark.parametrize("scheme", ["unreal", "rigify", "mixamo", "vrm", "biped", "daz"])
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_there_and_back_gives_the_same_bytes(scheme: str, suffix: str, tmp_path: Path) -> None:
+    source, out, back = (tmp_path / f"{name}{suffix}" for name in ("source", "out", "back"))
+    cli("rename-joints", SAMPLES / f"biped{suffix}", "-o", source, "--to", "unity", code=0)
+    cli("rename-joints", source, "-o", out, "--to", scheme, code=0)
+    cli("rename-joints", out, "-o", back, "--to", "unity", code=0)
+    assert back.read_bytes() == source.read_bytes()
+    before, after = rigtri.read(source), rigtri.read(out)
+    both = [recognise(rig).characters[0].bones for rig in (before, after)]
+    assert both[0] == both[1]
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_map_leads_back_to_names_that_no_scheme_has(suffix: str, tmp_path: Path) -> None:
+    source = SAMPLES / f"biped{suffix}"
+    out, back, names = tmp_path / f"out{suffix}", tmp_path / f"back{suffix}", tmp_path / "names.json"
+    cli("rename-joints", source, "-o", out, "--to", "unreal", "--save-map", names, code=0)
+    assert "upperarm_l" in json.loads(names.read_text())["names"].values()
+    cli("rename-joints", out, "-o", back, "--map", names, "--inverse", code=0)
+    assert back.read_bytes() == source.read_bytes()
+
+
+def test_tokens_follow_everywhere_in_usd(tmp_path: Path) -> None:
+    from pxr import Usd, UsdSkel
+
+    out = tmp_path / "out.usda"
+    cli("rename-joints", SAMPLES / "biped.usda", "-o", out, "--to", "unreal", code=0)
+    stage = Usd.Stage.Open(str(out))
+    (skeleton,) = (UsdSkel.Skeleton(prim) for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton))
+    tokens = [str(token) for token in skeleton.GetJointsAttr().Get()]
+    assert any(token.endswith("/upperarm_l/lowerarm_l/hand_l") for token in tokens)
+    for prim in stage.Traverse():
+        if prim.IsA(UsdSkel.Animation):
+            assert set(map(str, UsdSkel.Animation(prim).GetJointsAttr().Get())) <= set(tokens)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_controls_find_their_joints_by_the_new_names(suffix: str, tmp_path: Path) -> None:
+    rig = rigtri.read(SAMPLES / f"biped{suffix}")
+    rigtri.write(rigtri.add_controls(rig, whole_character=True), tmp_path / f"in{suffix}")
+    cli("rename-joints", tmp_path / f"in{suffix}", "-o", tmp_path / f"out{suffix}", "--to", "unreal", code=0)
+    after = rigtri.read(tmp_path / f"out{suffix}")
+    stored = [after.metadata[node] for node in after.nodes_of("control")]
+    joints = [str(each["joint"]) for each in stored if "joint" in each]
+    assert "upperarm_l" in {after.names[after.find(joint)] for joint in joints}
+    assert "upper_arm_L" not in {name.rpartition("/")[2] for name in joints}
+
+
+def test_maps_of_characters_follow_in_gltf(tmp_path: Path) -> None:
+    source, out = tmp_path / "in.gltf", tmp_path / "out.gltf"
+    gltf = json.loads((SAMPLES / "biped.gltf").read_text())
+    gltf["extensionsUsed"] = ["KHR_character_skeleton_mapping"]
+    mapping = {"skeletalRigMappings": {"vrm": {"leftUpperArm": "upper_arm_L", "x": "body"}}}
+    gltf["extensions"] = {"KHR_character_skeleton_mapping": mapping}
+    source.write_text(json.dumps(gltf))
+    (tmp_path / "biped.bin").write_bytes((SAMPLES / "biped.bin").read_bytes())
+    cli("rename-joints", source, "-o", out, "--to", "unreal", code=0)
+    held = json.loads(out.read_text())["extensions"]["KHR_character_skeleton_mapping"]
+    assert held["skeletalRigMappings"]["vrm"] == {"leftUpperArm": "upperarm_l", "x": "body"}
+
+
+def test_a_clash_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    names = ("--to", "unreal", "--name", "head=hand_l")
+    ran = cli("rename-joints", SAMPLES / "biped.glb", "-o", out, *names, code=2)
+    assert "would both be called 'hand_l'" in ran.stderr
+    assert not out.exists()
+
+
+def test_what_is_no_character_is_refused_with_the_reason(tmp_path: Path) -> None:
+    with pytest.raises(GeometryError, match="No character is recognised"):
+        rigtri.rename_joints(rigtri.read(small(4).glb(tmp_path / "in.glb")), to="unreal")
+
+
+def test_an_unknown_scheme_names_what_may_be_meant() -> None:
+    with pytest.raises(UsageError, match="Did you mean 'mixamo'"):
+        rigtri.rename_joints(rigtri.read(SAMPLES / "biped.glb"), to="mixmo")
+
+
+def test_a_scheme_of_ones_own_is_written_as_its_file_says(tmp_path: Path) -> None:
+    scheme = tmp_path / "studio.toml"
+    written = '[write]\nsided = "{S}_{name}"\nUpperArm = "armTop"\n'
+    scheme.write_text(f'title = "Studio"\nlike = "unreal"\n{written}')
+    names = written_names(str(scheme))
+    assert names == {"leftUpperArm": "L_armTop", "rightUpperArm": "R_armTop"}
+
+
+def test_prefix_and_side_style_go_before_the_schemes_own(tmp_path: Path) -> None:
+    rig = rigtri.rename_joints(
+        rigtri.read(SAMPLES / "biped.glb"), to="mixamo", prefix="hero_", side_style="_L"
+    )
+    assert "hero_Arm_L" in rig.names
+
+
+@pytest.mark.parametrize("path", real_files())
+def test_real_files_look_as_before_and_come_back(path: Path, tmp_path: Path) -> None:
+    out, back, names = tmp_path / f"o{path.suffix}", tmp_path / f"b{path.suffix}", tmp_path / "n.json"
+    more = ("--allow-external-paths",)
+    ran = cli("rename-joints", path, "-o", out, "--to", "unreal", "--save-map", names, *more)
+    if ran.exit_code in (2, 3, 5):
+        pytest.skip(ran.stderr)
+    assert ran.exit_code == 0, ran.stderr
+    cli("rename-joints", out, "-o", back, "--map", names, "--inverse", *more, code=0)
+    assert verify(read(path), read(back)).deviation == 0
+    if path.suffix == ".glb":
+        assert glb_json(back)["nodes"] == glb_json(path)["nodes"]
