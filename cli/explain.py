@@ -29,6 +29,12 @@ if TYPE_CHECKING:
 @option(
     "--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.", group="joints"
 )
+@option(
+    "--at",
+    metavar="CLIP@TIME",
+    help="Of a file: the moment, in seconds (USD: time codes). [rest]",
+    group="what",
+)
 @output_option(
     "Also write a picture: .svg or .png (extra rigtri[png]); - for SVG instead of words.",
 )
@@ -38,20 +44,22 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def command(points: tuple[str, ...], **values: Any) -> None:
-    """Show the vectors and triangles of three points, or of a limb, step by step.
+    """Show the vectors, triangles and matrices of three points, or of a limb, step by step.
 
     Each line has the notation of the talk "Rigging with Triangles", rigtri's own, and the numbers:
-    vectors, lengths, dot and cross product, the aim matrix, the projection and the pole vector.
-    Points are x,y,z each, or nine numbers in a row; negative ones need nothing around them.
+    vectors, lengths, dot and cross product, the aim matrix, the projection and the pole vector; product
+    and inverse of matrices, another space and back, the parent constraint with offset and joint orient,
+    twist and pose reader. Of a file the matrices are those of its joints. Points are x,y,z each, or nine
+    numbers in a row; negative ones need nothing around them.
 
     \b
     Examples:
         rigtri explain 0,140,0 25,140,-5 50,140,0
         rigtri explain 0 140 0 25 140 -5 50 140 0 -o arm.svg
-        rigtri explain hero.glb --limb forearm_L
+        rigtri explain hero.glb --limb forearm_L --at walk@0.5
     """
-    from rigtri.export.explain.explain import text
     from rigtri.export.explain.picture import picture
+    from rigtri.export.explain.text import text
 
     output, report = values["output"], Report()
     if output is not None:
@@ -61,7 +69,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         output_file.write_picture(picture(found, view=values["view"]), output, report)
     if values["as_json"]:
         print_json(found.as_json())
-    elif output != "-":
+    elif output != "-" and not values["quiet"]:
         wide = shutil.get_terminal_size().columns if sys.stdout.isatty() else 120
         click.echo(plain(text(found, width=wide)))
     if output is not None:
@@ -80,6 +88,8 @@ def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
         return _of_file(points, values)
     if values["limb"] is not None:
         raise UsageError("--limb names a joint of a file; give the file instead of points")
+    if values["at"] is not None:
+        raise UsageError("--at is a moment of a file; give the file instead of points")
     return explain(numbers[:3], numbers[3:6], numbers[6:])
 
 
@@ -117,4 +127,4 @@ def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
     with opened(words[0]) as path:
         rig = read(path, read_options({**values, "empty": True})).rig
         joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])
-        return explain_limb(rig, joints)
+        return explain_limb(rig, joints, values["at"] or "rest")

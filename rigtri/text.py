@@ -43,8 +43,19 @@ def display_name(name: str) -> str:
     >>> display_name("a\\nb"), len(display_name("x" * 500))
     ('a\\\\nb', 60)
     """
-    whole = plain(name, one_line=True)
-    return whole if len(whole) <= LONGEST_NAME else f"{whole[: LONGEST_NAME - 1]}…"
+    return shortened(plain(name, one_line=True), LONGEST_NAME)
+
+
+def shortened(name: str, most: int) -> str:
+    """A name with its beginning and its end, which tells sides and numbers apart, and … between them.
+
+    >>> shortened("CharacterRig:LeftForeArm_JNT", 15), shortened("hand_L", 15)
+    ('Charact…Arm_JNT', 'hand_L')
+    """
+    if len(name) <= most:
+        return name
+    end = (most - 1) // 2
+    return f"{name[: most - 1 - end]}…{name[len(name) - end :]}"
 
 
 def listed(names: Sequence[object], most: int = 3) -> str:

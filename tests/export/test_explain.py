@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from hypothesis import given
+from numpy.testing import assert_allclose
 from places import SAMPLES
 from program import Ran, cli
 from second_opinions import validator
@@ -19,8 +20,11 @@ from strategies import vectors
 
 import rigtri
 from rigtri.errors import GeometryError
-from rigtri.export.explain.explain import Explanation, explain, text
+from rigtri.export.explain.explain import Explanation, explain
+from rigtri.export.explain.limb_points import explain_limb
+from rigtri.export.explain.matrix_steps import CONSTRAINT
 from rigtri.export.explain.picture import picture
+from rigtri.export.explain.text import text
 from rigtri.maths.trigonometry import Floats
 
 ARM = ([0, 140, 0], [25, 140, -5], [50, 140, 0])
@@ -122,6 +126,81 @@ def test_the_picture_shows_the_points_the_projection_and_the_pole() -> None:
     assert {"A <b>", "B elbow", "C wrist", "P", "pole vector"} <= words
 
 
+def test_names_of_three_joints_are_whole_in_the_picture() -> None:
+    names = tuple(
+        f"CharacterRig:Left{part}_Deformation_Joint_with_a_name" for part in ("Arm", "ForeArm", "Hand")
+    )
+    svg = picture(explain(*ARM, names=names))  # type: ignore[arg-type]
+    words = {e.text for e in ElementTree.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")}
+    assert {f"{letter} {name}" for letter, name in zip("ABC", names, strict=True)} <= words
+
+
+def named(found: Explanation, slide: str, talk: str) -> Any:
+    (each,) = [each for each in found.steps if each.slide == slide and each.talk == talk]
+    return np.array(each.value)
+
+
+def test_vectors_are_reversed_and_added_and_the_law_of_cosines_holds() -> None:
+    found = explain(*ARM)
+    assert value(found, "-AB") == (-25, 0, 5)
+    assert value(found, "AB + BC") == value(found, "c - a") == (50, 0, 0)
+    assert value(found, "(AB + BC) / 2") == (25, 0, 0)
+    assert value(found, "length(BC) ** 2") == pytest.approx(650)
+
+
+@pytest.mark.parametrize("of_file", [False, True])
+def test_matrices_follow_from_each_other_as_numpy_has_it(of_file: bool) -> None:
+    """The talk multiplies columns, so that its products are the transposed ones of numpy's."""
+    if of_file:
+        rig = rigtri.read(SAMPLES / "biped.glb")
+        joints = [rig.find(name) for name in ("upper_arm_L", "forearm_L", "hand_L")]
+        found, (a, b, c) = explain_limb(rig, joints, "walk@0.5"), worlds_at(rig, joints)
+    else:
+        found = explain(*ARM)
+        a = named(found, "Transformation Matrix", "A.worldMatrix")
+        b = np.array(value(found, "world(B.local, A)"))
+        c = b.copy()
+        c[3, :3] = ARM[2]
+    inverse = partial(named, found, "Inverse matrix")
+    assert_allclose(named(found, "Matrix Multiplication", "BM * AM"), (b.T @ a.T).T, atol=1e-6)
+    assert_allclose(named(found, "Matrix Multiplication", "AM * BM"), (a.T @ b.T).T, atol=1e-6)
+    assert_allclose(inverse("A.inverse()"), np.linalg.inv(a), atol=1e-6)
+    assert_allclose(inverse("A.inverse() * A"), np.eye(4), atol=1e-9)
+    assert_allclose(inverse("A.inverse() * B"), (np.linalg.inv(a.T) @ b.T).T, atol=1e-6)
+    space = partial(named, found, "Operation on object in local space")
+    moved = np.array(space("M = P.inverse() * A"))
+    moved[3, :3] += 1, 0.5, 1
+    assert_allclose(space("P * M"), (b.T @ moved.T).T[3, :3], atol=1e-6)
+
+
+def test_a_constraint_is_its_offset_and_joint_orient_comes_last() -> None:
+    found = explain(*ARM)
+    follows = partial(named, found, CONSTRAINT)
+    b = np.array(value(found, "world(B.local, A)"))
+    driver = np.linalg.inv(follows("offset = child₀ · parent₀⁻¹")) @ follows("childWorld = offset · parent")
+    a = named(found, "Transformation Matrix", "A.worldMatrix")
+    angle = np.arccos((np.trace((driver @ np.linalg.inv(a))[:3, :3]) - 1) / 2)
+    assert np.degrees(angle) == pytest.approx(30)
+    inside = follows("childWorld = offset · parent") @ np.linalg.inv(b)
+    assert_allclose(follows("childLocal = childWorld · childParent⁻¹"), inside, atol=1e-6)
+    assert_allclose(follows("rotate = childLocal · jointOrient⁻¹"), [0, 30, 0], atol=1e-6)
+
+
+def test_a_pose_reader_reads_one_where_the_joint_aims() -> None:
+    found = explain(*ARM)
+    assert named(found, "PSD node", "A.x · norm(B − A)") == pytest.approx(1)
+    assert named(found, "PSD node", "A.x · norm(C − A)") == pytest.approx(
+        value(found, "dot of the normalised")
+    )
+
+
+def worlds_at(rig: rigtri.Rig, joints: list[int]) -> list[Floats]:
+    """Where joints are in the middle of a clip, as the command itself prints their matrices."""
+    table = cli("inspect", SAMPLES / "biped.glb", "--matrices", "--at", "walk@0.5", "--json", code=0).json
+    found = {entry["node"]: np.array(entry["world"]["matrix"]) for entry in table["matrices"]}
+    return [found[rig.address(joint)] for joint in joints]
+
+
 def test_lines_fit_the_terminal_where_they_can() -> None:
     assert max(map(len, text(explain(*ARM), width=200).splitlines())) <= 200
     assert max(map(len, text(explain(*ARM), width=90).splitlines())) <= 90
@@ -170,6 +249,7 @@ def test_a_limb_of_a_file_is_found_by_any_of_its_joints_or_by_all(run: Any) -> N
         (["0,0,0", "1,0,0", "2,0,0", "--nothing"], 2, "no option --nothing"),
         (["0,0,0", "1,0,0", "2,0,0", "--limb", "a"], 2, "of a file"),
         (["0,0,0", "1,0,0", "nan,0,0"], 5, "not all of their coordinates are numbers"),
+        (["0,0,0", "1,0,0", "2,1,0", "--at", "walk@0"], 2, "a moment of a file"),
         (["missing.glb", "--limb", "a"], 3, "no file"),
         ([SAMPLES / "biped.glb"], 2, "--limb JOINT"),
         ([SAMPLES / "biped.glb", "--limb", "elbo"], 4, "elbo"),
@@ -181,6 +261,12 @@ def test_a_mistake_gets_one_line(words: list[Any], code: int, told: str, run: An
     result = run(*words, code=code)
     assert told in result.stderr
     assert "Traceback" not in result.output
+
+
+def test_quiet_prints_nothing(run: Any, tmp_path: Path) -> None:
+    result = run("0,140,0", "25,140,-5", "50,140,0", "-o", "arm.svg", "-q")
+    assert not result.output
+    assert (tmp_path / "arm.svg").exists()
 
 
 def test_the_picture_is_written_beside_the_words(run: Any, tmp_path: Path) -> None:

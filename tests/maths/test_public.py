@@ -39,7 +39,10 @@ def test_a_rig_and_what_is_bound_to_it_are_one_line_each() -> None:
     assert repr(rig) == "<Rig: 30 nodes, 23 joints, 1 skins, 2 clips>"
     assert repr(rig.skins[0]) == "<Skin 'biped': 23 joints>"
     assert repr(rig.clips[0]) == "<Clip 'walk': 24 tracks>"
-    assert [repr(mesh) for mesh in rig.meshes] == ["<Mesh 'staff/0': 24 points>", "<Mesh 'body/0': 484 points>"]
+    assert [repr(mesh) for mesh in rig.meshes] == [
+        "<Mesh 'staff/0': 24 points>",
+        "<Mesh 'body/0': 484 points>",
+    ]
 
 
 def test_the_modules_agree_with_the_rig_that_they_are_shown_on() -> None:

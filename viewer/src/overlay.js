@@ -8,7 +8,7 @@ const DARK_AXES = ['#ff6b6b', '#5fd07f', '#7aa2ff'];
 const TAU = 2 * Math.PI;
 // Lines of a path: many at once are drawn faster, but not all of a crowd's.
 const AT_ONCE = 500;
-// Names that are longer end in … beside their joints.
+// Names that are longer are shortened beside their joints, as rigtri.text.shortened does it.
 const LONGEST = 36;
 
 /** Whether two boxes, left, top, width, height, share any place. */
@@ -152,7 +152,10 @@ export class Overlay {
   /** A name on the right of its spot, or on the left, where there is room; always, where that is asked. */
   #name({ name: whole, x, y }, size, taken, always = false) {
     const { pen } = this;
-    const name = whole.length > LONGEST ? `${whole.slice(0, LONGEST - 1)}…` : whole;
+    const end = (LONGEST - 1) >> 1;
+    const name = whole.length > LONGEST
+      ? `${whole.slice(0, LONGEST - 1 - end)}…${whole.slice(whole.length - end)}`
+      : whole;
     const wide = pen.measureText(name).width;
     const rooms = [x + 8, x - 8 - wide].map((left) => [left, y - size / 2, wide, size]);
     const inside = rooms.filter(([left]) => left >= 0 && left + wide <= this.look.wide);

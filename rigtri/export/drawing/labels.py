@@ -10,8 +10,9 @@ import numpy as np
 
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
+from rigtri.text import shortened
 
-# Names that are longer end in …; the whole name is shown when the pointer is over the joint.
+# Names that are longer are shortened; the whole name is shown when the pointer is over the joint.
 LONGEST = 36
 # Cells of the grid that shows where there is room, in pixels; letters as a share of the size of their font.
 _CELL, _LETTER, _WIDE = 3.0, 0.56, 1.05
@@ -67,11 +68,12 @@ def labels(
     busy: Sequence[Floats],
     box: tuple[float, float, float, float],
     font: float,
+    longest: int = LONGEST,
 ) -> list[Placed]:
     """Names that have room, the first requested first. requests: name, place (2,) and radius of each.
 
     busy: lines, (2, 2), that names lie over only where there is no other room near. box: left, top,
-    width and height of the room that there is.
+    width and height of the room that there is. longest: letters of a name.
     """
     left, top, wide, high = box
     taken = np.zeros((int(high / _CELL) + 1, int(wide / _CELL) + 1), dtype=bool)
@@ -91,7 +93,7 @@ def labels(
 
     found = []
     for name, place, radius in requests:
-        text = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+        text = shortened(name, longest)
         size = width(text, font), 1.1 * font
         # Outwards first: there is more room than in the middle.
         out = -1.0 if place[0] < left + 0.5 * wide else 1.0

@@ -11,7 +11,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
-from rigtri.export.drawing.labels import fitted, labels
+from rigtri.export.drawing.labels import LONGEST, fitted, labels
 from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.style import css
 from rigtri.export.drawing.view import HEAD_ON, Window
@@ -39,11 +39,11 @@ _DOTS, _BONE, _SHOULDER, _BROAD = (1.0, 4.5), 0.13, 0.14, 18.0
 
 
 def panel(
-    marks: Sequence[Mark], window: Window, loops: Sequence[Floats], *, font: float
+    marks: Sequence[Mark], window: Window, loops: Sequence[Floats], *, font: float, longest: int = LONGEST
 ) -> tuple[list[str], int]:
     """The elements of one picture, and how many names had no room. loops: of the outline, (k, 2), in pixels.
 
-    font: the size of names in pixels, 0 for none.
+    font: the size of names in pixels, 0 for none; longest: their letters.
     """
     parts = [_path(loops, "body")] if loops else []
     seen = _Seen.of(marks, window)
@@ -56,7 +56,7 @@ def panel(
     named.sort(key=lambda mark: (not mark.crooked, -mark.size))
     requests = [(shown(m.name), seen.places(m)[0], _radius(m, window) + 1.0) for m in named]
     busy = [seen.places(mark) for mark in marks if mark.form == "arrow"]
-    placed = labels(requests, busy, (window.left, window.top, window.wide, window.high), font)
+    placed = labels(requests, busy, (window.left, window.top, window.wide, window.high), font, longest)
     for label in placed:
         if label.far:
             (x, y), end = label.from_, (label.x, label.y - 0.35 * font)

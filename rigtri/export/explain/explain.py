@@ -1,7 +1,8 @@
 """explain: three points step by step, as the talk has it and as rigtri calls it.
 
 Each step is a slide of R. Katz, "Rigging with Triangles", GDC 2018: vectors and their lengths, dot and
-cross product, the matrix that aims A at B with C for up, the projection of B on AC, the pole vector.
+cross product, the matrix that aims A at B with C for up, the projection of B on AC, the pole vector; then
+matrices, their products and inverses (`matrix_steps`), with the articles on arms and parent constraints.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.errors import GeometryError
+from rigtri.export.explain.matrix_steps import Worlds, matrix_steps, worlds_of
+from rigtri.export.explain.steps import Step, plain_numbers, short, step
 from rigtri.maths.triangle import (
     DEGENERATE_SINE,
     STRAIGHT_SINE,
@@ -30,25 +33,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, as_vectors, cross, dot, length, normalise, project
 
 _DEGREES = 180.0 / np.pi
-# What is nothing beside the largest number of its row is written as 0: rounding, which nobody meant.
-_NOTHING = 1e-12
-_AIM = "Aiming node A at node B"
+AIM = "Aiming node A at node B"
 # Sides, in file units, whose fourth powers keep their digits.
 _SQUARED = (1e-70, 1e70)
-
-
-@dataclass(frozen=True)
-class Step:
-    """One line. slide: where the talk has it. talk, ours: what it is called there and here; value: numbers.
-
-    why: what the numbers show, or why there are none.
-    """
-
-    slide: str
-    talk: str
-    ours: str
-    value: tuple[Any, ...] | float | None
-    why: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,24 +55,21 @@ class Explanation:
                 for letter, name, point in zip("ABC", self.names, self.points, strict=True)
             },
             "degenerate": self.trouble or None,
-            "steps": [
-                {
-                    "slide": step.slide,
-                    "talk": step.talk,
-                    "ours": step.ours,
-                    "value": list(step.value) if isinstance(step.value, tuple) else step.value,
-                    "why": step.why,
-                }
-                for step in self.steps
-            ],
+            "steps": [each.as_json() for each in self.steps],
         }
 
 
 def explain(
-    a: ArrayLike, b: ArrayLike, c: ArrayLike, *, names: tuple[str, str, str] = ("A", "B", "C")
+    a: ArrayLike,
+    b: ArrayLike,
+    c: ArrayLike,
+    *,
+    names: tuple[str, str, str] = ("A", "B", "C"),
+    worlds: Worlds | None = None,
 ) -> Explanation:
-    """The vectors and the triangle of three points, (3,) each, in file units, step by step.
+    """The vectors, the triangle and the matrices of three points, (3,) each, in file units, step by step.
 
+    worlds: the matrices of joints that stand there; else points have the frames that the article gives them.
     Points that are equal or lie on one line have steps without value, and ``trouble`` is why.
     GeometryError for points that are no numbers.
 
@@ -103,6 +87,8 @@ def explain(
         # What needs squares has none then, instead of zeros and infinities that look like answers.
         squared = made if _can_be_squared(points) else _Maker(np.full((3, 3), np.nan), made.trouble)
         steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared), *_pole(squared))
+        trouble = made.trouble or "the frame of a joint has an axis without length"
+        steps += tuple(matrix_steps(worlds or worlds_of(points), trouble))
     return Explanation(names, points, steps, _trouble(points))
 
 
@@ -160,22 +146,22 @@ class _Maker:
         self, slide: str, talk: str, ours: str, value: ArrayLike, why: str | Callable[[], str] = ""
     ) -> Step:
         """A step with its numbers, or without where they are none."""
-        found = np.asarray(value, dtype=np.float64)
-        if not np.isfinite(found).all():
-            return Step(slide, talk, ours, None, self.trouble or "it is too large for a number")
-        numbers = tuple(plain_numbers(found)) if found.ndim else float(found) + 0.0
-        return Step(slide, talk, ours, numbers, why() if callable(why) else why)
+        return step(slide, talk, ours, value, why, trouble=self.trouble)
 
 
 def _vectors(made: _Maker, squared: _Maker) -> list[Step]:
     named = {"AB": made.ab, "BC": made.bc, "AC": made.ac}
     sized = {"AB": squared.ab, "BC": squared.bc, "AC": squared.ac}
-    minus = "Subtracting: destination − origin"
+    minus, plus = "Subtracting: destination − origin", "Adding Vectors"
+    both = made.ab + made.bc
     return [
         *(
             made.step(minus, f"{n} = {n[1]} − {n[0]}", f"{n[1]} - {n[0]}".lower(), v)
             for n, v in named.items()
         ),
+        made.step("Reversing a Vector", "AB * -1.0", "-AB", -made.ab, "from B to A"),
+        made.step(plus, "AB + BC", "AB + BC", both, "from A over B to C: the same as AC"),
+        made.step(plus, "(AB + BC) / 2", "(AB + BC) / 2", 0.5 * both, "their average"),
         *(squared.step("Vector Length", f"‖{n}‖", f"length({n})", length(v)) for n, v in sized.items()),
         *(
             squared.step("Normalize", f"{n}.normal()", f"normalise({n})", normalise(v))
@@ -189,6 +175,8 @@ def _products(made: _Maker) -> list[Step]:
     spread = angle(made.ab, made.ac) * _DEGREES if np.isfinite(one + other).all() else np.nan
     bend = bend_angle(made.a, made.b, made.c) * _DEGREES if made.ab.any() and made.bc.any() else np.nan
     of_dot, of_cross = partial(made.step, "The Dot Product"), partial(made.step, "The Cross Product")
+    sides = [length(made.ab), length(made.ac)]
+    law = dot(made.ab, made.ab) + dot(made.ac, made.ac) - 2.0 * sides[0] * sides[1] * dot(one, other)
     of_arm = partial(made.step, "Using Vector Math to Rig an Arm")
     cosine = "cosine of the angle at A: 1 the same way, 0 at a right angle, −1 opposite"
     flexes = "n = AB × BC: a positive turn about it bends the limb more"
@@ -196,6 +184,13 @@ def _products(made: _Maker) -> list[Step]:
         of_dot("AB · AC", "dot(AB, AC)", dot(made.ab, made.ac)),
         of_dot("norm AB · norm AC", "dot of the normalised", dot(one, other), cosine),
         of_dot("acos(norm AB · norm AC)", "angle(AB, AC)", spread, "degrees, at A"),
+        made.step(
+            "Linear Algebra",
+            "c² = a² + b² − 2ab cos θ",
+            "length(BC) ** 2",
+            law,
+            f"law of cosines: a = ‖AB‖, b = ‖AC‖, θ at A; c = ‖BC‖ = {short(float(np.sqrt(np.abs(law))))}",
+        ),
         of_cross("AB × AC", "cross(AB, AC)", normal, "the normal of the plane, at right angles to both"),
         of_cross("‖AB × AC‖ / 2", "length(cross(AB, AC)) / 2", 0.5 * length(normal), "area of the triangle"),
         of_arm("shdYAxis", "hinge(A, B, C)", hinge(made.a, made.b, made.c), flexes),
@@ -207,7 +202,7 @@ def _matrix(made: _Maker) -> list[Step]:
     x, y, z = normalise(made.ab), np.full(3, np.nan), np.full(3, np.nan)
     if np.isfinite(hinge(made.a, made.b, made.c)).all():
         x, y, z = frame(made.ab, made.ac)
-    row = partial(made.step, _AIM)
+    row = partial(made.step, AIM)
     nearest = "Y is as near to C as a right angle lets it be"
     return [
         row("aim_X = norm AB", "frame(AB, AC)[0]", x, "X aims at B"),
@@ -239,59 +234,3 @@ def _pole(made: _Maker) -> list[Step]:
         row("(‖AB‖ + ‖BC‖) * 0.5", "limb_length(A, B, C) * reach", reach, half),
         row("B + PB.normal() * that", "pole_position(A, B, C)", pole, "where the pole vector stands"),
     ]
-
-
-def plain_numbers(vector: Floats) -> list[float]:
-    """Numbers without what is only rounding beside the largest of them."""
-    largest = float(np.abs(vector).max(initial=0.0))
-    return [float(x) + 0.0 if abs(x) > _NOTHING * largest else 0.0 for x in vector.tolist()]
-
-
-def short(value: float) -> str:
-    """A number with six digits at most."""
-    return f"{value + 0.0:.6g}"
-
-
-def text(found: Explanation, *, width: int = 120) -> str:
-    """The explanation in lines of up to ``width`` characters where that can be, without a newline at its end.
-
-    A heading is the title of the slide; below it, each line has the talk's notation, rigtri's, the
-    numbers, and what they mean.
-    """
-    lines = []
-    for letter, name, point in zip("ABC", found.names, found.points, strict=True):
-        lines.append(f"{letter} = {_shown(tuple(plain_numbers(point)))}{f'  {name}' * (name != letter)}")
-    if found.trouble:
-        lines += ["", f"Note: {found.trouble}."]
-    rows = [(step, (step.talk, step.ours, _shown(step.value))) for step in found.steps]
-    wide = [max(len(row[k]) for _, row in rows) for k in range(3)]
-    slide = ""
-    for step, row in rows:
-        if step.slide != slide:
-            lines += [*(_matrix_lines(found) if slide == _AIM else []), "", step.slide]
-            slide = step.slide
-        line = "  " + "  ".join(word.ljust(size) for word, size in zip(row, wide, strict=True))
-        why = step.why if step.value is not None else ""
-        beside = len(line) + 2 + len(why) <= width
-        lines += [f"{line}  {why}".rstrip()] if beside else [line.rstrip(), f"      {why}"]
-    return "\n".join(lines)
-
-
-def _matrix_lines(found: Explanation) -> list[str]:
-    """The rows of the aim matrix; none where it has not all of them."""
-    x, z, y, at = (step.value for step in found.steps if step.slide == _AIM)
-    if not all(isinstance(row, tuple) for row in (x, y, z, at)):
-        return []
-    cells = [[*map(short, row), last] for row, last in ((x, "0"), (y, "0"), (z, "0"), (at, "1"))]  # type: ignore[arg-type]
-    wide = max(len(cell) for row in cells for cell in row)
-    names = ("X axis", "Y axis", "Z axis", "Translation")
-    rows = [
-        f"{name:<11}  {'  '.join(c.rjust(wide) for c in row)}" for name, row in zip(names, cells, strict=True)
-    ]
-    return ["  M = [aim_X, aim_Y, aim_Z, A_pos]", *(f"    {row}" for row in rows)]
-
-
-def _shown(value: tuple[Any, ...] | float | None) -> str:
-    if value is None:
-        return "none"
-    return f"({', '.join(map(short, value))})" if isinstance(value, tuple) else short(value)

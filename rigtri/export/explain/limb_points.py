@@ -8,8 +8,10 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.export.explain.explain import Explanation, explain
+from rigtri.export.explain.matrix_steps import Worlds
 from rigtri.frames.skeleton import skeleton
 from rigtri.model.rig import Rig
+from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.recognition.limbs import recognise
 
 
@@ -36,8 +38,11 @@ def limb_with(rig: Rig, name: str) -> tuple[int, int, int]:
     )
 
 
-def explain_limb(rig: Rig, joints: Sequence[int]) -> Explanation:
-    """Three joints where they stand at rest."""
+def explain_limb(rig: Rig, joints: Sequence[int], at: str = "rest") -> Explanation:
+    """Three joints where they stand at a moment, ``rest`` or CLIP@TIME, with their matrices."""
     a, b, c = joints
+    posed = pose_of(rig, PoseOptions(at=at))
+    above, *placed = (posed.world(node)[0] for node in (int(rig.parents[a]), a, b, c))
+    worlds = Worlds(above, placed[0], placed[1], placed[2], of_file=True)
     names = (rig.title(a), rig.title(b), rig.title(c))
-    return explain(*rig.world[[a, b, c], 3, :3], names=names)
+    return explain(*(world[3, :3] for world in (worlds.a, worlds.b, worlds.c)), names=names, worlds=worlds)

@@ -19,6 +19,8 @@ from rigtri.maths.vectors import cross, dot, length, normalise, project
 _WIDE, _HIGH = 900, 700
 # Axes and dots as shares of the longest side.
 _AXES, _DOT = 0.2, 0.012
+# Letters of a name, which has more room beside three points than among many joints.
+_LONGEST = 72
 # A triangle lies flat whose normal is nearer to upright than this cosine.
 _FLAT = 0.8
 
@@ -31,7 +33,7 @@ def picture(found: Explanation, *, view: str | None = None) -> str:
     seen = _across(found) if view is None else View.along(direction(view), [0.0, 1.0, 0.0], [0.0, 0.0, -1.0])
     points = [mark.points for mark in marks] or [found.points]
     (window,) = Window.around(points, seen, [(0.0, 64.0, float(_WIDE), _HIGH - 64.0)], 70.0)
-    parts, _ = panel(marks, window, [], font=15.0)
+    parts, _ = panel(marks, window, [], font=15.0, longest=_LONGEST)
     a, b, c = (shown(name) for name in found.names)
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
     parts += heading(lines, 0.0, _WIDE)

@@ -1,0 +1,157 @@
+"""The matrices of the talk and of both articles, for three nodes A, B and C and the parent P of A.
+
+Both notations: the talk multiplies columns, ``A.inverse() * B``; rigtri and the articles multiply rows,
+``B · A⁻¹``. The four numbers of a row are an axis, or the position, in both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from rigtri.export.explain.steps import Step, step
+from rigtri.maths.euler import to_angles
+from rigtri.maths.matrices import (
+    decompose,
+    from_frame,
+    identity,
+    inverse,
+    local,
+    multiply,
+    skew,
+    transform_directions,
+)
+from rigtri.maths.quaternions import conjugate, from_axis_angle, to_axes, twist_angle
+from rigtri.maths.quaternions import multiply as after
+from rigtri.maths.triangle import frame, hinge
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length, normalise
+
+_DEGREES = 180.0 / np.pi
+# How far the talk moves an object in another space, and how far the driver of a constraint is turned here.
+_MOVE, _TURN = np.array([1.0, 0.5, 1.0]), 30.0
+# Of angles in degrees, and of cosines: what float64 leaves of nothing, with room.
+_ROUNDING = 1e-9
+CONSTRAINT = "Matrix parent constraint (article)"
+
+
+@dataclass(frozen=True, eq=False)
+class Worlds:
+    """World matrices of the parent of A (the world's own where it has none), of A, B and C, (4, 4) each.
+
+    of_file: they are of joints, and not made of three points.
+    """
+
+    p: Floats
+    a: Floats
+    b: Floats
+    c: Floats
+    of_file: bool = False
+
+
+def worlds_of(points: Floats) -> Worlds:
+    """The frames that the article gives shoulder, elbow and wrist; NaN where the points make no triangle.
+
+    X lies along the bone, Y is the hinge; the wrist has the axes of the elbow.
+    Source: "Using Vector Math to Rig an Arm", shldM, elbowM, wristM.
+    """
+    a, b, c = points
+    normal = hinge(a, b, c)
+    upper, lower = frame(b - a, normal), frame(c - b, normal)
+    if not np.isfinite(normal).all():
+        upper = lower = np.full((3, 3), np.nan)
+    return Worlds(identity(), from_frame(upper, a), from_frame(lower, b), from_frame(lower, c))
+
+
+def _clear(values: Floats) -> Floats:
+    """Angles and cosines, with 0 for what only rounding has left."""
+    return np.where(np.abs(values) < _ROUNDING, 0.0, values)
+
+
+def matrix_steps(at: Worlds, trouble: str) -> Iterator[Step]:
+    """One step after the other; without numbers, and ``trouble`` as the reason, where there are none."""
+    row = partial(step, trouble=trouble)
+    yield from _grid(at, trouble)
+    product = partial(row, "Matrix Multiplication")
+    why = "the order matters: first A, then B"
+    yield product("BM * AM", "multiply(A, B)", multiply(at.a, at.b), why)
+    yield product("AM * BM", "multiply(B, A)", multiply(at.b, at.a), "first B, then A: not the same")
+    inverted = partial(row, "Inverse matrix")
+    yield inverted("A.inverse()", "inverse(A)", inverse(at.a))
+    yield inverted("A.inverse() * A", "multiply(A, inverse(A))", multiply(at.a, inverse(at.a)), "identity")
+    seen = local(at.b, at.a)
+    yield inverted("A.inverse() * B", "local(B, A) = B · A⁻¹", seen, "B seen from A: its local matrix")
+    yield inverted("A * B.local", "world(B.local, A)", multiply(seen, at.a), "local · parent: B again")
+    yield from _elsewhere(at, trouble)
+    above = "A's local matrix, where P is its parent" if at.of_file else "A has no parent: P is the world"
+    aimed = "If P is the parent of A"
+    yield row(aimed, "A.matrix = P.inverse() * M", "local(A, P) = A · P⁻¹", local(at.a, at.p), above)
+    yield from _constraint(at, trouble)
+    yield from _readers(at, trouble)
+
+
+def _grid(at: Worlds, trouble: str) -> Iterator[Step]:
+    """What a matrix is: four vectors, whose lengths are the scale and whose right angles can be lost."""
+    row = partial(step, trouble=trouble)
+    whose = "A as the file has it" if at.of_file else "A as the article aims it: X the bone, Y the hinge"
+    yield row("Transformation Matrix", "A.worldMatrix", "A", at.a, f"X, Y, Z axis and translation: {whose}")
+    yield row("Identity Matrix", "[1,0,0] [0,1,0] [0,0,1] [0,0,0]", "identity()", identity())
+    rows = at.a[:3, :3]
+    yield row("Scale", "lengths of x, y, z", "length(A[:3, :3])", length(rows), "1 where nothing is scaled")
+    yield row(
+        "Skew",
+        "x, y, z non-orthogonal",
+        "skew(A)",
+        _clear(skew(at.a)),
+        "largest cosine between two axes; 0: none",
+    )
+
+
+def _elsewhere(at: Worlds, trouble: str) -> Iterator[Step]:
+    """C moved in the space of B, and returned."""
+    row = partial(step, "Operation on object in local space", trouble=trouble)
+    seen = local(at.c, at.b)
+    moved = seen.copy()
+    moved[3, :3] += _MOVE
+    yield row("M = P.inverse() * A", "M = local(C, B)", seen, "C in the space of B")
+    yield row("move(M, [1, 0.5, 1])", "M[3, :3] += 1, 0.5, 1", moved[3, :3], "its position there, moved")
+    yield row("P * M", "world(M, B)[3, :3]", multiply(moved, at.b)[3, :3], "and back: C in the world")
+
+
+def _constraint(at: Worlds, trouble: str) -> Iterator[Step]:
+    """C follows A, which is turned about its Y axis; B is the parent of C. With offset and joint orient."""
+    row = partial(step, CONSTRAINT, trouble=trouble)
+    offset = local(at.c, at.a)
+    yield row("offset = child₀ · parent₀⁻¹", "local(C, A)", offset, "driver A, child C, whose parent is B")
+    about_y = from_axis_angle([0.0, 1.0, 0.0], _TURN / _DEGREES)
+    driver = multiply(from_frame(to_axes(about_y), np.zeros(3)), at.a)
+    child = multiply(offset, driver)
+    turned = f"A turned by {_TURN:g}° about its Y"
+    yield row("childWorld = offset · parent", "multiply(offset, A′)", child, turned)
+    inside = local(child, at.b)
+    yield row("childLocal = childWorld · childParent⁻¹", "local(C′, B)", inside, "what C gets")
+    orient, rotation = decompose(local(at.c, at.b))[1], decompose(inside)[1]
+    angles = _clear(_DEGREES * to_angles(orient, "xyz"))
+    yield row("jointOrient", "to_angles(C.local, 'xyz')", angles, "degrees: C's rotation before A turns")
+    rotate = _clear(_DEGREES * to_angles(after(conjugate(orient), rotation), "xyz"))
+    yield row(
+        "rotate = childLocal · jointOrient⁻¹", "to_angles(…, 'xyz')", rotate, "degrees, before the orient"
+    )
+
+
+def _readers(at: Worlds, trouble: str) -> Iterator[Step]:
+    """How far a joint is twisted about its bone, and how much another aims at something."""
+    bone = transform_directions(normalise(at.c[3, :3] - at.b[3, :3]), inverse(at.b))
+    rotation = decompose(local(at.b, at.a))[1]
+    twist = _clear(_DEGREES * twist_angle(rotation, normalise(bone)))
+    yield step(
+        "Twist", "", "twist_angle(B.local, BC)", twist, "degrees of B about its bone, from A", trouble=trouble
+    )
+    aim = normalise(at.a[0, :3])
+    for name, node in (("B", at.b), ("C", at.c)):
+        there = normalise(node[3, :3] - at.a[3, :3])
+        talk, ours = f"A.x · norm({name} − A)", f"dot(A[0], normalise({name} - A))"
+        yield step("PSD node", talk, ours, dot(aim, there), f"1: A's X points at {name}", trouble=trouble)
