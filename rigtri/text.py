@@ -10,6 +10,8 @@ from textwrap import wrap
 LONGEST_NAME = 60
 # Longer numbers count nothing.
 _DIGITS = 18
+# Bends of fewer degrees are rounding, and no number says more of them.
+STRAIGHT = 1e-4
 # Characters that change the direction of what follows, as bidirectional classes.
 _TURNS = ("LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI")
 
@@ -75,6 +77,15 @@ def and_more(names: Iterable[object], most: int = 6) -> str:
     """
     known = list(map(str, names))
     return ", ".join(known[:most]) + (f" and {len(known) - most} more" if len(known) > most else "")
+
+
+def straightness(degrees: float) -> str:
+    """How straight a limb is that bends by so little, in words.
+
+    >>> straightness(1.3e-13), straightness(0.21)
+    ('straight', 'nearly straight (0.21°)')
+    """
+    return "straight" if degrees < STRAIGHT else f"nearly straight ({degrees:.3g}°)"
 
 
 def a(thing: str) -> str:

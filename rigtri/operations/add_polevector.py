@@ -37,10 +37,12 @@ from rigtri.operations.rigtri_nodes import (
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, believable, bend, crossings
 from rigtri.recognition.body_hinges import Body, bodies, body_of
-from rigtri.recognition.limbs import Limb, along, named_limbs
+from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limbs import Limb, along, limb_title, named_limbs, unsure
 from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
+from rigtri.text import listed, straightness
 
 # Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
 NO_PLANE = 1.7453283658983088e-3
@@ -78,7 +80,7 @@ def _with_poles(rig: Rig, options: AddPolevectorOptions, report: Report) -> Rig:
             continue
         rig = _place(rig, limb, ref, found, options, report)
     if undecided:
-        raise GeometryError(_straight_message(rig, undecided, ref))
+        raise GeometryError(_straight_message(rig, undecided, ref, facing))
     return rig
 
 
@@ -98,8 +100,15 @@ def _limbs(rig: Rig, options: AddPolevectorOptions, report: Report) -> list[Limb
 
 
 def _warn_left_out(rig: Rig, limbs: list[Limb], report: Report) -> None:
-    """Warn where joints of the same names as a limb's are in no limb: siblings that share names."""
+    """Warn of limbs that are not sure, and of joints of the same names as a limb's that are in no limb."""
     inside = {node for limb in limbs for node in limb.triple}
+    left = [chain for chain in unsure(rig) if inside.isdisjoint(chain.bend)]
+    if left:
+        report.warn(
+            "limb-left-out",
+            f"{listed([limb_title(rig, chain) for chain in left], 4)}: not surely recognised (sure from "
+            f"{CONFIDENT}), and without a pole vector. If it is right, say --limb START MIDDLE END",
+        )
     names = {rig.names[limb.middle] for limb in limbs} - {""}
     for name in sorted(names):
         others = [k for k in range(len(rig)) if rig.names[k] == name and k not in inside]
@@ -257,14 +266,14 @@ def _warn_bend(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report
     if found.source != "pose" and degrees < float(np.degrees(NO_PLANE)):
         report.warn(
             "straight",
-            f"{title} is nearly straight ({degrees:.4f}°); bend direction: from {SOURCE_TEXT[found.source]}.",
+            f"{title} is {straightness(degrees)}; bend direction: from {SOURCE_TEXT[found.source]}.",
             joint=title,
             geometry=found.source in ("other side", "facing"),
         )
     elif found.source == "pose" and found.sine < SHAKY:
         report.warn(
             "nearly-straight",
-            f"{title} is nearly straight ({degrees:.4f}°): the bend direction is not reliable.",
+            f"{title} is {straightness(degrees)}: the bend direction is not reliable.",
             joint=title,
             geometry=True,
         )
@@ -330,7 +339,7 @@ def _clips(rig: Rig, limb: Limb) -> list[dict[str, Any]]:
     return found
 
 
-def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose) -> str:
+def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose, faces: Floats | None) -> str:
     worst = limbs[0]
     points = ref.world[list(worst.triple), 3, :3]
     name = rig.names[worst.middle] or rig.labels[worst.middle]
@@ -340,11 +349,14 @@ def _straight_message(rig: Rig, limbs: list[Limb], ref: ReferencePose) -> str:
             f"The limb {_title(rig, worst)} has its root and end at one place, so no direction lies across "
             f"it.{rest} Leave it out: name the limbs that are to have a pole vector"
         )
-    degrees = float(np.degrees(bend_angle(*points)))
+    way = f"--bend '{name}=0,0,1'"
+    if faces is not None:  # of what is no known arm or leg, or runs along that direction, it says nothing
+        way += " (--facing says nothing of it)"
+    elif worst.kind:
+        way += " or --facing +z"
     return (
-        f"The limb {_title(rig, worst)} is straight (bent {degrees:.3g}°), and "
-        f"neither a clip, the other side nor its name says which way it bends.{rest} Say it with "
-        f"--bend '{name}=0,0,1' or --facing +z."
+        f"The limb {_title(rig, worst)} is {straightness(float(np.degrees(bend_angle(*points))))}, and "
+        f"neither a clip, the other side nor its name says which way it bends.{rest} Say it with {way}."
     )
 
 

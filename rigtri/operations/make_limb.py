@@ -29,6 +29,7 @@ from rigtri.operations.rigtri_nodes import free_name, group, plain_name, with_re
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
+from rigtri.text import straightness
 
 # Points nearer to each other than this share of the limb are at one place.
 ONE_PLACE = 1e-6
@@ -151,9 +152,7 @@ def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Fl
     sine, degrees = float(bend_sine(*triple)), float(np.degrees(bend_angle(*triple)))
     if sine >= NO_PLANE:
         if sine < SHAKY:
-            text = (
-                f"{_title(options)} is nearly straight ({degrees:.4f}°): the bend direction is not reliable."
-            )
+            text = f"{_title(options)} is {straightness(degrees)}: the bend direction is not reliable."
             report.warn("nearly-straight", text, joint=_title(options), geometry=True)
         if options.bend is not None:
             text = f"--bend is for points on a line; those of {_title(options)} bend by {degrees:.4g}°."
@@ -162,7 +161,7 @@ def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Fl
         return normal, cross(chord, normal), "pose"
     if options.bend is None:
         raise GeometryError(
-            f"The points of {_title(options)} lie on a line (bent {degrees:.3g}°), which leaves the bend "
+            f"The points of {_title(options)} lie on a line, which leaves the bend "
             "direction open. Give it with --bend 0,0,1 or another direction across it"
         )
     side = perpendicular(normalise(np.array(options.bend, dtype=np.float64)), chord)

@@ -125,7 +125,7 @@ def believable(
     report.warn(
         "bends-otherwise",
         f"{title} is bent {bent:.2g}° to a side {off:.0f}° off the one that is natural ({does}); "
-        "the facing direction is taken. Say another with --facing, or bend the limb by more than 10°.",
+        "the facing direction is taken. Another --facing, or a bend of more than 10°, changes that.",
         joint=title,
         geometry=True,
     )

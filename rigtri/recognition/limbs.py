@@ -84,6 +84,18 @@ def recognise(rig: Rig) -> list[Limb]:
     return sorted(found, key=lambda limb: (limb.kind, order[limb.side]))
 
 
+def unsure(rig: Rig) -> list[Chain]:
+    """The arms and legs of a rig that bend, and are not sure enough to be acted upon."""
+    chains = (chain for character in layout_of(rig).characters for chain in character.limbs)
+    return [chain for chain in chains if len(chain.bend) == 3 and not chain.is_sure]
+
+
+def limb_title(rig: Rig, chain: Chain) -> str:
+    """A recognised limb in a message: its name, its three joints, and how sure it is."""
+    joints = " - ".join(rig.title(node) for node in chain.bend)
+    return f"{chain.name} ({joints}; {chain.confidence:.2f})"
+
+
 def with_recognised(rig: Rig, mine: tuple[Limb, ...]) -> tuple[Limb, ...]:
     """The user's limbs, then the recognised ones that share no joint with them."""
     taken = {node for limb in mine for node in limb.triple}

@@ -9,7 +9,7 @@ import pytest
 from posed_bodies import Pose, PosedBody, posed_body, poses
 
 from rigtri import add_polevector, orient_joints
-from rigtri.errors import UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.report import Report
@@ -213,6 +213,40 @@ def test_a_character_that_is_not_sure_is_reported_and_no_body_is_presumed() -> N
     unsure = [k for k in recognise(lean.rig).characters if k.confidence < 0.75]
     orient_joints(lean.rig, report=report)
     assert ("unsure-character" in [notice.code for notice in report.warnings]) == bool(unsure)
+
+
+def test_limbs_that_are_not_sure_are_named() -> None:
+    """Short arms without fingers may begin with their clavicles: nothing edits them unnamed."""
+    body = posed_body(Pose("none", short=0.6, fingers=0))
+    for edit, code in ((orient_joints, "unsure-limb"), (add_polevector, "limb-left-out")):
+        report = Report()
+        edit(body.rig, report=report, **({"limbs": "auto"} if edit is add_polevector else {}))
+        (text,) = [notice.text for notice in report.warnings if notice.code == code]
+        assert "left arm (#" in text
+        assert "right arm (#" in text
+        assert "--limb" in text
+    parts = ("upper arm", "lower arm", "hand")
+    arms = [[body.parts[f"{side} {part}"] for part in parts] for side in ("left", "right")]
+    report = Report()
+    orient_joints(body.rig, limb=[tuple(f"#{k}" for k in arm) for arm in arms], report=report)
+    assert [notice for notice in report.warnings if notice.code == "unsure-limb"] == []
+
+
+def test_straight_limbs_are_straight_without_a_number() -> None:
+    report = Report()
+    orient_joints(posed_body(Pose()).rig, report=report)
+    texts = [notice.text for notice in report.warnings if notice.code == "straight"]
+    assert len(texts) == 4
+    assert all(" is straight; up axis: " in text for text in texts)
+
+
+def test_advice_is_not_what_was_tried() -> None:
+    body = posed_body(Pose(elbow=0.0))
+    limb = ("mixamorig:Spine", "mixamorig:Spine1", "mixamorig:Spine2")
+    with pytest.raises(GeometryError, match=r"--bend '.*'\.$"):
+        add_polevector(body.rig, limb=[limb])
+    with pytest.raises(GeometryError, match="--facing says nothing of it"):
+        add_polevector(body.rig, limb=[limb], facing="+z")
 
 
 def test_a_facing_direction_along_the_body_is_refused() -> None:

@@ -93,7 +93,7 @@ def test_another_count_than_three_is_reported(count: int) -> None:
 
 def test_points_on_a_line_need_a_bend_direction() -> None:
     line = ((0.0, 0, 0), (1.0, 0, 0), (2.0, 0, 0))
-    with pytest.raises(GeometryError, match=r"lie on a line \(bent 0°\).*--bend"):
+    with pytest.raises(GeometryError, match=r"lie on a line.*--bend"):
         made(line)
     out, joints, report = made(line, bend=(1.0, 0.0, 3.0))
     assert_allclose(out.world[joints[0], :3, :3], [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=1e-6)

@@ -13,7 +13,7 @@ from rigtri.frames.scale_noise import Frozen
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, determinant, skew
 from rigtri.maths.quaternions import angle_between, rotates, rotation_angle, to_axes
-from rigtri.maths.triangle import DEGENERATE_SINE, axis_of
+from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.rig import Rig
@@ -25,9 +25,10 @@ from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Une
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limbs import limb_title, unsure
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.text import and_more, listed
+from rigtri.text import and_more, listed, straightness
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,15 +84,32 @@ def warn_unsure(targets: Targets, report: Report) -> None:
     """Warn of characters that are not recognised surely: nothing is known then of hands and trunk."""
     for character in recognise(targets.tree.rig).characters:
         joints = {part.joint for part in character.parts}
-        if character.form not in ("biped", "quadruped") or character.confidence >= CONFIDENT:
+        if character.form not in ("biped", "quadruped") or joints.isdisjoint(targets.joints):
             continue
-        if joints.isdisjoint(targets.joints) or all(targets.styles[k].world for k in targets.joints):
+        if all(targets.styles[k].world for k in targets.joints):
+            continue
+        if character.confidence >= CONFIDENT:
+            _warn_unsure_limbs(targets, joints, report)
             continue
         report.warn(
             "unsure-character",
             f"A {character.form} is recognised, but not surely ({character.confidence:.2f}; sure from "
             f"{CONFIDENT}): joints take the planes of their own bones, not those of a body. Name limbs with "
             "--limb; see: rigtri recognise FILE",
+            geometry=True,
+        )
+
+
+def _warn_unsure_limbs(targets: Targets, joints: set[int], report: Report) -> None:
+    """Warn of the limbs of a character that are not sure, where the user names none of their joints."""
+    rig, named = targets.tree.rig, {node for limb in targets.limbs for node in limb.triple}
+    chains = [k for k in unsure(rig) if joints.issuperset(k.bend) and named.isdisjoint(k.bend)]
+    if chains:
+        report.warn(
+            "unsure-limb",
+            f"{listed([limb_title(rig, chain) for chain in chains], 4)}: not surely recognised (sure from "
+            f"{CONFIDENT}), so joints there, in hands and feet take the planes of their own bones. If it "
+            "is right, say --limb START MIDDLE END",
             geometry=True,
         )
 
@@ -119,10 +137,9 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             steps.add(int(ups.step[joint]))
             sources.add(up_text(ups.source[joint]))
     for name, (sine, steps, sources) in lines.items():
-        word = "straight" if sine < DEGENERATE_SINE else "nearly straight"
         report.warn(
             "straight",
-            f"{name} is {word} ({degrees(sine):.3g}°); up axis: from {', '.join(sorted(sources))}.",
+            f"{name} is {straightness(degrees(sine))}; up axis: from {', '.join(sorted(sources))}.",
             joint=name,
             geometry=max(steps) > 3,
         )
