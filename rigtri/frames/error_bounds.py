@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, key_times, worlds
-from rigtri.frames.rig_size import fits, size_at_least, size_of
+from rigtri.frames.rig_size import fits, sizes_at_least, sizes_of
 from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
@@ -34,7 +34,7 @@ _BLOCK = 1 << 20
 class LeverArm:
     """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
 
-    As a share of the size of what is seen; bones below it as if they were all in one line, at rest and
+    As a share of the size of the character; bones below it as if they were all in one line, at rest and
     wherever clips stretch them.
     What is no mesh (cameras, lights) counts as its frame, of axes as long as that size, as it
     is judged. Meshes that cannot be read count for nothing more.
@@ -50,28 +50,29 @@ class LeverArm:
     @cached_property
     def exact(self) -> Floats:
         """As far as it gets, (n,)."""
-        rig, world, size = self._rig, self._world, self._size
-        own = self.own * size
+        rig, world = self._rig, self._world
+        own = self.own * self.sizes
         reach = _along(rig, world[np.newaxis], own[np.newaxis])[0]
         stretching = [clip for clip in rig.clips if {t.path for t in clip.tracks} & {"translation", "scale"}]
         for posed in posed_worlds(rig, stretching):
             reach = np.maximum(reach, _along(rig, posed, own * _stretch(world, posed)).max(axis=0))
-        return np.asarray(reach / size)
+        return np.asarray(reach / self.sizes)
 
     @cached_property
     def own(self) -> Floats:
         """How far the points and frames reach that a node moves itself, (n,), without what is below it."""
-        return self._own(self._size, self._of_points) / self._size
+        return self._own(self.sizes, self._of_points) / self.sizes
 
     @cached_property
-    def _size(self) -> float:
-        return size_of(self._rig, self._meshes, self._world)
+    def sizes(self) -> Floats:
+        """What the movement of each node is compared to, (n,), in file units."""
+        return sizes_of(self._rig, self._meshes)
 
     @cached_property
     def at_most(self) -> Floats:
         """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
-        rig, size = self._rig, size_at_least(self._rig, self._meshes, self._world)
-        own = self._own(size, self._of_boxes)
+        rig, sizes = self._rig, sizes_at_least(self._rig, self._meshes)
+        own = self._own(sizes, self._of_boxes)
         (low, high), (least, most), bones = _sizes_of_nodes(rig)
         for level in rig.levels[1:]:
             parents = rig.parents[level]
@@ -85,7 +86,7 @@ class LeverArm:
             for level in reversed(rig.levels[1:]):
                 np.maximum.at(reach, rig.parents[level], bones[level] + reach[level])
             # What float64 rounds, and last columns that are nearly 0 0 0 1, are far less.
-            reach = 1.001 * reach / size
+            reach = 1.001 * reach / sizes
         return np.where(np.isfinite(reach), reach, np.inf)
 
     @cached_property
@@ -115,11 +116,11 @@ class LeverArm:
                 _raise_boxes(reach, skin, mesh.bind, boxes(mesh, len(skin.joints)), self._world)
         return reach
 
-    def _own(self, size: float, own: Floats) -> Floats:
-        """How far each node's own things reach at rest, (n,), in file units; frames as far as ``size``."""
+    def _own(self, sizes: Floats, own: Floats) -> Floats:
+        """How far each node's own things reach at rest, (n,), in file units; frames as far as ``sizes``."""
         framed = frames_shown(self._rig, self._meshes)
         if framed:
-            own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * size)
+            own[framed] = np.maximum(own[framed], _corner(self._world[framed, :3, :3]) * sizes[framed])
         return own
 
 

@@ -26,15 +26,15 @@ FAR = 0.1
 _sizes: WeakKeyDictionary[Rig, tuple[tuple[ref[Mesh], ...], float]] = WeakKeyDictionary()
 
 
-def size_of(rig: Rig, meshes: Sequence[Mesh], world: Floats | None = None) -> float:
+def size_of(rig: Rig, meshes: Sequence[Mesh]) -> float:
     """The diagonal of the box of all points at rest, in file units; without points, of joints' origins.
 
-    Measured once, as an edit and its check both ask for it. world: (n, 4, 4) at rest, where it is known.
+    Measured once, as an edit and its check both ask for it.
     """
     known = _sizes.get(rig)
     if known is not None and [one() for one in known[0]] == list(meshes):
         return known[1]
-    size = _measured(rig, meshes, rig.normalised_world if world is None else world)
+    size = _measured(rig, meshes, rig.normalised_world)
     _sizes[rig] = tuple(map(ref, meshes)), size
     return size
 
@@ -45,7 +45,11 @@ def sizes_of(rig: Rig, meshes: Sequence[Mesh]) -> Floats:
     A character is what skins with common joints move, with all that is below these joints. Other nodes have
     the size of the whole.
     """
-    sizes, world = np.full(len(rig), size_of(rig, meshes)), rig.normalised_world
+    return _by_character(rig, meshes, size_of(rig, meshes))
+
+
+def _by_character(rig: Rig, meshes: Sequence[Mesh], whole: float) -> Floats:
+    sizes, world = np.full(len(rig), whole), rig.normalised_world
     for nodes in characters(rig):
         some = np.zeros(len(rig), dtype=bool)
         some[nodes] = True
@@ -115,11 +119,12 @@ def _box(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> tuple[Floats, Float
     return low, high
 
 
-def size_at_least(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> float:
-    """No more than `size_of`, nearly always almost as much: by the outermost points of each mesh alone."""
-    low, high = _box(rig, [_outermost(mesh) for mesh in meshes], world)
+def sizes_at_least(rig: Rig, meshes: Sequence[Mesh]) -> Floats:
+    """No more than `sizes_of`, nearly always almost as much: by the outermost points of each mesh alone."""
+    few, world = [_outermost(mesh) for mesh in meshes], rig.normalised_world
+    low, high = _box(rig, few, world)
     least = float(length(high - low)) if (low <= high).all() else 0.0
-    return least or size_of(rig, meshes, world)
+    return _by_character(rig, few, least or size_of(rig, meshes))
 
 
 def _outermost(mesh: Mesh) -> Mesh:

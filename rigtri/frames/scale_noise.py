@@ -22,7 +22,6 @@ import numpy as np
 
 from rigtri.frames.error_bounds import LeverArm, longest_stretch, posed_worlds
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
-from rigtri.frames.rig_size import size_of
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions
 from rigtri.maths.trigonometry import Floats
@@ -130,12 +129,12 @@ def moved(rig: Rig, after: Frozen, arm: LeverArm) -> Floats:
     What a node shows itself has its strain to bear, for it has no inverse bind matrix.
     """
     strain = np.where((rig.attachment >= 0)[:, np.newaxis, np.newaxis], np.eye(4), after.strain)
-    size, most = size_of(rig, rig.content.read_outlines(), rig.normalised_world), np.zeros(len(rig))
+    most = np.zeros(len(rig))
     for old, new in zip(_shown(rig), _shown(after.rig), strict=True):
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             seen = multiply(multiply(strain, new), inverse(old))[..., :3, :3] - np.eye(3)
             strained = longest_stretch([seen[..., k, :] for k in range(3)]) * arm.own
-            away = length(new[..., 3, :3] - old[..., 3, :3]) / size
+            away = length(new[..., 3, :3] - old[..., 3, :3]) / arm.sizes
         far = np.where(np.isfinite(strained), strained, 0.0) + np.where(np.isfinite(away), away, 0.0)
         most = np.maximum(most, far.max(axis=0))
     return most
