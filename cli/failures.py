@@ -115,16 +115,32 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
     message = plain(message, one_line=True)
     click.echo(f"rigtri: {message}", err=True)
     faults = error.faults if isinstance(error, RigtriError) else ()
-    advised = [without_advice(str(fault)) for fault in faults]
-    for line in [
-        *(text for text, _ in advised),
-        *dict.fromkeys(each for _, advice in advised for each in advice),
-    ]:
+    for line in _fault_lines(faults):
         click.echo(plain(f"  {line}", one_line=True), err=True)
     if ctx is not None:
         print_json_error(ctx, kind, message, own if code is None else code, faults)
     _takes_more()
     sys.exit(own if code is None else code)
+
+
+def _fault_lines(faults: Sequence[Fault]) -> list[str]:
+    """Each fault once, where it is first and where it is again; then the advice that they have in common."""
+    first: dict[str, str] = {}
+    again: dict[str, list[str]] = {}
+    advice: dict[str, None] = {}
+    for fault in faults:
+        found = fault.as_json()
+        what = str(found["text"])
+        if what in first:
+            again.setdefault(what, []).append(f"{found['line']}:{found['column']}")
+            continue
+        first[what], advised = without_advice(str(fault))
+        advice |= dict.fromkeys(advised)
+    lines = [
+        f"{line}{', also at ' + ', '.join(again[what]) if what in again else ''}"
+        for what, line in first.items()
+    ]
+    return [*lines, *advice]
 
 
 def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:

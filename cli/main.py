@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from rigtri._version import __version__
-from rigtri.errors import RigtriError
+from rigtri.errors import FileError, RigtriError
 
 from . import failures, ignore_interrupts, raise_interrupts
 from .catalogue import COMMANDS, GROUPS, alike
@@ -70,7 +70,8 @@ class Program(click.Group):
         except click.ClickException as error:
             failures.misused(ctx, error)
         except BrokenPipeError:
-            failures.gone(1)
+            # As of any file that cannot be written; 1 is an answer of check and mirror.
+            failures.gone(FileError.exit_code)
         except (RigtriError, OSError, MemoryError) as error:
             failures.end(ctx, error)
 

@@ -54,6 +54,4 @@ _MORE = [
         group="output",
     )
 ]
-command = edit_command(
-    "rename-joints", RenameJointsOptions, summary, __doc__, more=_MORE, besides=_save_map
-)
+command = edit_command("rename-joints", RenameJointsOptions, summary, __doc__, more=_MORE, besides=_save_map)

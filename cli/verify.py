@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,10 @@ from .options import output_options, reading_options, tolerance_option
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .text import plain
+
+if TYPE_CHECKING:
+    from rigtri.model.rig import Rig
+    from rigtri.verification.compare.compare import Comparison
 
 
 @click.command("verify", cls=Command)
@@ -41,8 +45,10 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
     check_streams(before, after)
     options = read_options(values)
     with opened(before) as one, opened(after) as other:
-        result = verify(read(Path(one), options), read(Path(other), options))
+        documents = read(Path(one), options), read(Path(other), options)
+        result = verify(*documents)
     passes = result.passes(tolerance)
+    another = _another_character(result, documents[0].rig)
     if not values["quiet"]:
         warn_unused_root(before, values["root"])
     if values["as_json"]:
@@ -50,7 +56,25 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         print_json(document | result.as_json())
         failures.answered(click.get_current_context())
     elif not values["quiet"]:
-        click.echo(plain(result.describe(verbose=values["verbose"])))
+        click.echo(
+            plain(
+                "\n".join(
+                    [
+                        *(f"different characters: {why}" for why in another),
+                        result.describe(verbose=values["verbose"]),
+                    ]
+                )
+            )
+        )
     if not passes:
         names = ["standard input" if name == "-" else name for name in (after, before)]
+        if another:
+            raise DeviationError(f"{names[0]} and {names[1]} are different characters: {another[0]}")
         raise DeviationError(f"{' looks different from '.join(names)}: {result.summary(tolerance)}")
+
+
+def _another_character(result: Comparison, before: Rig) -> list[str]:
+    """That two files have hardly a joint in common, so that no measure says anything."""
+    joints = int(before.is_joint.sum())
+    lost = sum(item.startswith("joint ") for item in result.lost)
+    return [f"{lost} of {joints} joints of BEFORE are not in AFTER"] if 2 * lost > joints else []

@@ -40,6 +40,8 @@ from rigtri.report import Report
 _DEGREE = np.pi / 180.0
 Vector = tuple[float, float, float]
 
+# Kinds of constraint that give a child what it has of its parent anyway.
+_CARRIED = ("parent", "point", "orient", "scale")
 # The code of the warning about a constraint that VRM cannot hold.
 NOT_VRM = "constraint-not-vrm"
 
@@ -200,6 +202,18 @@ def _warn(rig: Rig, rule: Constraint, report: Report) -> None:
         report.warn(
             "constraint-weightless",
             f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
+        )
+    if any(mesh.node == rule.child and mesh.skin is not None for mesh in rig.content.read_outlines()):
+        report.warn(
+            "constraint-skinned",
+            f"'{rig.title(rule.child)}' shows a skinned mesh, which is where its joints are: the constraint "
+            "moves the node and not the mesh. Constrain a joint instead",
+        )
+    if set(rule.drivers) == {int(rig.parents[rule.child])} and rule.kind in _CARRIED and not rule.roll:
+        report.warn(
+            "constraint-own-parent",
+            f"'{rig.title(rule.child)}' is a child of '{rig.title(rule.drivers[0])}' already and goes "
+            "with it: the constraint only holds it where it is",
         )
     world = rig.normalised_world
     for driver in rule.drivers:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Literal
@@ -27,13 +28,29 @@ from rigtri.operations.declaration import (
     check_tokens,
     option,
     refuse,
-    vector,
+    three,
 )
 from rigtri.operations.options import axes
 
 TOKENS = ("joint", "side", "kind")
 NAME = "{joint}_{kind}"
 _SIDES = {"left": "left", "right": "right", "centre": ""}
+# Colours by name, linear, as the viewports of Maya and Blender show them.
+COLORS: dict[str, Vector] = {
+    "red": (1.0, 0.0, 0.0),
+    "orange": (1.0, 0.25, 0.0),
+    "yellow": (1.0, 1.0, 0.0),
+    "green": (0.0, 1.0, 0.0),
+    "cyan": (0.0, 1.0, 1.0),
+    "blue": (0.0, 0.0, 1.0),
+    "purple": (0.25, 0.0, 1.0),
+    "pink": (1.0, 0.25, 0.5),
+    "white": (1.0, 1.0, 1.0),
+    "grey": (0.25, 0.25, 0.25),
+    "black": (0.0, 0.0, 0.0),
+}
+# What riggers call some shapes, too.
+_ALSO = {"box": "cube", "ball": "sphere", "plus": "cross"}
 _CONTROLS = ("fk", "ik", "root", "pole")
 
 
@@ -42,6 +59,7 @@ def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for text in texts:
         kind, mark, shape = text.lower().rpartition("=")
+        shape = _ALSO.get(shape, shape)
         if mark and kind not in _CONTROLS:
             raise UsageError(f"{flag} {text}: the kinds of control are fk, ik, root and pole")
         found |= {kind: shape} if mark else {"fk": shape, "ik": shape}
@@ -49,20 +67,28 @@ def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
 
 
 def _colors(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
-    """By the side its colour: ``SIDE=R,G,B``."""
+    """By the side its colour: ``SIDE=R,G,B`` or ``SIDE=NAME``."""
     found = {}
     for text in texts:
-        which, _, numbers = text.lower().partition("=")
+        which, _, color = text.lower().partition("=")
         if which not in _SIDES:
-            raise UsageError(f"{flag} {text}: give left=R,G,B, right=R,G,B or centre=R,G,B")
-        try:
-            color = vector(numbers)
-        except ValueError as error:
-            raise UsageError(f"{flag} {text}: {error}") from error
-        if not all(0 <= part <= 1 for part in color):
-            raise UsageError(f"{flag} {text}: red, green and blue lie between 0 and 1")
-        found[_SIDES[which]] = color
+            raise UsageError(f"{flag} {text}: give left=COLOR, right=COLOR or centre=COLOR")
+        found[_SIDES[which]] = _color(f"{flag} {text}", color)
     return found
+
+
+def _color(given: str, text: str) -> Vector:
+    """A colour from its name, or from red, green and blue between 0 and 1."""
+    if text in COLORS:
+        return COLORS[text]
+    with suppress(ValueError):
+        color = three(text)
+        if all(0 <= part <= 1 for part in color):
+            return color
+        raise UsageError(f"{given}: red, green and blue lie between 0 and 1")
+    raise UsageError(
+        f"{given}: '{text}' is not a valid colour: use R,G,B from 0 to 1, or {', '.join(COLORS)}"
+    )
 
 
 @dataclass(frozen=True)
@@ -115,8 +141,11 @@ class AddControlsOptions:
     size: Above | None = option(
         None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]", group="what"
     )
-    color: Annotated[Mapping[str, Vector], Kind("assignments", "SIDE=R,G,B", read=_colors)] = option(
-        {}, help="Linear colour of left, right or centre. [blue, red, yellow]", group="what"
+    color: Annotated[Mapping[str, Vector], Kind("assignments", "SIDE=COLOR", read=_colors)] = option(
+        {},
+        help="Colour of left, right or centre, as linear R,G,B from 0 to 1 or by name: "
+        f"{', '.join(COLORS)}. [blue, red, yellow]",
+        group="what",
     )
     name: str | None = option(
         None,

@@ -42,5 +42,3 @@ class RenameJointsOptions:
             raise UsageError("--inverse is for --map FILE.json")
         if self.to is None and (self.prefix is not None or self.side_style):
             raise UsageError("--prefix and --side-style are for --to SCHEME")
-
-

@@ -1,0 +1,88 @@
+"""Errors and warnings in the right noun, once, and with the exit code that scripts wait for."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from places import SAMPLES
+from program import cli
+
+from rigtri.formats import read
+
+BIPED = SAMPLES / "biped.glb"
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("left=rd", "'rd' is not a valid colour: use R,G,B from 0 to 1, or red, orange"),
+        ("left=2,0,0", "red, green and blue lie between 0 and 1"),
+        ("up=red", "give left=COLOR, right=COLOR or centre=COLOR"),
+    ],
+)
+def test_a_colour_that_is_none_is_called_a_colour(given: str, told: str, tmp_path: Path) -> None:
+    line = ("add-controls", BIPED, "-o", tmp_path / "out.glb", "--below", "hips", "--color", given)
+    assert told in cli(*line, code=2).stderr
+
+
+def test_colours_have_names_and_black_is_one(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    colours = ("--color", "left=black", "--color", "Right=Red", "--shape", "box")
+    cli("add-controls", BIPED, "-o", out, "--below", "hips", *colours, code=0)
+    rig = read(out).rig
+    notes = {note["joint"]: note for note in rig.metadata.values() if note.get("type") == "control"}
+    assert notes["hand_L"]["color"] == [0, 0, 0]
+    assert notes["hand_R"]["color"] == [1, 0, 0]
+    assert {note["shape"] for note in notes.values()} == {"cube"}
+
+
+def test_a_name_that_a_spec_has_often_is_listed_once(tmp_path: Path) -> None:
+    spec = tmp_path / "rig.yaml"
+    spec.write_text(
+        "steps:\n"
+        "  - {do: orient-joints, joints: [nope, nope]}\n"
+        "  - {do: add-polevector, limb: [[nope, nada, nope]]}\n"
+    )
+    told = cli("build", BIPED, "--spec", spec, "-o", tmp_path / "out.glb", code=4).stderr
+    assert told.count("'nope'") == told.count("'nada'") == 1
+    assert re.search(r"No joint is named 'nope', also at 2:\d+, 3:\d+, 3:\d+\n", told)
+
+
+def test_two_characters_are_called_that_before_anything_is_measured() -> None:
+    result = cli("verify", BIPED, SAMPLES / "hand.glb", code=6)
+    words = "23 of 23 joints of BEFORE are not in AFTER"
+    assert result.stdout.startswith(f"different characters: {words}\n")
+    assert result.stderr.endswith(f"are different characters: {words}\n")
+    assert "different characters" not in cli("verify", BIPED, BIPED, code=0).stdout
+
+
+@pytest.mark.parametrize(
+    ("child", "driver", "code"),
+    [
+        ("body", "hand_L", "constraint-skinned"),
+        ("hand_L", "forearm_L", "constraint-own-parent"),
+        ("staff", "hand_L", ""),
+    ],
+)
+def test_a_constraint_that_does_nothing_is_warned_of(
+    child: str, driver: str, code: str, tmp_path: Path
+) -> None:
+    line = ("constrain", BIPED, "-o", tmp_path / "out.glb", "--type", "parent", "--child", child)
+    found = cli(*line, "--driver", driver, "--json", code=0).json
+    assert [notice["code"] for notice in found["warnings"]] == ([code] if code else [])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of Windows end otherwise")
+def test_output_that_nobody_reads_is_no_answer() -> None:
+    """1 of check means errors, and of mirror --check something that is not symmetric."""
+    rigtri = str(Path(sys.executable).parent / "rigtri")
+    for words in (["check", BIPED], ["check", "--list"], ["inspect", BIPED]):
+        run = [rigtri, *map(str, words)]
+        with subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            process.stdout.close()
+            assert process.wait(60) == 3
