@@ -128,10 +128,15 @@ class Rig(NodeNames):
 
     @cached_property
     def is_joint(self) -> Booleans:
-        """Which nodes are joints of a skin, (n,); one that only holds another's axes is not one more."""
+        """Which nodes are joints of a skin, (n,); one that only holds another's axes is not one more.
+
+        Nor are controls of a skin that draws nothing: an armature of controls, as Blender exports it.
+        """
         mask = np.zeros(len(self), dtype=bool)
-        for skin in self.skins:
+        for skin in sorted(self.skins, key=lambda skin: skin.drawn):
             mask[skin.joints] = True
+            if not skin.drawn:
+                mask[self.nodes_of("control", "offset", "poleVector")] = False
         mask[list(self.holders)] = False
         return mask
 

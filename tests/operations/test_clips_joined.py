@@ -126,7 +126,7 @@ def test_a_clip_that_was_made_anew_stays_where_it_is() -> None:
     assert joined(edited, RIG) is edited
 
 
-def test_keys_between_frames_that_an_exporter_lost_are_reported_by_what_joints_miss() -> None:
+def test_keys_between_frames_that_an_exporter_lost_are_restored_or_reported_by_what_joints_miss() -> None:
     """A chest that nods by 0.2 rad within a frame: the chord of that, for the farthest that it carries."""
     rig = rigged()
     head, chest = control(rig, "head", "fk"), control(rig, "chest", "fk")
@@ -144,8 +144,16 @@ def test_keys_between_frames_that_an_exporter_lost_are_reported_by_what_joints_m
         )
         return replace(rig, clips=(Clip("walk", tracks),))
 
+    # In the axes and the unit that controls had, RIG's keys are there again; what was edited is EDITED's.
+    report, home = Report(), turning(False, 0.1).clips[0]
+    (clip,) = joined(turning(True, 0.3), turning(False, 0.1), report=report).clips
+    assert not report.warnings
+    for now, was in zip(clip.tracks, (home.tracks[0], turning(True, 0.3).clips[0].tracks[1]), strict=True):
+        assert np.array_equal(now.times, was.times)
+        assert np.array_equal(now.values, was.values)
+
     report = Report()
-    joined(turning(True, 0.3), turning(False, 0.1), report=report)
+    joined(in_centimetres(turning(True, 0.3)), turning(False, 0.1), report=report)
     (notice,) = report.warnings
     assert notice.code == "keys-lost"
     assert f"'{rig.title(chest)}', which nobody has edited" in notice.text
@@ -158,8 +166,20 @@ def test_keys_between_frames_that_an_exporter_lost_are_reported_by_what_joints_m
     # Less than what bake leaves between samples is not told, nor what nobody has lost.
     for most, edited in ((1.0, turning(True, 0.1)), (0.0, turning(False, 0.1))):
         report = Report()
-        joined(edited, turning(False, 0.1), between=most, report=report)
+        joined(in_centimetres(edited), turning(False, 0.1), between=most, report=report)
         assert not report.warnings
+
+
+def in_centimetres(rig: Rig) -> Rig:
+    """The same rig as a DCC exports it that counts in another unit."""
+    skins = []
+    for skin in rig.skins:
+        binds = skin.inverse_bind.copy()
+        binds[:, 3, :3] *= 100.0
+        skins.append(replace(skin, inverse_bind=binds))
+    matrix = rig.matrix.copy()
+    matrix[:, 3, :3] *= 100.0
+    return replace(rig, translation=rig.translation * 100.0, matrix=matrix, skins=tuple(skins))
 
 
 @pytest.mark.parametrize("said", ["#2", "#9"])

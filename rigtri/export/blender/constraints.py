@@ -53,17 +53,19 @@ def _parent(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: fl
     letters = sorted({channel[0] for channel in rule.sets}, key="trs".index)
     kinds = ["COPY_TRANSFORMS"] if len(letters) == 3 else [_COPIES[letter] for letter in letters]
     for kind in kinds:
-        plan.constrain(plan.node(rule.child), kind, socket, share=share)
+        plan.constrain(plan.node(rule.child), kind, socket, f"Parent {plan.called(driver)}", share=share)
 
 
 def _point(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
     name = f"{plan.called(rule.child)} point"
     start = from_frame(np.eye(3), plan.reference.world[driver, 3, :3])
     there = plan.socket(name, "", start, bone=True)
-    plan.constrain(there, "COPY_LOCATION", plan.node(driver))
+    plan.constrain(there, "COPY_LOCATION", plan.node(driver), f"Point {plan.called(driver)}")
     stand = from_frame(np.eye(3), start[3, :3] + offset[3, :3])
     socket = plan.socket(f"{name} offset", there, stand, bone=True)
-    plan.constrain(plan.node(rule.child), "COPY_LOCATION", socket, share=share)
+    plan.constrain(
+        plan.node(rule.child), "COPY_LOCATION", socket, f"Point {plan.called(driver)}", share=share
+    )
 
 
 def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
@@ -74,7 +76,9 @@ def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: fl
     stand = from_frame(to_axes(turn), plan.reference.world[driver, 3, :3])
     name, bone = f"{plan.called(rule.child)} orient", plan.bone_axes(rule.child)
     socket = plan.socket(name, plan.node(driver), stand, bone=bone)
-    plan.constrain(plan.node(rule.child), "COPY_ROTATION", socket, share=share)
+    plan.constrain(
+        plan.node(rule.child), "COPY_ROTATION", socket, f"Orient {plan.called(driver)}", share=share
+    )
 
 
 def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
@@ -99,11 +103,14 @@ def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: f
     turned = plan.socket(name, plan.node(driver), stands[1], bone=bone)
     if rolls:
         line = rotate(plan.reference.world_rotation(child), axis)
-        _turn_about(plan, child, f"{name} axis", turned, zero, line, 1.0, share)
+        _turn_about(
+            plan, child, f"{name} axis", turned, zero, line, 1.0, f"Roll {plan.called(driver)}", share=share
+        )
         return
     hold = plan.ride("local", plan.node(int(rig.parents[child])), child)
-    plan.constrain(hold, "COPY_TRANSFORMS", turned, space=zero)
-    plan.constrain(plan.node(child), "COPY_ROTATION", hold, share=share)
+    label = f"Orient {plan.called(driver)}"
+    plan.constrain(hold, "COPY_TRANSFORMS", turned, label, space=zero)
+    plan.constrain(plan.node(child), "COPY_ROTATION", hold, label, share=share)
 
 
 def _scale(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
@@ -112,7 +119,7 @@ def _scale(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: flo
     stand[:3, :3] = world[:3, :3] * np.diagonal(offset)[:3, np.newaxis]
     name, bone = f"{plan.called(rule.child)} scale", plan.bone_axes(rule.child)
     socket = plan.socket(name, plan.node(driver), stand, bone=bone)
-    plan.constrain(plan.node(rule.child), "COPY_SCALE", socket, share=share)
+    plan.constrain(plan.node(rule.child), "COPY_SCALE", socket, f"Scale {plan.called(driver)}", share=share)
 
 
 _FOLLOWS = {"parent": _parent, "point": _point, "orient": _orient, "scale": _scale}
@@ -131,13 +138,14 @@ def _aim(plan: Plan, rule: Constraint) -> None:
     stand = frame(place, aim, cross(aim, up))
     hung = plan.node(above)
     tracker = plan.socket(f"{name} tracker", hung, stand, bone=True)
-    plan.constrain(tracker, "DAMPED_TRACK", target, track_axis="TRACK_Y")
+    label = f"Aim {', '.join(plan.called(node) for node in rule.drivers)}"
+    plan.constrain(tracker, "DAMPED_TRACK", target, label, track_axis="TRACK_Y")
     if rule.world_up != "none":
         top = _top(plan, rule, hung, place)
-        plan.constrain(tracker, "LOCKED_TRACK", top, track_axis="TRACK_Z", lock_axis="LOCK_Y")
+        plan.constrain(tracker, "LOCKED_TRACK", top, "Up", track_axis="TRACK_Z", lock_axis="LOCK_Y")
     own = from_frame(to_axes(product(turn, nearest_rotation_of(rule.offsets[0]))), place)
     socket = plan.socket(f"{name} aimed", tracker, own, bone=plan.bone_axes(child))
-    plan.constrain(plan.node(child), "COPY_ROTATION", socket)
+    plan.constrain(plan.node(child), "COPY_ROTATION", socket, label)
 
 
 def _top(plan: Plan, rule: Constraint, hung: str, place: Floats) -> str:
@@ -151,11 +159,11 @@ def _top(plan: Plan, rule: Constraint, hung: str, place: Floats) -> str:
         axes = orthonormal_axes(plan.reference.world[rule.up_object])
         vector = transform_directions(vector, plan.reference.world[rule.up_object])
     origin = plan.socket(f"{name} up from", "", from_frame(axes, place), bone=True)
-    plan.constrain(origin, "COPY_LOCATION", here)
+    plan.constrain(origin, "COPY_LOCATION", here, "Up")
     if rule.world_up == "objectrotation":
         leader = from_frame(axes, plan.reference.world[rule.up_object, 3, :3])
         turned = plan.socket(f"{name} up turn", plan.node(rule.up_object), leader, bone=True)
-        plan.constrain(origin, "COPY_ROTATION", turned)
+        plan.constrain(origin, "COPY_ROTATION", turned, "Up")
     return plan.socket(f"{name} up", origin, from_frame(np.eye(3), place + vector), bone=True)
 
 
@@ -171,11 +179,21 @@ def twist(plan: Plan, found: TwistJoint) -> None:
     turned = plan.socket(name, plan.node(driver), stand, bone=True)
     above = int(rig.parents[found.node])
     own = transform_directions(found.own_axis, world[above]) if above >= 0 else found.own_axis
-    _turn_about(plan, found.node, f"{name} axis", turned, zero, own, found.weight, 1.0)
+    label = f"Twist {plan.called(driver)}"
+    _turn_about(plan, found.node, f"{name} axis", turned, zero, own, found.weight, label)
 
 
 def _turn_about(
-    plan: Plan, child: int, name: str, turned: str, zero: str, line: Floats, weight: float, share: float
+    plan: Plan,
+    child: int,
+    name: str,
+    turned: str,
+    zero: str,
+    line: Floats,
+    weight: float,
+    label: str,
+    *,
+    share: float = 1.0,
 ) -> None:
     """A socket on the child's parent rotates about a line as ``turned`` twists about its y axis."""
     above = int(plan.rig.parents[child])
@@ -183,9 +201,9 @@ def _turn_about(
     # Blender's local space of an object is its parent, so that has to stand in the same frame.
     holder = plan.socket(f"{name} frame", plan.node(above), stand, bone=True)
     turner = plan.socket(name, holder, stand, bone=True)
-    plan.constrain(turner, "TRANSFORM", turned, space=zero, weight=weight)
+    plan.constrain(turner, "TRANSFORM", turned, label, space=zero, weight=weight)
     own = plan.ride("twisted", turner, child)
-    plan.constrain(plan.node(child), "COPY_ROTATION", own, share=share)
+    plan.constrain(plan.node(child), "COPY_ROTATION", own, label, share=share)
 
 
 def _left_out(report: Report, what: str) -> None:

@@ -2,7 +2,8 @@
 
 All matrices are those of the file, row-vector and in the world, while controls are zero; Blender's axes
 are the script's matter. What a constraint is on, or looks at, is given by a word: ``n3`` is a node of the
-file, ``s3`` a socket (an empty object that rides on something), ``b3`` a bone of the script's own.
+file, ``s3`` a socket (an empty object that rides on something), ``b3`` a bone of the script's own. Controls,
+their offsets and pole vectors become bones of one armature, which stands where their group does.
 
 Source: docs/blender.md.
 """
@@ -10,6 +11,7 @@ Source: docs/blender.md.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,10 +20,15 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.recognition.recognise import sure_limbs
 
 # The metadata that identifies a node, whatever Blender calls it.
 _TELLING = ("type", "kind", "joint", "chain", "child")
+# Bones of the control armature, and for each kind the channels that mean nothing: they are locked.
+CONTROLS = (ControlRecord.type, OffsetRecord.type, PoleVectorRecord.type)
+_LOCKED = {"ik": "s", "pole": "rs", "offset": "trs"}
 
 
 @dataclass(eq=False)
@@ -35,6 +42,8 @@ class Plan:
     bones: list[dict[str, Any]] = field(default_factory=list)
     constraints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[str] = field(default_factory=list)
+    controls: list[dict[str, Any]] = field(default_factory=list)
+    group: str = ""
     _words: dict[int, str] = field(default_factory=dict)
 
     def node(self, node: int) -> str:
@@ -67,8 +76,30 @@ class Plan:
         return [flat(place) for place in found if place is not None]
 
     def bone_axes(self, node: int) -> bool:
-        """Whether Blender makes a bone of a node: bones and objects have other axes there."""
-        return bool(self.rig.is_joint[node])
+        """Whether a node is a bone in Blender: bones and objects have other axes there."""
+        return bool(self.rig.is_joint[node]) or self.rig.type_of(node) in CONTROLS
+
+    @cached_property
+    def limb_names(self) -> dict[tuple[int, ...], str]:
+        """What an animator calls the recognised limbs, such as "left arm", by their three joints."""
+        return {chain.bend: chain.name for chain in sure_limbs(self.rig)}
+
+    def add_control_bones(self) -> None:
+        """All controls, offsets and pole vectors, each after the one that it is a child of."""
+        numbers: dict[int, int] = {}
+        for node in sorted(self.rig.nodes_of(*CONTROLS)):
+            if self.rig.is_joint[node]:
+                continue
+            above = next((k for k in self.rig.path_to_root(node)[1:] if k in numbers), -1)
+            note = self.rig.metadata[node]
+            kind = "pole" if note["type"] == PoleVectorRecord.type else note["type"]
+            kind = note.get("kind", "fk") if kind == ControlRecord.type else kind
+            numbers[node] = len(self.controls)
+            look = {"color": note.get("color", []), "size": note.get("size")}
+            about = {"node": self.node(node), "above": numbers.get(above, -1), "kind": kind}
+            self.controls.append(about | look | {"locked": _LOCKED.get(kind, "")})
+        group = next((node for node in self.rig.nodes_of("group") if numbers), -1)
+        self.group = self.node(group)
 
     def socket(self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False) -> str:
         """A new empty object that rides on something; stand: (4, 4), in the axes of bones or of objects.
@@ -90,10 +121,11 @@ class Plan:
         return len(self.bones) - 1
 
     def constrain(
-        self, on: str, kind: str, target: str, *, share: float = 1.0, limb: int = -1, **more: Any
+        self, on: str, kind: str, target: str, name: str, *, share: float = 1.0, limb: int = -1, **more: Any
     ) -> None:
-        """A constraint. share: its influence; limb: the one whose switch takes part, −1 for none."""
-        about = {"on": on, "type": kind, "target": target, "share": share, "limb": limb}
+        """A constraint. name: what it does, in words; share: its influence; limb: the one whose switch takes
+        part, −1 for none."""
+        about = {"on": on, "type": kind, "target": target, "name": name, "share": share, "limb": limb}
         self.constraints.append(about | {key: value for key, value in more.items() if value is not None})
 
     def called(self, node: int) -> str:
@@ -109,6 +141,8 @@ class Plan:
             "bones": self.bones,
             "constraints": self.constraints,
             "limbs": self.limbs,
+            "controls": self.controls,
+            "group": self.group,
         }
 
 

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import controls_and_poles
 from rigtri.evaluation.solver import Solver, refuse_cycles
+from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, left_out, twist
 from rigtri.export.blender.controls import controls, pole_place
@@ -24,6 +26,7 @@ from rigtri.files.input_stream import opened
 from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
 from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
 _SLOT = 'json.loads("{}")'
@@ -101,7 +104,25 @@ def planned(rig: Rig, report: Report) -> Plan:
         else:
             follow(plan, rule, report)
     left_out(plan, report)
+    _warn_still(rig, solver, report)
     return plan
+
+
+def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:
+    """Warn of clips that do not play while controls drive: their motion is on the joints alone."""
+    moved = {node for step in solver.steps for node in step.sets}
+    controls = controls_and_poles(rig)
+    names = []
+    for timeline in timelines(rig):
+        keyed = {track.node for track in timeline.clip.tracks}
+        if keyed & moved and not keyed & controls:
+            names.append(timeline.name)
+    if names:
+        report.warn(
+            "joints-alone",
+            f"{list_names(names)}: joints have keys, and their controls none, which hold them still in "
+            "Blender. Give controls the motion first: rigtri bake IN -o OUT --to controls",
+        )
 
 
 def script(document: dict[str, Any]) -> str:

@@ -1,4 +1,6 @@
-"""Sets a character of rigtri's up in Blender: controls, IK with poles, constraints. Docs: docs/blender.md.
+"""Sets a character of rigtri's up in Blender: controls as bones, IK with poles, constraints.
+
+Docs: docs/blender.md.
 
 Open it in Blender's Text Editor and press Run, or: blender --python SCRIPT [-- OPTIONS].
 It works on the character that is in the scene; where none is, it imports the file.
@@ -11,14 +13,18 @@ A second run takes out what the first one has made, and sets it up anew.
 """
 
 import argparse
+import contextlib
+import itertools
 import json
 import re
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 from mathutils import Matrix, Vector
 
 RIG: dict[str, Any] = json.loads("{}")
@@ -29,6 +35,9 @@ MARK = "rigtri_setup"
 PREFIX = "rigtri "
 CHARACTER = "rigtri_character"
 DRIVE, SWITCH = "rigtri_drive", "rigtri_ik"
+# What an imported control was called before its bone took the name.
+NAME = "rigtri_name"
+GROUPS = {"root": "Root", "ik": "IK", "pole": "IK", "fk": "FK", "offset": "Offsets"}
 # How much turns of bones may differ from those of the file's joints, in the numbers of a matrix.
 SAME = 1e-2
 ITERATIONS = 500
@@ -81,8 +90,24 @@ def called(name: str, expected: str, longest: int) -> bool:
     return name in (expected, cut) or plain(name) in (expected, cut[: len(cut) - 4]) or plain(name) == cut
 
 
+def name_of(thing: Any) -> str:
+    """What a bone or object is called in the file, as far as Blender keeps it."""
+    return str(thing.get(NAME, thing.name))
+
+
 def object_called(thing: Any, expected: str) -> bool:
-    return any(called(thing.name, expected, longest) for longest in (63, 255))
+    return any(called(name_of(thing), expected, longest) for longest in (63, 255))
+
+
+def is_selected(thing: Any) -> bool:
+    """Whether an object, or the character that it was set up for, is selected."""
+    return thing.select_get() or any(
+        one.get(CHARACTER) is not None
+        and thing in (*one.objects, one[CHARACTER])
+        and any(each.select_get() for each in (one[CHARACTER], *one.objects))
+        for one in bpy.data.collections
+        if MARK in one
+    )
 
 
 def note_of(thing: Any) -> dict[str, Any]:
@@ -126,7 +151,7 @@ def line(thing: Any) -> list[str]:
     names = []
     while thing.parent:
         thing = thing.parent
-        names.append(thing.name)
+        names.append(name_of(thing))
     return names
 
 
@@ -140,12 +165,12 @@ def bones_for(about: dict[str, Any]) -> list[tuple[Any, str]]:
         (armature, bone)
         for armature in armatures()
         for bone in armature.data.bones
-        if called(bone.name, about["name"], 63)
+        if MARK not in bone and called(bone.name, about["name"], 63)
     ]
     tests = [
         lambda pair: pair[1].name == about["name"],
         lambda pair: below(line(pair[1]), about["above"]),
-        lambda pair: pair[0].select_get(),
+        lambda pair: is_selected(pair[0]),
     ]
     return [(armature, bone.name) for armature, bone in narrowed(found, tests)]
 
@@ -158,7 +183,7 @@ def objects_for(about: dict[str, Any]) -> list[Any]:
     tests = [
         lambda thing: object_called(thing, about["name"]),
         lambda thing: below(line(thing), about["above"]),
-        lambda thing: thing.select_get(),
+        is_selected,
     ]
     return narrowed(found, tests)
 
@@ -192,6 +217,7 @@ def renamed(about: dict[str, Any]) -> str:
         for armature in armatures()
         for bone in armature.data.bones
         if about["joint"]
+        and MARK not in bone
         and bone.parent is not None
         and below(line(bone)[:2], about["above"])
         and not any(called(bone.name, name, 63) for name in names)
@@ -256,56 +282,327 @@ def made_for(owner: Any) -> list[Any]:
 def remove(nodes: list[Any], owner: Any) -> int:
     """Take out all that this script has made for a character; how many things that were."""
     collections = made_for(owner)
-    made = {thing for collection in collections for thing in collection.objects if MARK in thing}
-    count = len(made)
+    every = {thing for collection in collections for thing in collection.objects}
+    made = {thing for thing in every if MARK in thing}
+    count = len(made) + (remove_bones(owner) if owner in {thing for thing, _ in filter(None, nodes)} else 0)
     for thing in {thing for thing, _ in filter(None, nodes)}:
         for constrained in (thing, *(thing.pose.bones if thing.pose else ())):
-            for constraint in [one for one in constrained.constraints if is_ours(one, made)]:
+            for constraint in [one for one in constrained.constraints if is_ours(one, thing)]:
                 thing.driver_remove(f"{constraint.path_from_id()}.influence")
                 constrained.constraints.remove(constraint)
                 count += 1
-        for key in (DRIVE, SWITCH):
-            if key in thing:
-                del thing[key]
+        if DRIVE in thing:
+            del thing[DRIVE]
     for thing in made:
-        armature = thing.data if thing.type == "ARMATURE" else None
+        data = thing.data
         bpy.data.objects.remove(thing)
-        if armature is not None:
-            bpy.data.armatures.remove(armature)
+        if isinstance(data, bpy.types.Armature) or (data is not None and MARK in data):
+            bpy.data.batch_remove([data])
+    for thing in every - made:
+        give_back(thing)
     for collection in collections:
         bpy.data.collections.remove(collection)
     return count
 
 
-def is_ours(constraint: Any, made: set[Any]) -> bool:
-    """Whether a constraint looks at what the script has made, or looked at it until somebody deleted it."""
-    target = getattr(constraint, "target", None)
-    return target in made or (target is None and bool(re.match(rf"{PREFIX}\d+$", constraint.name)))
+def remove_bones(rig: Any) -> int:
+    """Take the bones of controls out of an armature; how many they were."""
+    names = [bone.name for bone in rig.data.bones if MARK in bone] if rig.type == "ARMATURE" else []
+    if names:
+        with edited(rig):
+            for name in names:
+                rig.data.edit_bones.remove(rig.data.edit_bones[name])
+        for name in set(GROUPS.values()):
+            collection = rig.data.collections.get(name)
+            if collection is not None and not collection.bones:
+                rig.data.collections.remove(collection)
+    return len(names)
+
+
+def give_back(thing: Any) -> None:
+    """Show an imported control again, under its own name."""
+    thing.name = name_of(thing)
+    thing.hide_viewport = thing.hide_render = thing.hide_select = False
+    del thing[NAME]
+    bpy.context.scene.collection.objects.link(thing)
+
+
+def is_ours(constraint: Any, thing: Any) -> bool:
+    """Whether the switch of the rig drives a constraint of an object."""
+    path = f"{constraint.path_from_id()}.influence"
+    drivers = thing.animation_data.drivers if thing.animation_data else ()
+    return any(
+        variable.targets[0].data_path == f'["{DRIVE}"]'
+        for curve in drivers
+        if curve.data_path == path
+        for variable in curve.driver.variables
+    )
 
 
 def property_of(thing: Any, name: str, value: float, text: str) -> None:
     """A slider from 0 to 1 at an object."""
     thing[name] = float(value)
     thing.id_properties_ui(name).update(min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, description=text)
-    thing.update_tag()
+    if isinstance(thing, bpy.types.Object):
+        thing.update_tag()
+
+
+@contextlib.contextmanager
+def edited(armature: Any) -> Iterator[None]:
+    """An armature in edit mode, so it must be seen for a while; then all is as before."""
+    hidden = armature.hide_viewport, armature.hide_select
+    armature.hide_viewport = armature.hide_select = False
+    view = bpy.context.view_layer
+    active, selected = view.objects.active, [one for one in view.objects if one.select_get()]
+    mode = active.mode if active is not None else "OBJECT"
+    if mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    view.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    yield
+    bpy.ops.object.mode_set(mode="OBJECT")
+    view.objects.active = active
+    for one in selected:
+        one.select_set(True)
+    if mode != "OBJECT":
+        bpy.ops.object.mode_set(mode=mode)
+    armature.hide_viewport, armature.hide_select = hidden
+
+
+def build_bones(armature: Any, bones: list[tuple[str, int, Matrix, float]]) -> list[str]:
+    """Give an armature bones; their names.
+
+    Of each bone: name, number of its parent or -1, matrix in the armature and length.
+    """
+    with edited(armature):
+        made: list[Any] = []
+        for name, parent, place, length in bones:
+            bone = armature.data.edit_bones.new(name)
+            bone.head, bone.tail = (0, 0, 0), (0, 1, 0)
+            bone.matrix = place.normalized()
+            bone.length = length
+            if parent >= 0:
+                bone.parent = made[parent]
+            made.append(bone)
+        return [bone.name for bone in made]
+
+
+def in_parent(bone: Any) -> Matrix:
+    """Where a bone rests, seen from its parent."""
+    own = bone.bone.matrix_local
+    return bone.parent.bone.matrix_local.inverted() @ own if bone.parent else own
+
+
+def unit_of(bone: Any) -> float:
+    """How long a unit of the file is in the armature of a bone."""
+    return float(RIG["meters"] / bone.id_data.matrix_world.median_scale)
+
+
+def in_bone_axes(bone: Any, local: Matrix) -> Matrix:
+    """The local matrix of an imported control, in the axes and the unit that its bone has."""
+    axes = object_axes()
+    found = axes @ local @ axes.inverted()
+    found.translation *= unit_of(bone)
+    return found
+
+
+def lines_of(thing: Any) -> Any:
+    """A mesh of the lines that an imported control draws; None for none."""
+    if thing.type == "MESH":
+        return thing.data
+    curves = next((one.data for one in (thing, *thing.children) if one.type == "CURVES"), None)
+    if curves is None:
+        return None
+    cyclic = curves.attributes.get("cyclic")
+    edges, start = [], 0
+    for number, curve in enumerate(curves.curves):
+        line = list(range(start, start + curve.points_length))
+        edges += list(itertools.pairwise(line))
+        edges += [(line[-1], line[0])] if cyclic and cyclic.data[number].value else []
+        start += len(line)
+    mesh = bpy.data.meshes.new(f"shape {thing.name}")
+    mesh[MARK] = 1
+    mesh.from_pydata([point.position for point in curves.points], edges, [])
+    return mesh
+
+
+class Keys:
+    """The keys of an imported control, as those of its bone."""
+
+    def __init__(self, bone: Any, thing: Any) -> None:
+        self.bone, self.thing = bone, thing
+        axes = np.array(object_axes().to_3x3())
+        _, turn, _ = in_parent(bone).inverted().decompose()
+        rest = np.array(in_parent(bone).inverted())
+        signed = np.array(object_axes().to_quaternion())
+        self.maps = {
+            "location": (unit_of(bone) * rest[:3, :3] @ axes, rest[:3, 3], np.zeros(3)),
+            "rotation_quaternion": (
+                times(np.array(turn)) @ times(signed) @ times(signed * (1, -1, -1, -1), right=True),
+                np.zeros(4),
+                np.eye(4)[0],
+            ),
+            "scale": (np.abs(np.rint(axes)), np.zeros(3), np.ones(3)),
+        }
+
+    def carry(self, source: Any, target: Any) -> None:
+        """Put the curves of one channelbag into another."""
+        for path, (matrix_, move, rest) in self.maps.items():
+            curves = {one.array_index: one for one in source.fcurves if one.data_path == path}
+            if not curves:
+                continue
+            known = [rows_of(curves[k]) if k in curves else None for k in range(len(rest))]
+            first = next(rows for rows in known if rows is not None)
+            alike = all(
+                rows is None or (rows.shape == first.shape and (rows[:, ::2] == first[:, ::2]).all())
+                for rows in known
+            )
+            template = next(iter(curves.values()))
+            if not alike:
+                frames = sorted({float(x) for rows in known if rows is not None for x in rows[:, 0]})
+                first = np.repeat(np.array(frames)[:, None], 6, axis=1)
+                known = [self._sampled(curves.get(k), frames) for k in range(len(rest))]
+            values = np.stack(
+                [
+                    np.full((len(first), 3), rest[k]) if rows is None else rows[:, 1::2]
+                    for k, rows in enumerate(known)
+                ]
+            )
+            found = np.einsum("ij,jkl->ikl", matrix_, values) + move[:, None, None]
+            for k in range(len(rest)):
+                name = f"{self.bone.path_from_id()}.{path}"
+                if old := target.fcurves.find(name, index=k):
+                    target.fcurves.remove(old)
+                curve = target.fcurves.new(name, index=k)
+                put_rows(curve, np.stack([first[:, ::2], found[k]], axis=2).reshape(-1, 6), template)
+
+    @staticmethod
+    def _sampled(curve: Any, frames: list[float]) -> Any:
+        if curve is None:
+            return None
+        return np.array([[frame, curve.evaluate(frame)] * 3 for frame in frames])
+
+
+def times(q: Any, *, right: bool = False) -> Any:
+    """The matrix, (4, 4), that multiplies a quaternion wxyz by another from the left, or from the right."""
+    w, x, y, z = q
+    s = -1 if right else 1
+    return np.array([[w, -x, -y, -z], [x, w, -s * z, s * y], [y, s * z, w, -s * x], [z, -s * y, s * x, w]])
+
+
+def rows_of(curve: Any) -> Any:
+    """Key and handles of a curve, (k, 6): frame and value of each."""
+    rows = np.zeros((3, len(curve.keyframe_points) * 2), np.float32)
+    for row, word in zip(rows, ("co", "handle_left", "handle_right"), strict=True):
+        curve.keyframe_points.foreach_get(word, row)
+    return rows.reshape(3, -1, 2).transpose(1, 0, 2).reshape(-1, 6)
+
+
+def put_rows(curve: Any, rows: Any, template: Any) -> None:
+    """Give a curve keys and handles, of the kind that another curve's first key has."""
+    curve.keyframe_points.add(len(rows))
+    for k, word in enumerate(("co", "handle_left", "handle_right")):
+        curve.keyframe_points.foreach_set(word, rows[:, 2 * k : 2 * k + 2].astype(np.float32).ravel())
+    old = template.keyframe_points[0]
+    for point in curve.keyframe_points:
+        point.interpolation = old.interpolation
+        point.handle_left_type, point.handle_right_type = old.handle_left_type, old.handle_right_type
+    curve.update()
+
+
+def channels(action: Any, slot: Any, *, make: bool = False) -> Any:
+    """The curves of an action for one slot; None for none."""
+    return action.layers[0].strips[0].channelbag(slot, ensure=make) if action.layers else None
+
+
+def uses_of(thing: Any) -> list[tuple[Any, Any, Any]]:
+    """The actions that move an object, with their slots there and the strips that play them."""
+    data = thing.animation_data
+    if data is None:
+        return []
+    strips = [strip for track in data.nla_tracks for strip in track.strips if strip.action]
+    found = {strip.action: (strip.action, strip.action_slot, strip) for strip in strips}
+    if data.action:
+        found.setdefault(data.action, (data.action, data.action_slot, None))
+    return [use for use in found.values() if use[1] is not None]
+
+
+class Kept:
+    """What animators have done with controls: before the set-up at objects, after it at bones."""
+
+    def __init__(self, nodes: list[Any]) -> None:
+        rig = rig_of(character(nodes))
+        bones = [bone for bone in rig.pose.bones if MARK in bone.bone] if rig else []
+        self.again = bool(bones)
+        self.switches = {bone.name: float(bone[SWITCH]) for bone in bones if SWITCH in bone}
+        self.poses = {bone.name: bone.matrix_basis.copy() for bone in bones}
+
+    def give(self, setup: "Setup") -> None:
+        """Let the bones of controls have it. What follows a limb does so by constraints."""
+        for name, pose in self.poses.items():
+            if name in setup.rig.pose.bones:
+                setup.rig.pose.bones[name].matrix_basis = pose
+        if self.again:
+            return
+        slots = {action: slot for action, slot, _ in uses_of(setup.rig)}
+        for about in RIG["controls"]:
+            number = int(about["node"][1:])
+            thing, bone = setup.imported[number][0], setup.rig.pose.bones[setup.nodes[number][1]]
+            if about["kind"] == "offset":
+                continue
+            keys = Keys(bone, thing)
+            for action, slot, strip in uses_of(thing):
+                if action not in slots:
+                    slots[action] = play(setup.rig, action, strip)
+                source = channels(action, slot)
+                if source is not None:
+                    keys.carry(source, channels(action, slots[action], make=True))
+
+
+def play(rig: Any, action: Any, strip: Any) -> Any:
+    """Let an armature play an action that had nothing for it, in a strip like an object's; its new slot."""
+    slot = action.slots.new(id_type="OBJECT", name=rig.name)
+    data = rig.animation_data_create()
+    if strip is not None:
+        track = data.nla_tracks.new()
+        own = track.strips.new(strip.name, int(strip.frame_start), action)
+        own.action_slot, track.name, track.mute = slot, action.name, True
+        own.action_frame_start, own.action_frame_end = strip.action_frame_start, strip.action_frame_end
+        own.frame_start, own.frame_end = strip.frame_start, strip.frame_end
+    if data.action is None:
+        data.action, data.action_slot = action, slot
+    return slot
+
+
+def rig_of(owner: Any) -> Any:
+    """The armature that a character's controls are bones of; None for none."""
+    if owner is None or owner.type == "ARMATURE":
+        return owner
+    made = (thing for collection in made_for(owner) for thing in collection.objects)
+    return next((thing for thing in made if thing.pose and thing.name.startswith(f"{PREFIX}controls")), None)
 
 
 class Setup:
     """One run: the scene's nodes, and what is made of sockets and bones. Words are those of the plan."""
 
-    def __init__(self, nodes: list[Any], drive: float, switches: dict[str, float]) -> None:
-        self.nodes = nodes
+    def __init__(self, nodes: list[Any], drive: float, kept: "Kept") -> None:
         self.master = character(nodes)
         self.collection = bpy.data.collections.new("rigtri setup")
         self.collection[MARK] = 1
         self.collection[CHARACTER] = self.master
         bpy.context.scene.collection.children.link(self.collection)
         property_of(self.master, DRIVE, drive, "1: rigtri's controls drive; 0: the joints' own keys")
+        self.imported = nodes
+        self.nodes = list(nodes)
+        self.rig: Any = self.add_controls() if RIG["controls"] else None
+        if self.rig:
+            kept.give(self)
         for word in RIG["limbs"]:
-            thing = self.target(word)[0]
-            value = switches.get(thing.name, 1.0)
-            property_of(thing, SWITCH, value, "1: IK moves the limb; 0: its FK controls")
-            self.add_switch(thing)
+            rig, bone = self.target(word)
+            value = kept.switches.get(bone, 1.0)
+            property_of(rig.pose.bones[bone], SWITCH, value, "1: IK moves the limb; 0: its FK controls")
+            rig.update_tag()
+            self.add_switch(bone)
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
@@ -315,8 +612,8 @@ class Setup:
         self.sockets = [self.empty(about) for about in RIG["sockets"]]
         for about, thing in zip(RIG["sockets"], self.sockets, strict=True):
             self.hang(about, thing)
-        for number, about in enumerate(RIG["constraints"]):
-            self.constrain(number, about)
+        for about in RIG["constraints"]:
+            self.constrain(about)
 
     def added(self, name: str, data: Any = None) -> Any:
         thing = bpy.data.objects.new(PREFIX + name, data)
@@ -325,20 +622,19 @@ class Setup:
         thing.hide_viewport = thing.hide_render = thing.hide_select = True
         return thing
 
-    def add_switch(self, thing: Any) -> None:
+    def add_switch(self, bone: str) -> None:
         """A visible empty below an IK end, whose scale says in what is exported whether IK moves the limb.
 
         Half or one and a half: IK is off or on; one: nothing drives. ``rigtri bake --rig`` reads it.
         """
-        for former in [child for child in thing.children if plain(child.name) == SWITCH]:
-            bpy.data.objects.remove(former)  # of a file that came back
         switch = self.added(SWITCH)
         switch.name = SWITCH
         switch.hide_viewport = switch.hide_render = False
         switch.empty_display_size = 1e-4
-        switch.parent = thing
+        switch.parent, switch.parent_type, switch.parent_bone = self.rig, "BONE", bone
         for curve in switch.driver_add("scale"):
-            self.by_switches(curve.driver, [("drive", self.master, DRIVE), ("ik", thing, SWITCH)])
+            path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'
+            self.by_switches(curve.driver, [("drive", self.master, f'["{DRIVE}"]'), ("ik", self.rig, path)])
             curve.driver.expression = "1 + drive * (ik - 0.5)"
 
     def empty(self, about: dict[str, Any]) -> Any:
@@ -348,34 +644,82 @@ class Setup:
         return thing
 
     def bones(self) -> Any:
-        """The armature whose bones solve IK. It is built in edit mode, so it must be seen for a while."""
+        """The armature whose bones solve IK."""
         solver = self.added("IK", bpy.data.armatures.new(PREFIX + "IK"))
-        solver.hide_viewport = solver.hide_select = False
-        view = bpy.context.view_layer
-        active, selected = view.objects.active, [one for one in view.objects if one.select_get()]
-        mode = active.mode if active is not None else "OBJECT"
-        if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-        view.objects.active = solver
-        bpy.ops.object.mode_set(mode="EDIT")
-        made: list[Any] = []
-        for about in RIG["bones"]:
-            bone = solver.data.edit_bones.new(about["name"])
-            bone.head, bone.tail = (0, 0, 0), (0, 1, 0)
-            bone.matrix = from_file() @ matrix(about["stand"])
-            bone.length = about["length"] * RIG["meters"]
-            if about["parent"] >= 0:
-                bone.parent = made[about["parent"]]
-            made.append(bone)
-        self.names = [bone.name for bone in made]
-        bpy.ops.object.mode_set(mode="OBJECT")
-        view.objects.active = active
-        for one in selected:
-            one.select_set(True)
-        if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode=mode)
-        solver.hide_viewport = solver.hide_select = True
+        made = [
+            (
+                about["name"],
+                about["parent"],
+                from_file() @ matrix(about["stand"]),
+                about["length"] * RIG["meters"],
+            )
+            for about in RIG["bones"]
+        ]
+        self.names = build_bones(solver, made)
         return solver
+
+    # -- the controls
+
+    def add_controls(self) -> Any:
+        """Bones for all controls, in the character's armature or a new one; what was imported is hidden."""
+        things = [self.target(about["node"])[0] for about in RIG["controls"]]
+        rig = self.master if self.master.type == "ARMATURE" else None
+        if rig is None:
+            rig = self.added("controls", bpy.data.armatures.new(PREFIX + "controls"))
+            rig.hide_viewport = rig.hide_select = rig.hide_render = False
+        for thing in things + ([self.target(RIG["group"])[0]] if RIG["group"] else []):
+            self.hide(thing)
+        back = rig.matrix_world.inverted()
+        size = max((about["size"] or 0.0 for about in RIG["controls"]), default=0.0) or 0.1
+        made = [
+            (
+                node["name"],
+                about["above"],
+                back @ stand(node, True),
+                (about["size"] or size / 2.0) * RIG["meters"] / rig.matrix_world.median_scale,
+            )
+            for about in RIG["controls"]
+            for node in [RIG["nodes"][int(about["node"][1:])]]
+        ]
+        for about, thing, bone in zip(RIG["controls"], things, build_bones(rig, made), strict=True):
+            self.nodes[int(about["node"][1:])] = (rig, bone)
+            rig.data.bones[bone][MARK] = 1
+            rig.data.bones[bone].use_deform = False
+            self.dress(rig.pose.bones[bone], about, thing)
+        return rig
+
+    def hide(self, thing: Any) -> None:
+        """Put an imported control aside: its bone takes its name, and draws its lines."""
+        thing[NAME] = thing.name
+        thing.name = PREFIX + thing.name
+        thing.hide_viewport = thing.hide_render = thing.hide_select = True
+        for collection in thing.users_collection:
+            collection.objects.unlink(thing)
+        self.collection.objects.link(thing)
+
+    def dress(self, bone: Any, about: dict[str, Any], thing: Any) -> None:
+        """Shape, colour, collection and locks of a control, and the pose that its object has."""
+        group = GROUPS[about["kind"]]
+        collections = bone.id_data.data.collections
+        collection = collections.get(group) or collections.new(group)
+        collection.is_visible = about["kind"] != "offset"
+        collection.assign(bone)
+        bone.rotation_mode = "QUATERNION"
+        bone.lock_location = ["t" in about["locked"]] * 3
+        bone.lock_rotation = ["r" in about["locked"]] * 3
+        bone.lock_rotation_w = "r" in about["locked"]
+        bone.lock_scale = ["s" in about["locked"]] * 3
+        if about["color"]:
+            bone.color.palette = "CUSTOM"
+            bone.color.custom.normal = bone.color.custom.select = bone.color.custom.active = about["color"]
+        lines = lines_of(thing)
+        if lines is not None:
+            shape = self.added(f"shape {bone.name}", lines)
+            bone.custom_shape, bone.use_custom_shape_bone_size = shape, False
+            bone.custom_shape_rotation_euler = object_axes().to_euler()
+            bone.custom_shape_scale_xyz = [unit_of(bone)] * 3
+        if about["kind"] != "offset":
+            bone.matrix_basis = in_parent(bone).inverted() @ in_bone_axes(bone, thing.matrix_local)
 
     def solved(self) -> list[Matrix]:
         """Where the solver puts its bones while controls are zero: what hangs on them is told from there.
@@ -442,11 +786,11 @@ class Setup:
             frame = frame @ Matrix.Translation(Vector((0, parent.data.bones[bone].length, 0)))
         thing.matrix_parent_inverse = frame.inverted_safe() @ place
 
-    def constrain(self, number: int, about: dict[str, Any]) -> None:
+    def constrain(self, about: dict[str, Any]) -> None:
         thing, bone = self.target(about["on"])
         owner = thing.pose.bones[bone] if bone else thing
         constraint = owner.constraints.new(about["type"])
-        constraint.name = f"{PREFIX}{number}"
+        constraint.name = about["name"]
         constraint.target, subtarget = self.target(about["target"])
         if subtarget:
             constraint.subtarget = subtarget
@@ -484,20 +828,21 @@ class Setup:
         """Let the switches of the rig and of the limb set an influence, by an expression without code."""
         driver = thing.driver_add(f"{constraint.path_from_id()}.influence").driver
         driver.type = "SCRIPTED"
-        limb = self.target(RIG["limbs"][about["limb"]])[0] if about["limb"] >= 0 else None
-        switches = [("drive", self.master, DRIVE)] if master else []
-        switches += [("ik", limb, SWITCH)] if limb is not None else []
+        switches = [("drive", self.master, f'["{DRIVE}"]')] if master else []
+        if about["limb"] >= 0:
+            rig, bone = self.target(RIG["limbs"][about["limb"]])
+            switches.append(("ik", rig, f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'))
         self.by_switches(driver, switches)
         driver.expression = " * ".join([repr(about["share"]), *(name for name, _, _ in switches)])
 
     @staticmethod
     def by_switches(driver: Any, switches: list[tuple[str, Any, str]]) -> None:
-        """Give a driver a variable for each switch: its name, the object and the property there."""
-        for name, owner, key in switches:
+        """Give a driver a variable for each switch: its name, the object and the path to the property."""
+        for name, owner, path in switches:
             variable = driver.variables.new()
             variable.name, variable.type = name, "SINGLE_PROP"
             variable.targets[0].id = owner
-            variable.targets[0].data_path = f'["{key}"]'
+            variable.targets[0].data_path = path
 
 
 # -- the run -----------------------------------------------------------------------------------------
@@ -548,9 +893,9 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
     if text := elsewhere(nodes):
         print(f"rigtri: warning: {text}", file=sys.stderr)
     before = float(master.get(DRIVE, 1.0))
-    switches = {thing.name: float(thing[SWITCH]) for thing, _ in nodes if SWITCH in thing}
+    kept = Kept(nodes)
     remove(nodes, master)
-    Setup(nodes, before if drive is None else drive, switches)
+    Setup(nodes, before if drive is None else drive, kept)
     bpy.context.view_layer.update()
     return len(RIG["constraints"])
 

@@ -1,7 +1,6 @@
-"""Armatures moved in Blender while controls drove the bones, which stayed with the controls.
+"""Armatures that were moved in Blender after the script of ``export-blender`` had made controls their bones.
 
-An armature object is a node above the first joints. Its constraints, which the script of ``export-blender``
-makes, hold the bones where controls are in the world; in a file, joints go wherever the node above goes.
+An armature object is a node above the first joints, and there above controls, too; bind poses go along.
 
 Source: docs/blender.md.
 """
@@ -23,15 +22,13 @@ from rigtri.report import Report
 _SAME = 1e-4
 
 
-def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report, *, binds: bool = False) -> Rig:
-    """The rig with its armatures where controls had the bones, as in ``described``, with a notice.
+def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
+    """The rig with its armatures and bind poses where ``described`` has them, with a notice.
 
-    of: the nodes of ``rig`` by those of ``described``. binds: bind poses go along with their armature.
-    What a clip moves, and what has no parent, stays.
+    of: the nodes of ``rig`` by those of ``described``. What a clip moves, and what has no parent, stays.
     """
     theirs, ours = bind_poses(described), bind_poses(rig)
     keyed = {track.node for clip in rig.clips for track in clip.tracks}
-    controls = _controls_moved(rig, described, of)
     moves: dict[int, Floats] = {}
     for joint, place in theirs.items():
         node = of.get(joint, -1)
@@ -43,17 +40,17 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report, *,
             or tuple(rig.rules.up) != tuple(described.rules.up)
         ):
             continue
-        back = multiply(multiply(inverse(ours[node]), place), controls)
+        back = multiply(inverse(ours[node]), place)
         if np.abs(multiply(ours[node], back) - ours[node]).max() > _SAME * max(1.0, np.abs(place).max()):
             moves.setdefault(above, back)
     if not moves:
         return rig
     names = list_names(rig.title(node) for node in moves)
-    text = f"{names} was moved in Blender while controls drove, where its bones stayed with them: put back"
+    text = f"{names} was moved in Blender, without keys: that is not taken. Move the root control instead"
     report.warn("armature-moved", text)
     for node, back in moves.items():
         rig = _placed(rig, node, multiply(rig.world[node], back))
-    return _bound(rig, moves) if binds else rig
+    return _bound(rig, moves)
 
 
 def bind_poses(rig: Rig) -> dict[int, Floats]:
@@ -65,14 +62,6 @@ def bind_poses(rig: Rig) -> dict[int, Floats]:
                 if np.isfinite(matrix).all():
                     found.setdefault(joint, matrix)
     return found
-
-
-def _controls_moved(rig: Rig, described: Rig, of: Mapping[int, int]) -> Floats:
-    """How what holds all controls was moved, (4, 4)."""
-    for node in described.nodes_of("group"):
-        if node in of:
-            return multiply(inverse(described.world[node]), rig.world[of[node]])
-    return np.eye(4)
 
 
 def _placed(rig: Rig, node: int, world: Floats) -> Rig:

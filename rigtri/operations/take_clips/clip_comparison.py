@@ -11,7 +11,9 @@ from functools import cached_property
 
 import numpy as np
 
+from rigtri.evaluation.active_controls import controls_and_poles
 from rigtri.evaluation.key_reduction import lever_arms, parent_sizes
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.similarity_fit import SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -21,7 +23,13 @@ from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.time_ranges import Clock, Pair, Ranges, ranges
-from rigtri.operations.take_clips.track_comparison import differing, same_knots, tangents_dropped
+from rigtri.operations.take_clips.track_comparison import (
+    MISSED,
+    differing,
+    lacking,
+    same_knots,
+    tangents_dropped,
+)
 
 # Morph weights that differ by less look alike.
 SAME_WEIGHT = 1e-4
@@ -145,6 +153,27 @@ class Comparison:
         now = self.clock.to_rig_time(pair[1])
         return not differing(was, now, bound).any() or self.same_knots(was, now, bound) is not None
 
+    @cached_property
+    def controls(self) -> frozenset[int]:
+        """The controls and pole vectors of the rig."""
+        return controls_and_poles(self.both.rig)
+
+    def changes(self, was: Track, now: Track, theirs: Track) -> tuple[Booleans, float | None]:
+        """The keys of a track, (k,), that are not RIG's; how far RIG's spline is off where only that differs.
+
+        now: ``theirs``, a track of EDITED's in RIG's axes, by the clock.
+        """
+        bound = self.tolerances.of(theirs)
+        changed = differing(was, now, bound)
+        changed |= lacking(was, now, self.frames, bound, self.tolerances.unit_of(theirs))
+        far = self.same_knots(was, now, bound) if changed.any() else None
+        return changed, None if far is not None and _beyond(was, now)[changed].any() else far
+
+    @cached_property
+    def frames(self) -> Floats:
+        """The times, (f,), at which anything of EDITED's clip has a key, by the clock."""
+        return self.clock.times(self.transfer.frames)
+
     def same_knots(self, was: Track, now: Track, bound: Floats) -> float | None:
         """See `rigtri.operations.take_clips.track_comparison.same_knots`."""
         return same_knots(was, now, bound, dropped=self._dropped)
@@ -152,3 +181,8 @@ class Comparison:
     @cached_property
     def _dropped(self) -> bool:
         return tangents_dropped((was, self.clock.to_rig_time(now)) for was, now in self.pairs)
+
+
+def _beyond(was: Track, now: Track) -> Booleans:
+    """The keys of a track, (k,), before the other's first one or after its last."""
+    return np.asarray((now.times < was.times[0] - MISSED) | (now.times > was.times[-1] + MISSED))

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
-from rigtri.model.metadata import SWITCH, ControlRecord
+from rigtri.model.metadata import SWITCH, ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
@@ -52,6 +53,12 @@ def switches(edited: Rig, ends: Mapping[int, int]) -> Switches:
 def ik_ends(rig: Rig) -> list[int]:
     """The controls that IK reaches for."""
     return [node for node, record in rig.records(ControlRecord).items() if record.kind == "ik"]
+
+
+def follow_controls(rig: Rig) -> frozenset[int]:
+    """The joints and offsets that controls move in Blender by constraints; exporters write keys of them."""
+    moved = {node for step in Solver(rig).steps for node in step.sets}
+    return frozenset(moved.union(rig.nodes_of(OffsetRecord.type)))
 
 
 def hold_switched_on_ik(rig: Rig, switched: Switches, every: Sequence[Timeline]) -> Rig:

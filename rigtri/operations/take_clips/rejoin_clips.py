@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_and_poles, controls_with_keys, size_of
+from rigtri.evaluation.active_controls import controls_with_keys, size_of
 from rigtri.evaluation.pose_cache import blocks, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
+from rigtri.operations.take_clips.key_merging import merged
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions
+from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.report import Report
 
@@ -28,6 +30,7 @@ from rigtri.report import Report
 _TOLERANCE = 1e-5
 # Less than that between keys is not reported, as a share of the size: what bake leaves there, too.
 _BETWEEN = 1e-3
+_SAME = np.eye(4)
 
 
 def joined(
@@ -89,15 +92,46 @@ def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report
         return tracks
     seen = Comparison(Proportions(both), whole, _TOLERANCE)
     try:
-        seen.settled()
+        settled = seen.settled()
     except GeometryError:  # its time is not known, so it stays
         return tracks
-    warn_lost_motion(seen, between, report)
-    if not seen.clock.shift:
+    restored = _restored(seen, settled)
+    warn_lost_motion(seen, set(restored), between, report)
+    if seen.clock.shift:
+        by = seen.clock.shift / seen.clock.factor
+        report.added.append({"type": "moved", "clip": whole.home.clip.name, "by": by})
+        tracks = tuple(seen.clock.moved(track) for track in tracks)
+    elif not restored:
         return tracks
-    by = seen.clock.shift / seen.clock.factor
-    report.added.append({"type": "moved", "clip": whole.home.clip.name, "by": by})
-    return tuple(seen.clock.moved(track) for track in tracks)
+    return tuple(restored.get((track.node, track.path), track) for track in tracks)
+
+
+def _restored(seen: Comparison, ranges: Ranges | None) -> dict[tuple[int, Path], Track]:
+    """Tracks of controls with RIG's keys wherever EDITED agrees with them, by EDITED's node and path.
+
+    An exporter writes a key a frame; RIG has more where a limb's motion is curved. Nothing is restored where
+    the control has other axes, another unit or another time here.
+    """
+    both, found = seen.both, dict[tuple[int, Path], Track]()
+    if seen.clock.factor != 1.0:
+        return found
+    for was, theirs in seen.pairs:
+        node = was.node
+        same_axes = np.array_equal(both.turns[node], _SAME) and np.array_equal(both.between(node), _SAME)
+        if node not in seen.controls or not same_axes or seen.transfer.is_carried(node):
+            continue
+        now = seen.clock.to_rig_time(theirs)
+        changed, spline = seen.changes(was, now, theirs)
+        if changed.all() and spline is None:
+            continue
+        kept = was if spline is not None or not changed.any() else None
+        if kept is None:
+            kept = merged(was, now, changed, missed=MISSED, bound=0.0)
+        elif ranges is not None and ranges.whole:
+            kept = ranges.fitted(was, (float(now.times[0]), float(now.times[-1])))
+        if not (np.array_equal(kept.times, now.times) and np.array_equal(kept.values, now.values)):
+            found[both.of[node], was.path] = replace(kept, node=both.of[node], key=None)
+    return found
 
 
 def _meet(parts: Sequence[Timeline]) -> bool:
@@ -106,16 +140,22 @@ def _meet(parts: Sequence[Timeline]) -> bool:
     return len(set(driven)) < len(driven)
 
 
-def warn_lost_motion(seen: Comparison, most: float, report: Report) -> None:
+def warn_lost_motion(seen: Comparison, restored: Set[tuple[int, Path]], most: float, report: Report) -> None:
     """A warning where joints move otherwise between EDITED's keys for those that RIG's controls had there.
 
-    most: what is not reported, as a share of the size. Only tracks count that agree with RIG's at their keys.
+    restored: the tracks, by EDITED's node and path, that have RIG's keys. most: what is not reported, as a
+    share of the size. Only tracks count that agree with RIG's at their keys.
     """
     rig, home = seen.both.rig, seen.taken.home
     if home is None:
         return
-    known = controls_and_poles(rig)
-    agreed = (pair for pair in seen.pairs if pair[0].node in known and seen.agree(pair))
+    agreed = (
+        pair
+        for pair in seen.pairs
+        if pair[0].node in seen.controls
+        and (seen.both.of[pair[0].node], pair[0].path) not in restored
+        and seen.agree(pair)
+    )
     pairs = [(was, seen.clock.to_rig_time(now)) for was, now in agreed]
     thin = [(was, now, times) for was, now in pairs if len(times := _more(was, now))]
     if not thin:

@@ -20,7 +20,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.metadata import ADDED, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
-from rigtri.operations.take_clips.armature_motion import bind_poses, put_back
+from rigtri.operations.take_clips.armature_motion import bind_poses
 from rigtri.operations.take_clips.ik_switches import (
     drop_switched_off_ik_keys,
     hold_switched_on_ik,
@@ -79,8 +79,6 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         )
         return whole
     switched = switches(whole, {node: node for node in ik_ends(whole)})
-    if switched.on | switched.off:
-        whole = put_back(whole, described, both.of, report)
     rested = _rested(whole, described, {node: both.of[node] for node in stored if node in both.of}, report)
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)

@@ -15,7 +15,6 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.timelines import put_tracks, timelines
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
@@ -28,6 +27,7 @@ from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.generated_names import span
 from rigtri.operations.take_clips.ik_switches import (
     drop_switched_off_ik_keys,
+    follow_controls,
     hold_switched_on_ik,
     ik_ends,
     switches,
@@ -46,7 +46,7 @@ from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
 from rigtri.operations.take_clips.time_ranges import Ranges
-from rigtri.operations.take_clips.track_comparison import MISSED, differing, lacking
+from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
 from rigtri.report import Report
 
@@ -69,7 +69,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     of = pairs(rig, edited).of
     switched = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
     if switched.on | switched.off:
-        edited = put_back(edited, rig, of, report, binds=True)
+        edited = put_back(edited, rig, of, report)
         _warn_unkeyed(rig, edited, of, report)
     both = Counterparts(rig, edited)
     if not both.of:
@@ -87,8 +87,9 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     warn_differences(both, report)
     warn_lengths(bodies, report)
     taken_all, changed = set[str](), set[str]()
+    follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
     for taken in every:
-        taking = _Taking(rig, bodies, taken, options.tolerance, report)
+        taking = _Taking(rig, bodies, taken, options.tolerance, follow, report)
         if taking.is_a_pose():
             report.warn(
                 "no-length",
@@ -128,16 +129,24 @@ def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) 
 
 
 class _Taking:
-    """One clip that is taken."""
+    """One clip that is taken.
 
-    def __init__(self, rig: Rig, bodies: Proportions, taken: Taken, tolerance: float, report: Report) -> None:
+    follow: what only follows controls in EDITED, and is not taken where nobody has edited one.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        bodies: Proportions,
+        taken: Taken,
+        tolerance: float,
+        follow: frozenset[int],
+        report: Report,
+    ) -> None:
         self.rig, self.both, self.taken, self.report = rig, bodies.both, taken, report
+        self.follow = follow
         self.seen = Comparison(bodies, taken, tolerance)
-        self.clock, self.transfer, self.tolerances = (
-            self.seen.clock,
-            self.seen.transfer,
-            self.seen.tolerances,
-        )
+        self.clock, self.transfer = self.seen.clock, self.seen.transfer
         self.thin = tolerance
         self.changed: list[Track] = []
         self.same = 0
@@ -153,8 +162,9 @@ class _Taking:
         moved = self.seen.nodes
         if home is not None:
             self.ranges = self.seen.settled()
-        for node in moved:
-            self._take(node)
+        for node in sorted(moved, key=lambda node: (node in self.follow, node)):
+            if node not in self.follow or any(track.node in self.seen.controls for track in self.changed):
+                self._take(node)
         left = set(self.both.of).difference(moved)
         for node in sorted({node for node, path in self.seen.tracks if node in left and path in PATHS}):
             self._keep(node, ())
@@ -213,29 +223,23 @@ class _Taking:
 
     def _fresh(self, theirs: Track) -> Track | None:
         """What a track at EDITED's times becomes here; None where the rig has it already."""
-        bound, now = self.tolerances.of(theirs), self.clock.to_rig_time(theirs)
+        now = self.clock.to_rig_time(theirs)
         self.spans[now.node, now.path] = float(now.times[0]), float(now.times[-1])
         old = self._old(now.node, now.path)
         was = old or Track(now.node, now.path, "STEP", now.times[:1], self._rest(now))
         if was.values.shape[-1] != now.values.shape[-1]:
             return thinned(now, self._thin(now))
-        changed = differing(was, now, bound)
-        changed |= lacking(was, now, self._frames, bound, self.tolerances.unit_of(theirs))
+        changed, far = self.seen.changes(was, now, theirs)
         if not changed.any():
             self.same += 1
             return None
-        far = self.seen.same_knots(was, now, bound)
-        if far is not None and not _beyond(was, now)[changed].any():
+        if far is not None:
             self.splines.append((self.rig.names[now.node], far))
             self.same += 1
             return None
         if self.ranges is not None and self.ranges.whole:
             return thinned(now, self._thin(now))
         return merged(was, now, changed, missed=MISSED, bound=self._thin(now))
-
-    @cached_property
-    def _frames(self) -> Floats:
-        return self.clock.times(self.transfer.frames)
 
     def _thin(self, track: Track) -> float:
         """How far keys of a track that are left out may be off."""
@@ -325,8 +329,3 @@ class _Taking:
 
     def _movers(self) -> Sequence[int]:
         return sorted({t.node for t in self.taken.clip.tracks if moves(t)})
-
-
-def _beyond(was: Track, now: Track) -> Booleans:
-    """The keys of a track, (k,), before the other's first one or after its last."""
-    return np.asarray((now.times < was.times[0] - MISSED) | (now.times > was.times[-1] + MISSED))

@@ -17,8 +17,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 from blender_scene import load
+from mathutils import Matrix, Quaternion, Vector
 
 SHARES = (0.0, 0.37, 1.0)
+METERS = 1.0
 
 
 def silence():
@@ -56,7 +58,11 @@ def skeleton():
 def joints():
     bpy.context.view_layer.update()
     seen = skeleton().evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return np.array([np.array(seen.matrix_world @ bone.matrix) for bone in seen.pose.bones])
+    return np.array([np.array(seen.matrix_world @ bone.matrix) for bone in seen.pose.bones if is_joint(bone)])
+
+
+def is_joint(bone):
+    return "rigtri_setup" not in bone.bone
 
 
 def clips(word, found):
@@ -79,44 +85,51 @@ def clips(word, found):
 
 
 def run(script, *options):
-    """Run a script as Blender does; what its nodes are in the scene, by name."""
+    """Run a script as Blender does."""
     sys.argv = [script, "--", *options]
-    made = runpy.run_path(script, run_name="__main__")
-    nodes, _ = made["find"]()
-    return {about["title"]: thing for about, thing in zip(made["RIG"]["nodes"], nodes, strict=True)}
+    runpy.run_path(script, run_name="__main__")
 
 
-def pose(nodes, controls, is_gltf):
-    """Give controls their channels; what they had."""
+def pose(controls, is_gltf):
+    """Give controls, which are bones, their channels of the file; what they had."""
     before = []
     for name, channels in controls.items():
-        thing, _ = nodes.get(name) or (bpy.data.objects[name], "")
-        before.append((thing, thing.matrix_basis.copy()))
         move, (x, y, z, w), size = (channels[word] for word in ("translation", "rotation", "scale"))
-        thing.rotation_mode = "QUATERNION"
-        thing.location = (move[0], -move[2], move[1]) if is_gltf else move
-        thing.rotation_quaternion = (w, x, -z, y) if is_gltf else (w, x, y, z)
-        thing.scale = (size[0], size[2], size[1]) if is_gltf else size
+        if name not in skeleton().pose.bones:
+            thing = bpy.data.objects[name]
+            before.append((thing, thing.matrix_basis.copy()))
+            thing.rotation_mode = "QUATERNION"
+            thing.location = (move[0], -move[2], move[1]) if is_gltf else move
+            thing.rotation_quaternion = (w, x, -z, y) if is_gltf else (w, x, y, z)
+            thing.scale = (size[0], size[2], size[1]) if is_gltf else size
+            continue
+        bone = skeleton().pose.bones[name]
+        before.append((bone, bone.matrix_basis.copy()))
+        own, above = (each.bone.matrix_local if each else Matrix() for each in (bone, bone.parent))
+        unit = METERS / skeleton().matrix_world.median_scale
+        local = Matrix.LocRotScale(Vector(move) * unit, Quaternion((w, x, y, z)), Vector(size))
+        bone.matrix_basis = (above.inverted() @ own).inverted() @ local
     return before
 
 
 def switch(value):
     """Let IK move all limbs, or none."""
-    for thing in bpy.data.objects:
-        if "rigtri_ik" in thing:
-            thing["rigtri_ik"] = value
-            thing.update_tag()
+    for bone in skeleton().pose.bones:
+        if "rigtri_ik" in bone:
+            bone["rigtri_ik"] = value
+    skeleton().update_tag()
 
 
 def count():
     bones = [bone for thing in bpy.data.objects if thing.pose for bone in thing.pose.bones]
     drivers = [len(t.animation_data.drivers) for t in bpy.data.objects if t.animation_data]
     constraints = sum(len(one.constraints) for one in (*bones, *bpy.data.objects))
-    return [len(bpy.data.objects), len(bpy.data.collections), constraints, sum(drivers)]
+    return [len(bpy.data.objects), len(bpy.data.collections), constraints, sum(drivers), len(bones)]
 
 
 def work(job):
-    found, counts = {}, []
+    global METERS
+    found, counts, METERS = {}, [], job.get("meters", 1.0)
     if job.get("alone"):
         bpy.ops.wm.read_factory_settings(use_empty=True)
     else:
@@ -126,14 +139,14 @@ def work(job):
         found["points|imported"] = vertices()
         counts.append(count())
     for word in ("set up", "again"):
-        nodes = run(job["script"])
+        run(job["script"])
         silence()
         found[f"points|{word}"] = vertices()
         counts.append(count())
-    found["names"] = np.array([bone.name for bone in skeleton().pose.bones])
+    found["names"] = np.array([bone.name for bone in skeleton().pose.bones if is_joint(bone)])
     found["joints|rest"] = joints()
     for number, controls in enumerate(job.get("poses", ())):
-        before = pose(nodes, controls, Path(job["source"]).suffix in (".glb", ".gltf", ".vrm"))
+        before = pose(controls, Path(job["source"]).suffix in (".glb", ".gltf", ".vrm"))
         switch(0.0 if number in job.get("only_fk", ()) else 1.0)
         found[f"joints|{number}"] = joints()
         for thing, basis in before:

@@ -1,8 +1,10 @@
 """An animator at work with a script of ``export-blender``: ``python blender_trip.py JOBS.json`` with ``bpy``.
 
 JOBS is a list of objects: the script ``script`` imports the file that lies beside it and sets it up. The
-objects of ``keys`` get keys in a clip of their own: at frame 1 where they stand, at frame 25 moved by ``by``
+controls of ``keys`` get keys in a clip of their own: at frame 1 where they stand, at frame 25 moved by ``by``
 in their own channels, and turned by ``turn`` degrees about their y axis. ``off`` are IK ends whose IK is off.
+With ``clip``, all keys of ``keys``' controls in that action are moved by ``by`` instead, and all actions
+exported.
 ``move``: where the armature object is put then. What is visible is exported to ``target``; ``seen``,
 a .npz, gets the places of all joints, of all frames, in the file's axes.
 """
@@ -20,7 +22,6 @@ from mathutils import Quaternion
 
 
 def animate(control, given):
-    control.rotation_mode = "QUATERNION"
     paths = [path for path, word in (("location", "by"), ("rotation_quaternion", "turn")) if word in given]
     for path in paths:
         control.keyframe_insert(path, frame=1)
@@ -38,20 +39,36 @@ def imported():
 
 def places():
     armature = imported()
-    found = {bone.name: [] for bone in armature.pose.bones}
+    found = {bone.name: [] for bone in armature.pose.bones if "rigtri_setup" not in bone.bone}
     for frame in range(1, 26):
         bpy.context.scene.frame_set(frame)
         seen = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        for bone in seen.pose.bones:
-            x, y, z = (seen.matrix_world @ bone.matrix).translation
-            found[bone.name].append((x, z, -y))
+        for name, row in found.items():
+            x, y, z = (seen.matrix_world @ seen.pose.bones[name].matrix).translation
+            row.append((x, z, -y))
     return found
+
+
+def edit(clip, name, by):
+    """Move the keys of a control's bone in an action."""
+    action = bpy.data.actions[clip]
+    bags = [strip.channelbag(slot) for slot in action.slots for strip in action.layers[0].strips]
+    for curve in [curve for bag in bags if bag for curve in bag.fcurves]:
+        if curve.data_path == f'pose.bones["{name}"].location':
+            for key in curve.keyframe_points:
+                key.co[1] += by[curve.array_index]
+            curve.update()
 
 
 def work(job):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     sys.argv = [job["script"]]
     runpy.run_path(job["script"], run_name="__main__")
+    if "clip" in job:
+        for name, given in job["keys"].items():
+            edit(job["clip"], name, given["by"])
+        bpy.ops.export_scene.gltf(filepath=job["target"], use_visible=True)
+        return
     for thing in bpy.data.objects:
         if thing.animation_data:
             thing.animation_data.action = None
@@ -60,11 +77,11 @@ def work(job):
     for action in list(bpy.data.actions):
         bpy.data.actions.remove(action)
     for name in job.get("off", ()):
-        bpy.data.objects[name]["rigtri_ik"] = 0.0
-        bpy.data.objects[name].update_tag()
+        imported().pose.bones[name]["rigtri_ik"] = 0.0
+        imported().update_tag()
     imported().location = job.get("move", (0, 0, 0))
     for name, given in job["keys"].items():
-        animate(bpy.data.objects[name], given)
+        animate(imported().pose.bones[name], given)
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 25
     bpy.ops.export_scene.gltf(
         filepath=job["target"], use_visible=True, export_animation_mode="ACTIVE_ACTIONS"
