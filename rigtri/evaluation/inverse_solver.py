@@ -27,6 +27,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import PATHS
 from rigtri.model.rig import Rig
 
 
@@ -91,7 +92,7 @@ def inverse_steps(solver: Solver) -> list[Step]:
             if isinstance(step, Ik)
             else [_fk(step)]
             if isinstance(step, Fk)
-            else []
+            else _beneath_rules(step)
         )
         placed |= {each.control: each for each in own}
         if isinstance(step, Ik):
@@ -110,6 +111,21 @@ def _fk(fk: Fk) -> FindControl:
     return FindControl(
         fk.own.control, fk.needs, lambda built, source: fk.channels(built, source.part(fk.joint))
     )
+
+
+def _beneath_rules(step: Step) -> list[FindControl]:
+    """The FK control of a constrained joint, for what its rules leave of the joint's own motion."""
+    if not isinstance(step, ConstraintStep) or not isinstance(step.base, Fk):
+        return []
+    fk, left = step.base, step.left
+    if not left:
+        return []
+
+    def find(built: PoseCache, source: PoseCache) -> Parts:
+        found, zero = fk.channels(built, source.part(fk.joint)), PoseCache(fk.rig).part(fk.own.control)
+        return Parts(*(a if path in left else b for path, a, b in zip(PATHS, found, zero, strict=True)))
+
+    return [FindControl(fk.own.control, fk.needs, find)]
 
 
 def find_limb_ends(ik: Ik, ruled: Collection[int]) -> list[FindControl]:

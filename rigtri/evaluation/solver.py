@@ -122,11 +122,16 @@ class Solver:
         result = [step for step in steps if len(step.sets) > 1 or step.sets[0] not in self.rules]
         for child, rules in self.rules.items():
             base = moved.get(child)
-            if base is not None and len(base.sets) > 1:
-                continue  # the limb's solver moves it; a rule of one of its joints would tear it
+            if child in self.overruled:
+                continue
             order = sorted(rules, key=channel_order)
             result.append(ConstraintStep(self.rig, tuple(order), base, self._riders(child)))
         return result
+
+    @cached_property
+    def overruled(self) -> frozenset[int]:
+        """The joints whose rules do nothing, for IK moves their limbs, which a rule of one joint would tear."""
+        return frozenset(node for limb in self.limbs for node in limb.sets if node in self.rules)
 
     def _riders(self, joint: int) -> tuple[Fk, ...]:
         """The FK controls below a joint's own that something looks at, but those that another step moves."""

@@ -99,6 +99,14 @@ class ConstraintStep:
         return tuple(fk.own.offset for fk in self.riders)
 
     @property
+    def left(self) -> frozenset[Path]:
+        """What the child itself has a say in: the paths of which no rule with weight sets all channels."""
+        whole = [rule.sets for rule in self.rules if rule.weights.any()]
+        return frozenset(
+            path for c, path in CHANNELS.items() if not any({f"{c}{k}" for k in "xyz"} <= s for s in whole)
+        )
+
+    @property
     def writes(self) -> list[tuple[Path, bool]]:
         """See `Solver.writes`. A rule without weights leaves its child alone, or some channels."""
         whole = [rule for rule in self.rules if rule.weights.any()]

@@ -30,6 +30,7 @@ from rigtri.evaluation.timelines import (
     keys_and_between,
     steps_only,
     timeline_and_time,
+    timelines,
     times_within,
 )
 from rigtri.evaluation.zero_pose import ControlsAtZero
@@ -159,10 +160,9 @@ class _Limb:
         """The timeline, with the tracks that a later state of the rig has in it."""
         if self.timeline is None:
             return None
-        tracks = {
-            (t.node, t.path): t for k in self.timeline.members for t in rig.clips[k].without_idle.tracks
-        }
-        return replace(self.timeline, clip=Clip(self.timeline.clip.name, tuple(tracks.values())))
+        first = self.timeline.members[0]
+        empty = replace(self.timeline, clip=Clip(self.timeline.name, ()))
+        return next((each for each in timelines(rig) if first in each.members), empty)
 
     def _solver(self, rig: Rig) -> Solver:
         """The solver of a state of the rig; its rest pose is this one's but after a snap at rest."""
@@ -324,7 +324,7 @@ class _Limb:
 
 
 def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver]) -> list[int]:
-    """The joints whose places depend on some nodes: below these, or by steps that use them."""
+    """The joints whose places depend on some nodes, but controls: below these, or by steps that use them."""
     moved = np.zeros(len(rig), dtype=bool)
     moved[list(changed)] = True
     for solver in solvers:
@@ -335,6 +335,7 @@ def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver])
                 moved[list(getattr(step, "carries", ()))] = True
     for level in rig.levels[1:]:
         moved[level] |= moved[rig.parents[level]]
+    moved[list(rig.nodes_of("control", "poleVector"))] = False
     return np.flatnonzero(moved & rig.is_joint).tolist()
 
 

@@ -383,3 +383,13 @@ def test_blocks_of_frames_change_no_bit(block: int) -> None:
             for one, other in zip(whole[node], some[node], strict=True):
                 rows = np.broadcast_to(one, (len(times), one.shape[1]))
                 assert np.broadcast_to(other, rows.shape).tobytes() == rows.tobytes()
+
+
+def test_a_constraint_on_a_joint_of_a_limb_that_ik_moves_is_warned_of() -> None:
+    rig = rigged()
+    rule = ConstrainOptions(type="orient", child="hand_L", driver=(("head", 1.0),))
+    rig = bake(constrain(rig, options=rule), options=BakeOptions(to="controls"))
+    report = Report()
+    bake(rig, options=BakeOptions(), report=report)
+    (notice,) = {n for n in report.warnings if n.code == "constraint-overruled" and "walk" in n.text}
+    assert notice.text.startswith("'hand_L' does not follow its constraints in walk@0, where IK moves")

@@ -135,6 +135,12 @@ class _Plan:
         for node, (skeleton, token) in places.items():
             if skeleton in users and (token in self.rows or node in keyed):
                 self.rows.setdefault(token, []).append(node)
+        # A control that is a joint is at work where it has keys: without any it has no column.
+        ends = set(rig.nodes_of("control", "poleVector"))
+        for token in [t for t, nodes in self.rows.items() if nodes and ends.issuperset(nodes)]:
+            if keyed.isdisjoint(self.rows[token]):
+                del self.rows[token]
+        self.kept = [k for k, token in enumerate(self.animation.tokens) if token in self.rows]
 
     def _tracks(self, nodes: set[int]) -> Tracks:
         """What moves the joints from now on: what has no place yet goes over what has."""
@@ -159,12 +165,12 @@ class _Plan:
         return any(item.default is not None for item in items)
 
     def edits(self) -> Iterator[Edit]:
-        """The arrays with samples at the new times, and with a column for each new joint."""
+        """The arrays with samples at the new times, with columns for new joints and without those that go."""
         path, tokens = self.animation.path, list(self.rows)
         times = {name: self._times(name) for name in PROPERTIES}
-        more = len(tokens) > len(self.animation.tokens)
+        others = tokens != list(self.animation.tokens)
         new = [n for n in PROPERTIES if n not in self.animation.properties and len(times[n])]
-        rewritten = [n for n in PROPERTIES if more or new or self._differs(n, times[n])]
+        rewritten = [n for n in PROPERTIES if others or new or self._differs(n, times[n])]
         # Where a property comes that was not there, all three must be, or nothing of it is played.
         rewritten = [n for n in rewritten if new or n in self.animation.properties]
         if not rewritten:
@@ -172,7 +178,7 @@ class _Plan:
         self._check([name for name in rewritten if self._differs(name, times[name])])
         if self.skeleton:
             yield define(path, "SkelAnimation")
-        if more:
+        if others:
             yield set_tokens(path, "joints", tokens)
         for name in rewritten:
             yield self._array(name, times[name])
@@ -233,9 +239,9 @@ class _Plan:
             undefined = len(times) and any(p.default is None for p in self.animation.properties.values())
             new = Property(times, rows, (), None if undefined else rest, kind_of, type_name)
         else:
-            width = len(self.animation.tokens)
-            rows[:, :width] = _resampled(item, times)
-            default = None if item.default is None else np.concatenate([item.default, rest[width:]])
+            width = len(self.kept)
+            rows[:, :width] = _resampled(item, times)[:, self.kept]
+            default = None if item.default is None else np.concatenate([item.default[self.kept], rest[width:]])
             new = replace(item, times=times, samples=rows, default=default)
         return set_array(self.animation.path, name, new, only=True)
 
