@@ -278,7 +278,7 @@ def _try_out(plan: Plan, engine: Engine, *, quiet: bool) -> None:
 
 def _work(session: Run, plan: Plan, engine: Engine, files: Files, *, quiet: bool) -> None:
     """Do the files, and print each as it is done; what was done before is no progress."""
-    with Progress(len(plan.assignments), quiet=quiet) as progress:
+    with Progress(total=len(plan.assignments), quiet=quiet) as progress:
         for number, (entry, record) in enumerate(session.work(plan, engine)):
             files.print_record(entry, record)
             if record.failed:

@@ -14,6 +14,7 @@ from rigtri.errors import UsageError
 from .help_format import Command, option
 from .options import json_option, quiet_option
 from .printing import print_json
+from .text import echo
 
 if TYPE_CHECKING:
     from rigtri.files.worker_process import WorkerProcess
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
 BINARY_USD = (".usd", ".usdc", ".usdz")
 # Findings of one kind in a file that are shown without -v.
 MOST_ALIKE = 4
+_PAINTS = (
+    (r"^  error:|(?<=: )\d+ errors?", "red"),
+    (r"^  warning:|(?<=[:,] )\d+ warnings?", "yellow"),
+    (r"^  info:|(?<=[:,] )\d+ infos?", "cyan"),
+    (r"nothing wrong$", "green"),
+)
 
 
 @click.command("check", cls=Command)
@@ -183,21 +190,21 @@ def _print_file(
         return
     shown = _counted(counts(findings)) or ("nothing shown" if left_out else "nothing wrong")
     rest = f" ({_counted(counts(left_out))} left out)" if left_out else ""
-    click.echo(f"{name}: {shown}{rest}")
+    echo(f"{name}: {shown}{rest}", _PAINTS)
     printed: dict[str, int] = {}
     for item in findings:
         if quiet and item.severity != "error":
             continue
         printed[item.id] = printed.get(item.id, 0) + 1
         if verbose or printed[item.id] <= MOST_ALIKE:
-            click.echo(f"  {item.severity}: {item.place}: {item.message}  [{item.id}]")
+            echo(f"  {item.severity}: {item.place}: {item.message}  [{item.id}]", _PAINTS)
             if verbose:
                 click.echo(f"      at {item.pointer or 'the file'}. {item.remedy}")
             elif printed[item.id] == 1:
                 click.echo(f"      {item.remedy}")
         elif printed[item.id] == MOST_ALIKE + 1:
             more = sum(other.id == item.id for other in findings) - MOST_ALIKE
-            click.echo(f"  {item.severity}: {more} more of these; -v shows all  [{item.id}]")
+            echo(f"  {item.severity}: {more} more of these; -v shows all  [{item.id}]", _PAINTS)
 
 
 def _counted(numbers: dict[str, int]) -> str:

@@ -13,11 +13,18 @@ from .help_format import Command, option
 from .options import json_option, reading_options
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
-from .text import plain
+from .text import echo, plain
 from .values import Tolerance
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
 DIFFERS, ERROR = 1, 2
+_PAINTS = (
+    (r"^  \+ .*", "green"),
+    (r"^  - .*", "red"),
+    (r"^  ~", "yellow"),
+    (r"^  >", "cyan"),
+    (r"\d+ differences?$|(?<=movement: )\S+", "yellow"),
+)
 
 
 @click.command("diff", cls=Command)
@@ -86,7 +93,7 @@ def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
     elif values["brief"] and not found.same:
         click.echo(plain(f"{before} and {after} differ", one_line=True))
     elif not found.same:
-        click.echo(plain(found.describe(every=values["every"])))
+        echo(plain(found.describe(every=values["every"])), _PAINTS)
     if not values["brief"]:
         warn_unused_root(before, values["root"])
         for notice in found.notices:

@@ -66,8 +66,7 @@ def run(
     check_side_files(values)
     report = Report()
     try:
-        with Progress(quiet=quiet) as progress:
-            report.on_progress = progress.at
+        with Progress(str(values["source"] or values["output"]), quiet=quiet or values["as_json"]):
             outcome = done(report)
     except RigtriError:
         if not quiet:

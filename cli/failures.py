@@ -15,7 +15,7 @@ import click
 from rigtri.errors import Fault, RigtriError, error_kind
 
 from . import INTERRUPTED
-from .text import plain, without_advice
+from .text import echo_message, plain, without_advice
 
 # In the context of a run: whether JSON is requested on standard output, which has nothing on it yet.
 _JSON_REQUESTED = "rigtri.cli.failures"
@@ -113,7 +113,7 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
     """Print an error of ours or of the system, and end with its exit code or ``code``."""
     kind, message, own = _kind_message_code(error)
     message = plain(message, one_line=True)
-    click.echo(f"rigtri: {message}", err=True)
+    echo_message(f"rigtri: {message}")
     faults = error.faults if isinstance(error, RigtriError) else ()
     for line in _fault_lines(faults):
         click.echo(plain(f"  {line}", one_line=True), err=True)
@@ -152,7 +152,7 @@ def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
     name = ctx.invoked_subcommand  # errors of the parser do not know it
     page = "rigtri --help" if name is None else f"rigtri help {name}"
     stop = "" if message.endswith((".", "?", "!", ")")) else "."
-    click.echo(f"rigtri: {message}{stop} Help: {page}", err=True)
+    echo_message(f"rigtri: {message}{stop} Help: {page}")
     print_json_error(ctx, "usage", message, error.exit_code)
     _takes_more()
     sys.exit(error.exit_code)

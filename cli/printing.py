@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .text import plain
+from .text import echo_message, plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome
@@ -30,10 +30,10 @@ def print_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
     for notice in warnings:
         counts[notice.code] = counts.get(notice.code, 0) + 1
         if verbose or counts[notice.code] <= MOST_ALIKE:
-            click.echo(f"warning: {plain(notice.text, one_line=True)}", err=True)
+            echo_message(f"warning: {plain(notice.text, one_line=True)}")
     for code, count in counts.items():
         if count > MOST_ALIKE and not verbose:
-            click.echo(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all", err=True)
+            echo_message(f"warning: {count - MOST_ALIKE} more of this kind ({code}); -v shows all")
 
 
 def print_joints(report: Report) -> None:
@@ -78,4 +78,4 @@ def warn_unused_root(source: str, root: str | None) -> None:
 
     if root is not None and source.lower().endswith(GLTF_SUFFIXES):
         where = plain(source, one_line=True)
-        click.echo(f"warning: {where}: --root changes nothing here, all nodes of a glTF file count", err=True)
+        echo_message(f"warning: {where}: --root changes nothing here, all nodes of a glTF file count")

@@ -2,32 +2,48 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Self
 
-from .text import counted
+import click
+
+from rigtri.progress import watched
+
+from .text import colored, counted, plain
 
 # The shortest time between two updates of a terminal, in seconds.
 _PAUSE = 0.1
+# Cells of the bar, and the characters that stand in front of what is done and of what is left.
+_CELLS, _DONE, _LEFT = 24, "━", "─"
 
 
 class Progress:
-    """Shows how many of ``total`` files are done, how many fail, the rate, and the time that is left.
+    """The file, what is done with it, a bar, how many of its things are done, and the time that is left.
 
-    On standard error, and only on a terminal. Of one file it shows the clips or limbs, by `at`.
+    On standard error, and only on a terminal. name: the file; of many files none, and ``total`` of them,
+    of which those that fail are counted.
     """
 
-    def __init__(self, total: int = 0, *, quiet: bool = False) -> None:
+    def __init__(self, name: str = "", *, total: int = 0, quiet: bool = False) -> None:
+        self._name, self._stage = Path(name).name, ""
         self._total, self._done, self._failed, self._what = total, 0, 0, "files"
+        self._files = not name
         self._began = self._shown = time.monotonic()
         self._shows = not quiet and sys.stderr is not None and sys.stderr.isatty()
+        self._within = ExitStack()
 
     def __enter__(self) -> Self:
+        if self._shows and not self._files:
+            self._within.enter_context(watched(self))
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._shows and self._what == "files" and self._total:
+        self._within.close()
+        if self._shows and self._files and self._total:
             self._show()
             sys.stderr.write("\n")
         self.clear()
@@ -36,31 +52,58 @@ class Progress:
         """One file more is done."""
         self._done += 1
         self._failed += failed
-        if self._shows and time.monotonic() - self._shown >= _PAUSE:
-            self._show()
+        self._update()
+
+    def stage(self, name: str) -> None:
+        """Something else is begun with the file; how long it takes is not known."""
+        self._stage, self._done, self._total = name, 0, 0
+        self._show()
 
     def at(self, done: int, total: int, what: str) -> None:
         """So many of ``total`` things are done; ``what`` they are, in the plural."""
         if (total, what) != (self._total, self._what) or not done:
             self._began = time.monotonic()
         self._done, self._total, self._what = done, total, what
-        if self._shows and time.monotonic() - self._shown >= _PAUSE:
-            self._show()
+        self._update()
 
     def clear(self) -> None:
         """Make room for a line of text."""
         if self._shows:
             sys.stderr.write("\r\x1b[K")
 
+    def _update(self) -> None:
+        if self._shows and time.monotonic() - self._shown >= _PAUSE:
+            self._show()
+
     def _show(self) -> None:
         self._shown = time.monotonic()
+        color = colored(sys.stderr)
+        words = [word for word in (self._name, self._stage) if word]
+        numbers = self._numbers()
+        room = shutil.get_terminal_size().columns - 1 - (len(numbers) + _CELLS + 4 if numbers else 0)
+        line = plain(": ".join(words), one_line=True)
+        line = line if len(line) <= room else f"{line[: max(room - 1, 0)]}…"
+        shown = [line] if line else []
+        if self._total:
+            full = round(_CELLS * self._done / self._total)
+            done, left = _DONE * full, _LEFT * (_CELLS - full)
+            shown += [click.style(done, fg="green") + click.style(left, dim=True) if color else done + left]
+            shown.append(numbers)
+        sys.stderr.write(f"\r\x1b[K{'  '.join(shown)}")
+        sys.stderr.flush()
+
+    def _numbers(self) -> str:
+        """How many are done, how fast, and how long the others will take."""
+        if not self._total:
+            return ""
         seconds = self._shown - self._began
         rate = self._done / seconds if seconds > 0 else 0.0
-        left = (self._total - self._done) / rate if rate > 0 else 0.0
-        words = [f"{self._done}/{self._total} {self._what}", f"{rate:.1f}/s", f"{_clock(left)} left"]
-        words += [counted(self._failed, "error")] if self._failed else []
-        sys.stderr.write(f"\r\x1b[K{', '.join(words)}")
-        sys.stderr.flush()
+        words = [f"{self._done}/{self._total} {self._what}"]
+        if self._files:
+            words.append(f"{rate:.1f}/s")
+        if rate > 0:
+            words.append(f"{_clock((self._total - self._done) / rate)} left")
+        return ", ".join(words + ([counted(self._failed, "error")] if self._failed else []))
 
 
 def _clock(seconds: float) -> str:

@@ -13,7 +13,13 @@ from .help_format import Command, option
 from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
-from .text import plain
+from .text import echo, plain
+
+# How sure something is: enough to build on, or not.
+_PAINTS = (
+    (r"(?<= )(?:1|0\.(?:7[5-9]|[89]\d?))(?=  | sure)", "green"),
+    (r"(?<= )0\.(?:[0-6]\d?|7[0-4]?)\??(?=  | sure)", "yellow"),
+)
 
 
 @click.command("recognise", cls=Command)
@@ -52,7 +58,7 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
             print_json(found)
             return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        click.echo(plain(text(document.rig, layout, joints=joints, width=width)))
+        echo(plain(text(document.rig, layout, joints=joints, width=width)), _PAINTS)
         if not values["quiet"]:
             warn_unused_root(source, values["root"])
             print_warnings(document.warnings, verbose=True)

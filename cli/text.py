@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
+
+import click
 
 from rigtri.errors import LIST_NAMES, SEE_LIMBS
 from rigtri.text import plain as plain
@@ -21,6 +24,34 @@ def colored(stream: TextIO) -> bool:
     if os.environ.get("FORCE_COLOR"):
         return os.environ["FORCE_COLOR"] != "0"
     return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+# What of a text has which colour: a pattern and the colour.
+Paints = Sequence[tuple[str, str]]
+_OF_MESSAGES: Paints = ((r"\Arigtri:", "red"), (r"\Awarning:", "yellow"))
+
+
+def echo(text: str, paints: Paints = (), *, err: bool = False) -> None:
+    """Print a text, in colours where the stream may have some."""
+    stream = sys.stderr if err else sys.stdout
+    on = stream is not None and colored(stream)
+    click.echo(painted(text, paints) if on else text, err=err, color=on)
+
+
+def echo_message(text: str) -> None:
+    """Print an error or a warning on standard error."""
+    echo(text, _OF_MESSAGES, err=True)
+
+
+def painted(text: str, paints: Paints) -> str:
+    """A text with the escape sequences of colours.
+
+    >>> painted("2 errors", [(r"\\d+", "red")])
+    '\\x1b[31m2\\x1b[0m errors'
+    """
+    for pattern, color in paints:
+        text = re.sub(pattern, click.style(r"\g<0>", fg=color), text, flags=re.M)
+    return text
 
 
 def counted(count: int, noun: str) -> str:

@@ -14,11 +14,20 @@ from .help_format import Command
 from .options import output_options, reading_options, tolerance_option
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
-from .text import plain
+from .progress import Progress
+from .text import echo, plain
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
     from rigtri.verification.compare.compare import Comparison
+
+
+# What comes first in a line.
+_PAINTS = (
+    (r"^(?:lost|different characters:)", "red"),
+    (r"^(?:different|changed)(?= )", "yellow"),
+    (r"^added", "green"),
+)
 
 
 @click.command("verify", cls=Command)
@@ -44,7 +53,8 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
 
     check_streams(before, after)
     options = read_options(values)
-    with opened(before) as one, opened(after) as other:
+    bar = Progress(after, quiet=values["quiet"] or values["as_json"])
+    with opened(before) as one, opened(after) as other, bar:
         documents = read(Path(one), options), read(Path(other), options)
         result = verify(*documents)
     passes = result.passes(tolerance)
@@ -56,16 +66,12 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         print_json(document | result.as_json())
         failures.answered(click.get_current_context())
     elif not values["quiet"]:
-        click.echo(
-            plain(
-                "\n".join(
-                    [
-                        *(f"different characters: {why}" for why in another),
-                        result.describe(verbose=values["verbose"]),
-                    ]
-                )
-            )
-        )
+        lines = [
+            *(f"different characters: {why}" for why in another),
+            result.describe(verbose=values["verbose"]),
+        ]
+        limit = "green" if passes else "red"
+        echo(plain("\n".join(lines)), (*_PAINTS, (r"(?<=^deviation )  \S+", limit)))
     if not passes:
         names = ["standard input" if name == "-" else name for name in (after, before)]
         if another:

@@ -22,7 +22,8 @@ from .options import (
 )
 from .parameters import read_options
 from .printing import print_json
-from .text import plain
+from .progress import Progress
+from .text import echo_message, plain
 from .values import Number
 
 if TYPE_CHECKING:
@@ -86,13 +87,14 @@ def command(source: str, output: str, **values: Any) -> None:
         raise UsageError("--open needs a page in a file; give OUT a name")
     output_file.check_place(output, sources, values)
     report = Report()
-    text, shown = shown_page(
-        sources,
-        begin=Begin(values["clip"], values["pose"]),
-        limit=values["limit"],
-        options=read_options(values),
-        report=report,
-    )
+    with Progress(source, quiet=values["quiet"] or values["as_json"]):
+        text, shown = shown_page(
+            sources,
+            begin=Begin(values["clip"], values["pose"]),
+            limit=values["limit"],
+            options=read_options(values),
+            report=report,
+        )
     content = text.encode("utf-8", "backslashreplace")
     output_file.write_output(content, output)
     if values["as_json"]:
@@ -102,7 +104,7 @@ def command(source: str, output: str, **values: Any) -> None:
         message = (
             f"no browser could be started; install one (such as chromium), or open {plain(output)} elsewhere"
         )
-        click.echo(f"warning: {message}", err=True)
+        echo_message(f"warning: {message}")
 
 
 def _as_json(shown: list[Shown], output: str, size: int, report: Report) -> dict[str, Any]:

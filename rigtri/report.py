@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,7 +34,7 @@ class Report:
     morph_changes: morph targets whose weights the edit changes on purpose, by the key of the node
     that shows them; the self-check compares all but these. reposed: the edit changes how joints move;
     the self-check then compares with the rig in memory. records: whether joints are
-    recorded; a batch, where nobody reads them, has warnings only. on_progress: see `progress`.
+    recorded; a batch, where nobody reads them, has warnings only.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)
@@ -45,17 +45,11 @@ class Report:
     morph_changes: dict[Hashable, set[int]] = field(default_factory=dict)
     reposed: bool = False
     records: bool = True
-    on_progress: Callable[[int, int, str], None] | None = field(default=None, repr=False, compare=False)
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
     def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:
         """Note something that the user should know; the same words only once."""
         self.extend([Notice(code, text, joint, geometry)])
-
-    def progress(self, done: int, total: int, what: str) -> None:
-        """Tell who waits how many of ``total`` things, ``what`` in the plural, are done."""
-        if self.on_progress is not None:
-            self.on_progress(done, total, what)
 
     def extend(self, notices: Iterable[Notice]) -> None:
         """Take up notices that are not here yet."""

@@ -42,6 +42,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
+from rigtri.progress import count_done
 from rigtri.report import Report
 
 # Joints that move by more, as a share of the size, are reported.
@@ -70,13 +71,13 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
         at = as_float32(np.unique([time for _, time in together]))
         reference = ControlsAtZero(rig)
         for chain in chains:
-            report.progress(done, total, "limbs")
+            count_done(done, total, "limbs")
             done += 1
             timeline, _ = timeline_and_time(rig, together[0][0])
             before, rig = rig, _Limb(rig, chain, timeline, at, options.to, report, reference).snapped()
             if timeline is None and rig is not before:
                 reference = ControlsAtZero(rig)
-    report.progress(done, total, "limbs")
+    count_done(done, total, "limbs")
     return rig
 
 

@@ -24,6 +24,7 @@ from rigtri.formats import Document, ReadOptions, output_suffixes, read
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
+from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.advice import why_near
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, self_check
@@ -112,6 +113,7 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
     target without ``overwrite``, and for a target or side file that the source refers to.
     """
     clock = _Clock()
+    begin_stage("read")
     with opened(request.source) as path:
         spooled = request.options.from_stream or str(request.source) == "-"
         options = replace(request.options, from_stream=spooled, to_stream=request.to_stdout)
@@ -122,6 +124,7 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
             check_not_an_input(place, needed)
         _take_warnings(document, report, request.strict)
         clock.lap("read")
+        begin_stage("edit")
         rig = step(document.rig, report)
         _check_numbers(document.rig, rig)
         _check_order(rig)
@@ -243,6 +246,7 @@ def _deliver(
     clock: _Clock,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
+    begin_stage("write")
     names = {str(written.part): str(written.final), written.part.name: written.final.name}
     with called(names), as_file_error(written.final):
         for companion in document.write(rig, written.part, written.final):
@@ -252,6 +256,7 @@ def _deliver(
     clock.lap("write")
     if not request.verify:
         return None
+    begin_stage("verify")
     tolerance = request.tolerance
     with called(names):
         result = _compared(document, path, rig, written.part, tolerance, report)

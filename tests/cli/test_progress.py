@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import io
 import sys
+from pathlib import Path
 
 import pytest
 from places import SAMPLES
 
+import rigtri
 from rigtri.cli.progress import Progress
 from rigtri.formats import read
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.snap import SnapOptions, snap
+from rigtri.progress import as_part, begin_stage, count_done, watched
 from rigtri.report import Report
 
 
@@ -21,26 +24,87 @@ class Terminal(io.StringIO):
         return True
 
 
+def on_terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """A terminal from now on; pytest itself takes standard error between fixtures and tests."""
+    shown = Terminal()
+    monkeypatch.setattr(sys, "stderr", shown)
+    monkeypatch.setattr("rigtri.cli.progress._PAUSE", 0.0)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    return shown
+
+
 @pytest.mark.parametrize("quiet", [False, True])
 def test_clips_of_one_file_are_counted_on_a_terminal(quiet: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "stderr", Terminal())
-    monkeypatch.setattr("rigtri.cli.progress._PAUSE", 0.0)
-    with Progress(quiet=quiet) as progress:
-        for done in range(3):
-            progress.at(done, 2, "clips")
-    shown = sys.stderr.getvalue()  # type: ignore[attr-defined]
-    assert ("1/2 clips" in shown) == (not quiet)
+    terminal = on_terminal(monkeypatch)
+    with Progress("in/hero.glb", quiet=quiet):
+        with as_part("step 2 of 7, bake"):
+            begin_stage("edit")
+            for done in range(3):
+                count_done(done, 2, "clips")
+        begin_stage("verify")
+    shown = terminal.getvalue()
+    assert ("hero.glb: step 2 of 7, bake: edit  \x1b[32m━━━━━━━━━━━━\x1b[0m" in shown) == (not quiet)
+    assert ("1/2 clips" in shown) == ("hero.glb: verify" in shown) == (not quiet)
     assert shown.endswith("\r\x1b[K") or quiet
     assert "\n" not in shown
 
 
+def test_a_line_is_never_wider_than_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = on_terminal(monkeypatch)
+    monkeypatch.setenv("COLUMNS", "70")
+    monkeypatch.setenv("NO_COLOR", "1")
+    with Progress("a_name_" * 30 + ".glb"):
+        begin_stage("edit")
+        count_done(3, 10, "clips")
+    lines = [line.removeprefix("\x1b[K") for line in terminal.getvalue().split("\r")]
+    assert max(map(len, lines)) < 70
+    assert any("3/10 clips" in line for line in lines)
+    assert "\x1b[3" not in terminal.getvalue()
+
+
+def test_files_of_a_batch_have_a_bar_their_rate_and_their_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = on_terminal(monkeypatch)
+    with Progress(total=4) as progress:
+        for failed in (False, True):
+            progress.step(failed=failed)
+    shown = terminal.getvalue()
+    assert "2/4 files" in shown
+    assert "1 error" in shown
+    assert "━" in shown
+
+
+class Steps:
+    """Notes what it is told."""
+
+    def __init__(self) -> None:
+        self.stages: list[str] = []
+        self.counts: list[tuple[int, int, str]] = []
+
+    def stage(self, name: str) -> None:
+        self.stages.append(name)
+
+    def at(self, done: int, total: int, what: str) -> None:
+        self.counts.append((done, total, what))
+
+
 def test_bake_and_snap_tell_how_many_clips_and_limbs_are_done() -> None:
     """Before, 76 clips took minutes without a sign."""
-    steps: list[tuple[int, int, str]] = []
-    report = Report(on_progress=lambda *step: steps.append(step))
-    rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
-    rig = bake(rig, options=BakeOptions(to="controls"), report=report)
-    assert steps == [(0, 2, "clips"), (1, 2, "clips"), (2, 2, "clips")]
-    steps.clear()
-    snap(rig, options=SnapOptions(at=("walk@0.4",), to="fk", all_limbs=True), report=report)
-    assert steps == [(k, 4, "limbs") for k in range(5)]
+    steps = Steps()
+    with watched(steps):
+        rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
+        rig = bake(rig, options=BakeOptions(to="controls"), report=Report())
+        assert steps.counts == [(0, 2, "clips"), (1, 2, "clips"), (2, 2, "clips")]
+        steps.counts.clear()
+        snap(rig, options=SnapOptions(at=("walk@0.4",), to="fk", all_limbs=True), report=Report())
+    assert steps.counts == [(k, 4, "limbs") for k in range(5)]
+
+
+def test_an_edit_tells_its_stages_and_a_build_its_steps(tmp_path: Path) -> None:
+    steps, spec = Steps(), tmp_path / "rig.yaml"
+    spec.write_text("steps: [{do: orient-joints}, {do: strip}]")
+    with watched(steps):
+        rigtri.build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
+    parts = ("step 1 of 2, orient-joints: ", "step 2 of 2, strip: ")
+    assert steps.stages == [f"{one}{stage}" for one in parts for stage in ("read", "edit", "write", "verify")]
+    assert (0, 2, "clips") in steps.counts

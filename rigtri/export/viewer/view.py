@@ -27,6 +27,7 @@ from rigtri.files.input_stream import opened, title
 from rigtri.formats import Embedded, ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import warn_outside_clip
+from rigtri.progress import begin_stage
 from rigtri.report import Report
 from rigtri.text import plain
 
@@ -100,6 +101,7 @@ def shown_page(
     shown: list[Shown] = []
     start: dict[str, Any] = {}
     for name in sources:
+        begin_stage("read")
         with opened(name) as path:
             document = read(path, options)
             rig, embedded = document.rig, document.embedded()
@@ -116,6 +118,7 @@ def shown_page(
                 report.warn("not-shown", f"{called}: {text}")
             content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()
             shown.append(Shown(called, facts(rig), replace(embedded, content=content), clip_names(rig)))
+    begin_stage("make the page")
     notices = [notice.text for notice in report.warnings if notice.code in _ON_PAGE]
     text = _page(shown, **start, notices=notices, limit=limit)
     return text, shown

@@ -68,6 +68,7 @@ from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warni
 from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
+from rigtri.progress import count_done
 from rigtri.report import Report
 
 # Types of nodes whose keys follow joints, and are made anew after them.
@@ -155,9 +156,9 @@ class _Baker:
     def _shown(self, every: Sequence[Timeline]) -> Iterator[Timeline]:
         """Clips one by one, with a sign of how many are done."""
         for done, timeline in enumerate(every):
-            self.report.progress(done, len(every), "clips")
+            count_done(done, len(every), "clips")
             yield timeline
-        self.report.progress(len(every), len(every), "clips")
+        count_done(len(every), len(every), "clips")
 
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""

@@ -48,6 +48,7 @@ from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
+from rigtri.progress import count_done
 from rigtri.report import Report
 
 
@@ -88,7 +89,8 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     warn_lengths(bodies, report)
     taken_all, changed = set[str](), set[str]()
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
-    for taken in every:
+    for number, taken in enumerate(every):
+        count_done(number, len(every), "clips")
         taking = _Taking(rig, bodies, taken, options.tolerance, follow, report)
         if taking.is_a_pose():
             report.warn(

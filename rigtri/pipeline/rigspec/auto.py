@@ -20,6 +20,7 @@ from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import load, need_libraries
 from rigtri.pipeline.rigspec.spec_init import starter, unsure
+from rigtri.progress import begin_stage
 from rigtri.recognition.layout import Chain, Layout
 from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
@@ -128,6 +129,7 @@ def auto_file(
     """
     place = None if spec_out is None or request.dry_run else Path(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
+        begin_stage("recognise")
         found = _proposal(at, Path(request.source), preset, own, request.options)
         seen(found)
         if not found.is_character:

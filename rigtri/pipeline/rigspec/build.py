@@ -21,6 +21,7 @@ from rigtri.pipeline.rigspec.missing_names import fault_of, named
 from rigtri.pipeline.rigspec.positions import Tree
 from rigtri.pipeline.rigspec.validation import where_of
 from rigtri.pipeline.steps import applied
+from rigtri.progress import as_part
 from rigtri.report import Report
 
 
@@ -125,7 +126,8 @@ class _Work:
             return seen[-1]
 
         try:
-            report = self.edit(looking_on, place)
+            with as_part(f"step {one.number} of {len(self.spec.steps)}, {one.do}"):
+                report = self.edit(looking_on, place)
         except NameNotFoundError as error:
             if not one.optional:
                 tree = self.spec.tree

@@ -18,6 +18,7 @@ from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.progress import count_done
 from rigtri.verification.compare.correspondence import Correspondence, timeline
 from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses
 from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
@@ -86,7 +87,8 @@ def measure(
     still = sampling.worlds(both, both.normalised_local if normalised else both.local)[np.newaxis]
     found.add(SampledPoses(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
-    for clip, *clips in zip(both.clips, before.clips, after.clips, strict=True):
+    for number, (clip, *clips) in enumerate(zip(both.clips, before.clips, after.clips, strict=True)):
+        count_done(number, len(both.clips), "clips")
         motion, times = sampling.Motion(both, clip), sampling.between_keys(sampling.key_times(clip))
         for start in range(0, len(times), block):
             some = times[start : start + block]
