@@ -52,7 +52,7 @@ class Aim:
 class Rules:
     """The user's word on aims: branch and end rules, children named, targets named, `limb_children`.
 
-    apart: ends that go on as they arrive where they have no tip, for their parents point elsewhere (thumbs).
+    apart: ends that go on as they arrive where they have no tip, for their parents have other axes.
     heads: heads, with the hips of their bodies; a head goes on as its trunk, whatever hangs at it.
     """
 

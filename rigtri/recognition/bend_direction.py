@@ -16,6 +16,8 @@ import numpy as np
 
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.maths.matrices import inverse, transform_directions
+from rigtri.maths.quaternions import between as rotation_between
+from rigtri.maths.quaternions import rotate
 from rigtri.maths.triangle import bend_angle, bend_direction, bend_sine, hinge
 from rigtri.maths.trigonometry import Floats, sin_cos
 from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
@@ -34,6 +36,8 @@ CLEAR = 0.17364817766693033
 NATURAL = 0.5
 # Keys looked at per clip; more are thinned out evenly.
 MOST_KEYS = 2000
+# A limb nearer to the facing direction than this (cosine of 45°) is stretched out ahead or back.
+AHEAD = 0.7071067811865476
 # A direction nearer to the chord than this sine says nothing about the side.
 ALONG = 0.1
 
@@ -130,6 +134,16 @@ def believable(
         geometry=True,
     )
     return natural
+
+
+def facing_along(limb: Floats, facing: Floats, up: Floats) -> Floats:
+    """Where a body looks as a limb has it, unit, (3,). limb: from its root to its end, (3,).
+
+    For one that runs along the facing direction, what swung with it from where it hangs: of a leg that is
+    stretched out ahead the knee is above, of an arm the elbow below.
+    """
+    limb = normalise(limb)
+    return rotate(rotation_between(-up, limb), facing) if abs(float(dot(limb, facing))) > AHEAD else facing
 
 
 def in_pose(limbs: Sequence[Limb], world: Floats) -> list[Bend]:

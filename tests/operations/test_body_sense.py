@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
 
-from rigtri import add_polevector, orient_joints
+from rigtri import add_polevector, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -108,6 +109,11 @@ HANDS = [
     Pose(phalanges=1),
     Pose(phalanges=1, fingers=1, arms=80.0),
     Pose(phalanges=2, curl=15.0),
+    # Nothing shows the palm: it is where arms that hang have it.
+    Pose(fingers=1, thumb=False),
+    Pose(fingers=1, thumb=False, arms=20.0, names="unreal"),
+    Pose(fingers=1, thumb=False, names="none", arms=70.0),
+    Pose("blender", fingers=4, thumb=False, curl=25.0),
 ]
 
 
@@ -117,6 +123,19 @@ def test_hands_of_every_kind_close(pose: Pose) -> None:
     body = posed_body(pose)
     for preset, hinge in HINGES.items():
         assert broken_laws(body, pose, orient_joints(body.rig, preset=preset), hinge) == [], preset
+
+
+@pytest.mark.parametrize("side", ["", "right"])
+def test_a_hand_alone_closes_too(side: str) -> None:
+    """Without a body the thumb, or a bend, says on which side the palm is."""
+    rig = read(SAMPLES / "hand.glb")
+    names = [f"{side}_{name}" if side else name for name in rig.names]
+    out = orient_joints(replace(rig, names=tuple(names)))
+    axes = hinge_axes(out, "+y")
+    four = ("index", "middle", "ring", "little")
+    fingers = [node for node, name in enumerate(rig.names) if name.startswith(four)]
+    # It is a right hand that looks up, its palm ahead.
+    np.testing.assert_allclose(axes[fingers] @ [1.0, 0.0, 0.0], 1.0, atol=0.1)
 
 
 def test_fingers_that_are_clearly_bent_share_their_own_plane() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -29,7 +29,7 @@ from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.recognition.body_hinges import sockets
-from rigtri.recognition.layout import CONFIDENT, Character
+from rigtri.recognition.layout import CONFIDENT, Chain, Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.recognition.recognise import recognise
 
@@ -126,13 +126,21 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         options.end,
         aim_at,
         known,
-        frozenset(k.joints[0] for k in fingers if "thumb" in k.name and len(k.joints) == 1),
+        frozenset(_apart(tree, fingers, joints)),
         {} if options.branch else heads,
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
     _check_aims(tree, ref, aim_at, styles)
     return Targets(tree, ref, joints, skipped, styles, limbs, aim_targets(tree, ref, joints, rules))
+
+
+def _apart(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
+    """Fingers of one joint without the axes of their hand: thumbs, and where the hand keeps its own."""
+    for finger in fingers:
+        above = tree.above[finger.joints[0]]
+        if len(finger.joints) == 1 and ("thumb" in finger.name or above not in joints):
+            yield finger.joints[0]
 
 
 def _with_nodes(tree: Skeleton, nodes: Iterable[int]) -> Skeleton:

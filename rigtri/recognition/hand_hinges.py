@@ -1,0 +1,213 @@
+"""About which axis a hand closes: one for its fingers and the wrist, and the thumb's own.
+
+Source: design notes, "One body, one sense"; measured on real characters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from rigtri.maths.triangle import bend_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.recognition.bend_direction import facing_along
+from rigtri.recognition.hands_feet import BY_PLACE
+from rigtri.recognition.layout import Chain
+
+# Fingers that bend by more than this at rest (radians, 20°) say themselves about which axis they close.
+CURLED = 0.3490658503988659
+# A thumb that bends by more than this at rest (radians, 10°) shows its own hinge.
+THUMB_BENT = 0.17453292519943295
+# A thumb points by more than this to the side of the fingers (the cosine of 20°).
+THUMB_APART = 0.9396926207859084
+# … and at rest by this to the side of the palm (cosine and sine of 20°).
+INTO_PALM = 0.9396926207859084, 0.3420201433256687
+# Fingers that all bend to one side by more than this (radians, 2°) say which side the palm is on.
+SHOWN = 0.03490658503988659
+FOUR = ("index", "middle", "ring", "little")
+
+
+class Hinge(NamedTuple):
+    """What a body says of a joint: the rule, and a direction of the world, (3,), not yet square to the bone.
+
+    ahead: the direction is where the bone's end moves as the joint flexes, else it is the hinge.
+    """
+
+    rule: str
+    direction: Floats
+    ahead: bool = False
+
+    def of(self, bone: Floats) -> Floats:
+        """The hinge of a bone, unit, (3,) each; NaN where the bone runs along the direction."""
+        across = cross(bone, self.direction) if self.ahead else perpendicular(self.direction, bone)
+        return normalise(across)
+
+
+def hand_hinges(
+    chains: Sequence[Chain],
+    side: str,
+    at: Floats,
+    body: tuple[Floats, Floats] | None,
+    *,
+    is_left: bool | None,
+) -> Iterator[tuple[int, Hinge]]:
+    """The hinge that the fingers of a hand and its wrist share, and the thumb's own.
+
+    at: the places of all nodes, (n, 3). body: where it faces and its up, (3,) each; None for a hand alone.
+    is_left: None where nobody knows.
+    """
+    own = [k for k in chains if k.kind in ("finger", "hand", "arm") and k.side == side]
+    fingers = [k for k in own if k.kind == "finger"]
+    thumb = next((k.joints for k in fingers if "thumb" in k.name), ())
+    # From the index finger to the little one, in whatever order the file has them.
+    four = list({name: k for name in FOUR for k in fingers if name in k.name}.values())
+    four = four or [k for k in fingers if k.joints != thumb]
+    wrist = next((k.joints for k in own if k.kind == "hand"), ())
+    arm = next((k.bend for k in own if k.kind == "arm" and len(k.bend) == 3), wrist[:1])
+    if not fingers and len(wrist) < 2:
+        return
+    lower = at[wrist[0]] - at[arm[-2:][0]]
+    natural = None
+    if body is not None and is_left is not None:
+        natural = facing_along(lower, *body) * (-1.0 if is_left else 1.0)
+    lines = [k.joints for k in four] or [wrist[1:]] * (len(wrist) > 1)
+    hand = _PosedHand(lines, thumb, wrist[0], lower, at)
+    palm = hand.palm(natural, is_left=is_left, guessed=all(k.evidence[0] == BY_PLACE for k in four))
+    if palm is None:
+        return
+    for joint in (*wrist, *(joint for finger in four for joint in finger.joints)):
+        yield joint, palm
+    if thumb:
+        closing = hand.thumb_hinge(palm.direction)
+        for joint in thumb:
+            yield joint, closing
+
+
+@dataclass(frozen=True, eq=False)
+class _PosedHand:
+    """A hand in a pose. fingers: from the index finger on, without the thumb. arm: of the lower arm, (3,).
+
+    at: the places of all nodes, (n, 3).
+    """
+
+    fingers: Sequence[Sequence[int]]
+    thumb: Sequence[int]
+    wrist: int
+    arm: Floats
+    at: Floats
+
+    def line(self, finger: Sequence[int]) -> Floats:
+        """Where a finger points, unit, (3,); one of a single joint as the hand does there."""
+        start = finger[0] if len(finger) > 1 else self.wrist
+        return normalise(self.at[finger[-1]] - self.at[start])
+
+    @property
+    def along(self) -> Floats:
+        """Where the fingers point together, unit, (3,); without any as the lower arm does."""
+        lines = [self.line(finger) for finger in self.fingers]
+        return normalise(np.nan_to_num(lines).cumsum(axis=0)[-1]) if lines else normalise(self.arm)
+
+    def palm(self, natural: Floats | None, *, is_left: bool | None, guessed: bool) -> Hinge | None:
+        """About which axis the hand closes; None where nothing tells.
+
+        natural: about which hands close that hang, palms at the thighs, or are raised from there, unit, (3,).
+        guessed: which finger is the first is known by place alone.
+        """
+        across = self._across(is_left=is_left is not False)
+        known = across is not None and is_left is not None and (self._is_apart or not guessed)
+        expected = across if known else natural
+        curl = _curl(self.fingers, self.at)
+        if curl is not None:
+            # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
+            sure = expected is not None and not (known and guessed)
+            turned = sure and expected is not None and dot(curl, expected) < 0
+            return Hinge("plane of the bent fingers", -curl if turned else curl)
+        if across is None:
+            return None if natural is None else Hinge("arm, as hands hang", natural)
+        if not known:
+            towards = self._shown_side(across, natural)
+            across = -across if towards < 0 else across
+        return Hinge("palm of the hand", across)
+
+    def _shown_side(self, across: Floats, natural: Floats | None) -> float:
+        """Whether ``across`` closes the hand, positive: by a bend of all fingers, the arm, or the thumb."""
+        shown = _shown(self.fingers, self.at)
+        if shown is not None:
+            return float(dot(shown, across))
+        if natural is not None:
+            return float(dot(natural, across))
+        if len(self.thumb) < 2 or not self.fingers:
+            return 1.0
+        # The thumb stands on the side to which the fingers close.
+        aside = self.at[self.thumb[-1]] - self.at[self.fingers[0][0]]
+        return float(dot(aside, cross(across, self.along)))
+
+    def _across(self, *, is_left: bool) -> Floats | None:
+        """The hinge by the order of the fingers, unit, (3,); None for one finger without a thumb, or none."""
+        if len(self.fingers) > 1:
+            across = self.at[self.fingers[-1][0]] - self.at[self.fingers[0][0]]
+        elif self.fingers and self.thumb:  # as if the thumb were the first of two fingers
+            (finger,) = self.fingers
+            across = perpendicular(self.at[finger[0]] - self.at[self.thumb[-1]], self.along)
+            # At rest it stands ahead of the palm.
+            inside = cross(across, self.along) * (1.0 if is_left else -1.0)
+            across = across * INTO_PALM[0] + inside * INTO_PALM[1]
+        else:
+            return None
+        across = normalise(across)
+        # Seen along the fingers of a left hand with its palm down, the little finger is to the left.
+        return (across if is_left else -across) if np.isfinite(across).all() else None
+
+    @property
+    def _is_apart(self) -> bool:
+        """Whether the thumb points elsewhere than the fingers do, so that it surely is one."""
+        return len(self.thumb) > 1 and float(dot(self.line(self.thumb), self.along)) < THUMB_APART
+
+    def thumb_hinge(self, palm: Floats) -> Hinge:
+        """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
+        at, thumb = self.at, self.thumb
+        bone = self.line(thumb)
+        towards = at[self.fingers[-1][0]] - at[thumb[0]] if self.fingers else self.arm
+        along = [finger[:2] for finger in self.fingers if len(finger) > 1]
+        ahead = normalise(at[along[0][1]] - at[along[0][0]]) if along else normalise(towards)
+        inside = cross(palm, ahead)  # where finger tips move as they close
+        closing = normalise(cross(bone, normalise(towards) + inside))
+        if len(thumb) > 2:
+            a, b, c = (at[joint] for joint in thumb[:3])
+            own = normalise(cross(b - a, c - b))
+            if float(bend_angle(a, b, c)) > THUMB_BENT and dot(own, closing) > 0:
+                return Hinge("plane of the thumb", own)
+        return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)
+
+
+def _shown(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
+    """The hinge about which all fingers bend a little, unit, (3,); None where they do not agree."""
+    found = []
+    for finger in (finger for finger in fingers if len(finger) > 2):
+        a, b, c = (at[joint] for joint in finger[:3])
+        if float(bend_angle(a, b, c)) < SHOWN:
+            return None
+        found.append(normalise(cross(b - a, c - b)))
+    if not found:
+        return None
+    common = np.array(found).cumsum(axis=0)[-1]
+    return normalise(common) if length(common) > 0.9 * len(found) else None
+
+
+def _curl(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
+    """The hinge that clearly bent fingers have in common, unit, (3,); None where they are nearly straight."""
+    normals, most = [], []
+    for finger in fingers:
+        triples = list(zip(finger, finger[1:], finger[2:], strict=False))
+        if triples:
+            a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
+            most.append(float(bend_angle(a, b, c).max()))
+            normals.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
+    if not most or sorted(most)[len(most) // 2] < CURLED:
+        return None
+    common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
+    return normalise(common) if length(common) > 0.7 * len(normals) else None
