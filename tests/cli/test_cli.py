@@ -389,7 +389,7 @@ IGNORED = {
             "Invalid value for '--size': '3' is not a valid size: use WIDTHxHEIGHT",
         ),
         ("view a.glb -o a.html --limit much", "Invalid value for '--limit': 'much' is not a valid number."),
-        ("inspect a.glb --jsn", "No such option '--jsn'. Did you mean '--json'? Help: rigtri help inspect"),
+        ("check a.glb --jsn", "No such option '--jsn'. Did you mean '--json'? Help: rigtri help check"),
         ("dance", "No such command 'dance'. Help: rigtri --help"),
         ("--dance", "No such option '--dance'. Help: rigtri --help"),
     ],
