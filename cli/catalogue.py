@@ -18,6 +18,9 @@ GROUPS = {
     "Skeleton": {
         "freeze": "Put scale and rotation above joints into the joints; nothing that can be seen moves.",
         "rename-joints": "Give joints the names of another scheme: Mixamo, Unreal, Unity, VRM, Rigify ...",
+        "prune-joints": "Remove joints that move nothing.",
+        "merge-joints": "Merge joints into those above: still ones, named ones, or down to a number.",
+        "limit-weights": "Let no point follow more than four joints, and weights sum to 1.",
     },
     "Re-orient": {
         "orient-joints": "Give joints new axes; nothing that can be seen moves.",

@@ -23,6 +23,9 @@ _WHERE = {
     "build": "rigtri.pipeline.rigspec.build",
     "auto": "rigtri.pipeline.rigspec.auto",
     "freeze": "rigtri.operations.freeze",
+    "limit_weights": "rigtri.operations.limit_weights",
+    "merge_joints": "rigtri.operations.merge_joints",
+    "prune_joints": "rigtri.operations.prune_joints",
     "rename_joints": "rigtri.operations.rename_joints",
     "orient_joints": "rigtri.operations.orient_joints.orient",
     "add_polevector": "rigtri.operations.add_polevector",
@@ -85,10 +88,13 @@ __all__ = [
     "export_blender",
     "freeze",
     "from_pygltflib",
+    "limit_weights",
     "make_limb",
     "matrices",
+    "merge_joints",
     "mirror",
     "orient_joints",
+    "prune_joints",
     "quaternions",
     "read",
     "recognise",
@@ -130,10 +136,13 @@ if TYPE_CHECKING:
     from rigtri.operations.bake.bake import bake as bake
     from rigtri.operations.constrain.constrain import constrain as constrain
     from rigtri.operations.freeze import freeze as freeze
+    from rigtri.operations.limit_weights import limit_weights as limit_weights
     from rigtri.operations.make_limb import make_limb as make_limb
+    from rigtri.operations.merge_joints import merge_joints as merge_joints
     from rigtri.operations.mirror.mirror import mirror as mirror
     from rigtri.operations.orient_joints.orient import orient_joints as orient_joints
     from rigtri.operations.pose import take_pose as take_pose
+    from rigtri.operations.prune_joints import prune_joints as prune_joints
     from rigtri.operations.rename_joints import rename_joints as rename_joints
     from rigtri.operations.snap import snap as snap
     from rigtri.operations.strip import strip as strip

@@ -179,6 +179,9 @@ def _renamed_and_back(rig: Rig) -> Rig:
 EDITS: dict[str, Edit] = {
     "freeze": Edit(rigtri.freeze),
     "rename-joints": Edit(_renamed_and_back),
+    "prune-joints": Edit(rigtri.prune_joints),
+    "merge-joints": Edit(lambda rig: rigtri.merge_joints(rig, max_joints=1000)),
+    "limit-weights": Edit(rigtri.limit_weights),
     "orient-joints": Edit(lambda rig: rigtri.orient_joints(rig, preset="talk")),
     "orient-joints --mirror": Edit(lambda rig: rigtri.orient_joints(rig, mirror="behavior")),
     "make-limb": Edit(_built("limbs")),

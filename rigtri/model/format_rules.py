@@ -18,6 +18,7 @@ class FormatRules:
     facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
     raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
     group_parent: the parent of a group that rigtri adds, −1 where the group is a root.
+    named: nodes that extensions of the file refer to.
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
     per_second: units of clips' time in a second. dotted_names: nodes may have dots in their names.
@@ -32,6 +33,7 @@ class FormatRules:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     raw_quaternions: bool = False
     group_parent: int = -1
+    named: frozenset[int] = frozenset()
     metres_per_unit: float = 1.0
     sized_binding: bool = False
     per_second: float = 1.0
@@ -44,5 +46,6 @@ class FormatRules:
             fixed={new[k]: reason for k, reason in self.fixed.items()},
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
+            named=frozenset(new[k] for k in self.named),
             group_parent=new[self.group_parent] if self.group_parent >= 0 else self.group_parent,
         )

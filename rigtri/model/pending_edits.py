@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Shape
-from rigtri.model.skin import JointMerge, WeightRedistribution
+from rigtri.model.skin import JointMerge, WeightLimit, WeightRedistribution
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +36,7 @@ class PendingEdits:
     shapes: lines to draw at nodes. weight_redistributions, joint_merges: changes of the weights of meshes.
     morph_weights: the weights at rest that nodes get, (t,) each.
     removed: nodes that the written file is without; they have no names any more.
+    weight_limit: of all points.
     bind_sizes: by the number of a skin how many times as large its points are to be bound.
     conversion: of the whole scene.
     """
@@ -45,6 +46,7 @@ class PendingEdits:
     joint_merges: tuple[JointMerge, ...] = ()
     morph_weights: Mapping[int, Floats] = field(default_factory=dict)
     removed: frozenset[int] = frozenset()
+    weight_limit: WeightLimit | None = None
     bind_sizes: Mapping[int, float] = field(default_factory=dict)
     conversion: Conversion | None = None
 

@@ -78,3 +78,11 @@ class JointMerge:
     at: Floats
     widths: Mapping[int, int]
     idle: bool
+
+
+@dataclass(frozen=True)
+class WeightLimit:
+    """Of each point the ``most`` joints that weigh most stay. normalise: weights are to sum to 1."""
+
+    most: int
+    normalise: bool = False

@@ -7,7 +7,7 @@ import numpy as np
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
-from rigtri.model.skin import WeightRedistribution
+from rigtri.model.skin import WeightLimit, WeightRedistribution
 
 # A share this near to none or all is none or all: it would cost an influence and show nothing.
 WHOLE = 1e-3
@@ -79,6 +79,38 @@ def folded(
     now = _width(out_weights)
     kept = max(now, width, 1) if now < _width(weights) else joints.shape[1]
     return out_joints[:, :kept], out_weights[:, :kept]
+
+
+def limited(
+    joints: Integers, weights: Floats, limit: WeightLimit, *, full: int = 0
+) -> tuple[Integers, Floats]:
+    """Joints (v, k) and weights (v, k) of points with as many joints as allowed; k is no more than before.
+
+    full: what weights are a whole number of, 0 for floats. The weights of a point sum to what they did, or
+    to 1. Points with so few joints, and with weights that are no numbers, keep theirs.
+    """
+    width = min(joints.shape[1], -(-limit.most // 4) * 4) if joints.shape[1] > 4 else joints.shape[1]
+    one = float(full or 1)
+    total = weights.cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
+    plain = np.isfinite(weights).all(axis=1) & (total > 0)
+    over = ((weights != 0).sum(axis=1) > limit.most) & plain
+    off = plain & (np.abs(total - one) > (0.5 if full else SAME)) if limit.normalise else over
+    moved = over | off | ((weights[:, width:] != 0).any(axis=1) & plain)
+    order = np.argsort(-np.abs(weights), axis=1, kind="stable")
+    rows = np.arange(len(joints))[:, np.newaxis]
+    most, heavy = joints[rows, order], weights[rows, order]
+    heavy[:, limit.most :] = 0.0
+    aim = np.where(off, one, total) if limit.normalise else total
+    kept = heavy.cumsum(axis=1)[:, -1] if joints.shape[1] else total
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where((over | off)[:, np.newaxis], heavy * (aim / kept)[:, np.newaxis], heavy)
+    if full:
+        share = np.rint(share)
+        share[:, 0] += aim - share.cumsum(axis=1)[:, -1]
+    most = np.where(share != 0, most, 0)
+    out = np.where(moved[:, np.newaxis], most, joints), np.where(moved[:, np.newaxis], share, weights)
+    lost = (out[1][:, width:] != 0).any()  # of points that are no numbers
+    return out if lost else (out[0][:, :width], out[1][:, :width])
 
 
 def _width(weights: Floats) -> int:

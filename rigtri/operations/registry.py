@@ -12,6 +12,9 @@ from rigtri.model.rig import Rig
 OPERATIONS = {
     "freeze": "freeze",
     "rename-joints": "rename_joints",
+    "prune-joints": "prune_joints",
+    "merge-joints": "merge_joints",
+    "limit-weights": "limit_weights",
     "orient-joints": "orient_joints.orient",
     "make-limb": "make_limb",
     "add-twist": "add_twist.twist",

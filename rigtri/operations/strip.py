@@ -24,6 +24,7 @@ from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
 from rigtri.operations.bake.unbaked import refuse_unbaked
 from rigtri.operations.operation import operation
 from rigtri.operations.options.strip import StripOptions as StripOptions
+from rigtri.operations.without_nodes import staying, without_nodes
 from rigtri.report import Report
 
 
@@ -52,54 +53,14 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
     if not report.removed:
         return rig
     folds = _folds(rig, gone)
-    names = tuple("" if node in gone else name for node, name in enumerate(rig.names))
-    stripped = replace(
+    bare = replace(
         rig,
-        names=names,
         metadata=metadata,
         node_constraints=_others(rig),
-        pending=replace(
-            rig.pending,
-            removed=rig.pending.removed | gone,
-            shapes={node: shape for node, shape in rig.pending.shapes.items() if node not in gone},
-            weight_redistributions=(),  # each is among joints of ours
-            joint_merges=folds,
-        ),
-        clips=tuple(
-            replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in gone))
-            if any(track.node in gone for track in clip.tracks)
-            else clip
-            for clip in rig.clips
-        ),
-        skins=tuple(
-            _without(skin, gone, next((fold for fold in folds if fold.skin == number), None))
-            for number, skin in enumerate(rig.skins)
-            if skin.key is not None or not gone.issuperset(skin.joints.tolist())  # new, and all of it goes
-        ),
+        # Each redistribution is among joints of ours.
+        pending=replace(rig.pending, weight_redistributions=(), joint_merges=()),
     )
-    # What no file has yet need not be taken out of one.
-    stay = [node for node in range(len(rig)) if node not in gone or rig.keys[node] is not None]
-    return stripped.reordered(stay) if len(stay) < len(rig) else stripped
-
-
-def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
-    stays = _stays(skin, gone)
-    if stays.all():
-        return skin
-
-    def weigh() -> Booleans:
-        if fold is None:
-            return skin.weighted[stays]
-        weighted = np.zeros(np.count_nonzero(stays), dtype=bool)
-        weighted[fold.rows[skin.weighted[: len(fold.rows)]]] = True
-        return weighted
-
-    lost = replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
-    return lost if skin.weigh is None else replace(lost, weigh=weigh)
-
-
-def _stays(skin: Skin, gone: frozenset[int]) -> Booleans:
-    return np.array([joint not in gone for joint in skin.joints.tolist()], dtype=bool)
+    return without_nodes(bare, gone, folds)
 
 
 def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
@@ -110,7 +71,7 @@ def _folds(rig: Rig, gone: frozenset[int]) -> tuple[JointMerge, ...]:
             continue
         # Joints that no file has yet come last, and have no points there.
         filed = sum(rig.keys[joint] is not None for joint in skin.joints.tolist())
-        stays = _stays(skin, gone)[:filed]
+        stays = staying(skin, gone)[:filed]
         if stays.all() or not (stays.any() or skin.drawn):
             continue
         rows, at = np.cumsum(stays) - 1, np.zeros(len(stays))

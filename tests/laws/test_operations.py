@@ -42,6 +42,9 @@ class Case:
 CASES = {
     "freeze": Case("", strips=False),
     "rename-joints": Case("--to unreal", strips=False, renames=True),
+    "prune-joints": Case("", strips=False),
+    "merge-joints": Case("--still", strips=False),
+    "limit-weights": Case("", strips=False),
     "orient-joints": Case("--preset maya", strips=False),
     "make-limb": Case("--points 0,140,0 25,140,-5 50,140,-1 --name arm"),
     "add-twist": Case("--limbs auto"),

@@ -32,7 +32,7 @@ from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.prune import prune
-from rigtri.formats.gltf.references import check_added
+from rigtri.formats.gltf.references import check_added, named_nodes
 from rigtri.formats.gltf.removal_check import check_before_removal
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
@@ -278,6 +278,7 @@ class GltfDocument:
                 else frozenset(),
                 data_nodes=frozenset(tree.place[node] for node in bindings.data_nodes),
                 split_locked=bindings.split_locked,
+                named=frozenset(tree.place[k] for k in named_nodes(gltf.object()) if k < len(tree.place)),
                 facing=bindings.facing,
                 dotted_names=True,
             ),

@@ -87,6 +87,12 @@ def _referred(gltf: dict[str, Any], section: str) -> Collection[int]:
     return {k for value in places.values() for k in _named(value, section)}
 
 
+def named_nodes(gltf: dict[str, Any]) -> set[int]:
+    """The nodes that extensions refer to: springs, colliders, constraints, looks, levels of detail."""
+    held = [gltf.get("extensions"), *(node.get("extensions") for node in gltf.get("nodes", []))]
+    return {k for value in held if value for k in _named(value, "nodes") if type(k) is int and k >= 0}
+
+
 def compressed_spans(gltf: dict[str, Any]) -> Iterator[tuple[int, int, int]]:
     """Buffer, start and end of bytes that extensions of buffer views refer to, past any view."""
     for view in gltf.get("bufferViews", []):

@@ -24,8 +24,8 @@ from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.model.skin import JointMerge, WeightRedistribution
-from rigtri.model.skin_weights import SAME, folded, shared
+from rigtri.model.skin import JointMerge, WeightLimit, WeightRedistribution
+from rigtri.model.skin_weights import SAME, folded, limited, shared
 from rigtri.report import Notice
 
 _ROLES: dict[int, Role] = {4: "influences 4", 8: "influences 8", 16: "influences 16"}
@@ -66,6 +66,39 @@ class WeightWriter:
                 self._check_alone(mesh, skin)
                 for number in range(len(self._draft.gltf["meshes"][mesh]["primitives"])):
                     self._primitive(mesh, number, skin, by_skin.get(skin, ()), folds.get(skin))
+
+        if rig.pending.weight_limit is not None:
+            self._limit(rig.pending.weight_limit)
+
+    def _limit(self, limit: WeightLimit) -> None:
+        """Let the points of all meshes have as many joints as allowed."""
+        known: dict[tuple[int, ...], Mapping[str, int | None]] = {}
+        for mesh, raw in enumerate(self._draft.gltf.get("meshes", [])):
+            for number, primitive in enumerate(raw.get("primitives", [])):
+                sets = _sets(primitive["attributes"])
+                if not sets:
+                    continue
+                if DRACO in primitive.get("extensions", {}):
+                    text = f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}"
+                    text += ", so its weights cannot be limited. Store it uncompressed"
+                    raise FixedWeightsError(text)
+                key = tuple(primitive["attributes"][name] for name in sets)
+                if key not in known:
+                    known[key] = self._limited(primitive["attributes"], sets, limit)
+                if known[key]:
+                    owned = self._draft.edit("meshes", mesh, "primitives", number, "attributes")
+                    owned.update({name: index for name, index in known[key].items() if index is not None})
+                    for name in (name for name, index in known[key].items() if index is None):
+                        owned.pop(name)
+
+    def _limited(
+        self, attributes: dict[str, int], sets: Sequence[str], limit: WeightLimit
+    ) -> dict[str, int | None]:
+        """The accessors of a primitive's influences with a limit, None for those of sets that go."""
+        before = self._read(attributes, sets)
+        joints, weights = limited(before.joints, before.weights, limit, full=int(FULL.get(before.weight, 0)))
+        found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
+        return found | dict(self._added(attributes, before, joints, weights, found))
 
     def _meshes(self, skin: int) -> list[int]:
         nodes = self._draft.gltf["nodes"]

@@ -24,7 +24,7 @@ from rigtri.formats.usd.passes.write_blend_weights import write_blend_weights
 from rigtri.formats.usd.passes.write_joint_metadata import write_joint_metadata
 from rigtri.formats.usd.passes.write_rigtri_prims import write_rigtri_prims
 from rigtri.formats.usd.passes.write_skeletons import write_skeletons
-from rigtri.formats.usd.passes.write_skin_weights import write_skin_weights
+from rigtri.formats.usd.passes.write_skin_weights import limit_weights, write_skin_weights
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
 
@@ -52,6 +52,7 @@ PASSES: tuple[Pass, ...] = (
     *VALUES,
     write_binding,
     write_skin_weights,
+    limit_weights,
     route_variants,
 )
 

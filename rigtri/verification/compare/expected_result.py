@@ -144,8 +144,9 @@ def compare_written(expected: ExpectedResult, views: Views, tolerance: float) ->
     """Whether the written file is the rig in memory: the deviation that is held against ``tolerance``."""
     if expected.rig.pending.weight_redistributions:
         return compare_without_twist(*views)
-    if expected.rig.pending.bind_sizes:
-        return verify(*views)  # points are bound in another size: look at the vertices themselves
+    if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limit is not None:
+        # Points are bound in another size, or by others: look at the vertices themselves.
+        return verify(*views)
     if expected.rig.pending.removed:
         return _compare_remaining(expected, *views)
     views = without_changes(*views, expected.morph_changes)
@@ -177,6 +178,12 @@ def declared_differences(
 def _compare_remaining(expected: ExpectedResult, source: Source, written: Source) -> Comparison:
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
     before, removed = expected.source.rig, expected.rig.pending.removed
+    # Nodes without a key are not looked for; those without a name are known by their order.
+    keys = tuple(None if node in removed else key for node, key in enumerate(source.rig.keys))
+    labels = [before.names[k] or before.labels[k] for k in range(len(before)) if k not in removed]
+    source = DocumentView(source, replace(source.rig, keys=keys, names=_labelled(source.rig)))
+    if len(labels) == len(written.rig) and not all(before.names):
+        written = DocumentView(written, replace(written.rig, names=tuple(labels)))
     # Nodes are counted in another way now: morph targets are found by addresses.
     position = {key: node for node, key in enumerate(before.keys)}
     changes: MorphChanges = {
@@ -193,7 +200,7 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
             for view, rig in zip((written, source), rigs, strict=True)
         )
     result = verify(written, source)
-    stay = [name for node, name in enumerate(before.names) if node not in removed]
+    stay = labels
     lost = [f"node {name}" for name in (Counter(stay) - Counter(written.rig.names)).elements()]
     shown = [mesh.name for mesh in source.meshes() if mesh.node not in removed]
     lost += [
@@ -202,6 +209,10 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
     unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
     return replace(result, different=different, lost=(*result.lost, *unit))
+
+
+def _labelled(rig: Rig) -> tuple[str, ...]:
+    return tuple(name or label for name, label in zip(rig.names, rig.labels, strict=True))
 
 
 def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:

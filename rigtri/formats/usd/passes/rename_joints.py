@@ -90,7 +90,7 @@ def _animation_edits(source: Source, renaming: Renaming) -> Iterator[Edit]:
     for path, animation in source.animations.items():
         users = [skeleton for skeleton in source.skeletons.values() if path in skeleton.animations]
         users += [skeleton for skeleton in source.skeletons.values() if skeleton.path == path]
-        tokens = []
+        tokens: list[str] = []
         for token in animation.tokens:
             mine = [skeleton.path for skeleton in users if token in skeleton.tokens]
             new = {renaming[user](token) if user in renaming else token for user in mine}

@@ -23,7 +23,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.skin import JointMerge, WeightRedistribution
-from rigtri.model.skin_weights import folded, shared
+from rigtri.model.skin_weights import folded, limited, shared
 from rigtri.report import Notice
 
 WEIGHTS = "primvars:skel:jointWeights"
@@ -56,6 +56,23 @@ def write_skin_weights(edit: UsdEdit) -> None:
             node = source.rig.known(str(query.GetPrim().GetPath()))
             width = 0 if node is None else merges[path].widths.get(node, 0)
             edit.values += _merged(query, tokens, merges[path], width)
+
+
+def limit_weights(edit: UsdEdit) -> None:
+    """Let the points of all skinned meshes have as many joints as allowed. FileError where that cannot be."""
+    limit = edit.rig.pending.weight_limit
+    for _, query in edit.source.bindings.every if limit is not None else ():
+        if limit is None or not query.HasJointInfluences() or query.IsRigidlyDeformed():
+            continue
+        count = len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
+        before = _read(query, count)
+        if before is None:
+            continue
+        joints, weights = limited(*before, limit)
+        same = joints.shape == before[0].shape and np.array_equal(joints, before[0])
+        if not (same and np.array_equal(weights, before[1])):
+            _check(query)
+            edit.values += _set(query, joints, weights)
 
 
 def _merged(query: Any, tokens: Sequence[str], merge: JointMerge, width: int) -> list[Edit]:

@@ -1,0 +1,31 @@
+"""Merge joints of IN into the joints above them, which get their weights.
+
+A joint goes with all below it. Joints that never move (--still) go without a vertex moving; of others how far
+vertices move is measured, and refused above --tolerance.
+
+\b
+Examples:
+    rigtri merge-joints hero.glb -o out.glb --still
+    rigtri merge-joints hero.glb -o far.glb --max-joints 30 --tolerance 0.02
+    rigtri merge-joints hero.glb -o out.glb --joints '*Toe*' --tolerance 0.01
+"""
+
+from __future__ import annotations
+
+from rigtri.operations.options.merge_joints import MergeJointsOptions
+from rigtri.report import Report
+
+from .edit_command import edit_command
+from .text import counted
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
+    if not report.joints:
+        return "there is nothing to merge; nothing was changed"
+    pairs = [f"{each['joint']} into {each['heir']}" for each in report.joints if "heir" in each]
+    more = " …" * (len(pairs) > 4)
+    return f"{counted(len(report.joints), 'node')} merged: {', '.join(pairs[:4])}{more}"
+
+
+command = edit_command("merge-joints", MergeJointsOptions, summary, __doc__)

@@ -1,0 +1,29 @@
+"""Remove joints of IN that move nothing: no weight on or below them, and nothing hangs there.
+
+Joints that the format, a constraint or rigtri's metadata name stay, and so do bones of a VRM humanoid and
+springs. Sockets stay unless --sockets is given.
+
+\b
+Examples:
+    rigtri prune-joints hero.glb -o out.glb
+    rigtri prune-joints hero.glb -o out.glb --ends --exclude '*_ik'
+"""
+
+from __future__ import annotations
+
+from rigtri.operations.options.prune_joints import PruneJointsOptions
+from rigtri.report import Report
+
+from .edit_command import edit_command
+from .text import counted
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
+    if not report.joints:
+        return "every joint moves something or is needed; nothing was changed"
+    names = ", ".join(entry["joint"] for entry in report.joints[:6])
+    return f"{counted(len(report.joints), 'node')} removed: {names}{' …' * (len(report.joints) > 6)}"
+
+
+command = edit_command("prune-joints", PruneJointsOptions, summary, __doc__)

@@ -1,0 +1,32 @@
+"""limit-weights: no point follows more joints than an engine shows, and weights sum to 1."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rigtri.model.rig import Rig
+from rigtri.model.skin import WeightLimit
+from rigtri.model.skin_weights import limited
+from rigtri.operations.operation import operation
+from rigtri.operations.options.limit_weights import LimitWeightsOptions as LimitWeightsOptions
+from rigtri.report import Report
+
+
+@operation(LimitWeightsOptions)
+def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> Rig:
+    """The rig whose points follow the joints that weigh most, with as much weight as before, or with 1.
+
+    How far vertices move is measured when the file is written. What changes is in ``report.added``, by mesh.
+    """
+    limit = WeightLimit(options.max_influences, options.normalise)
+    for mesh in rig.meshes:
+        _, weights = limited(mesh.joints, mesh.weights, limit)
+        wide = int(((mesh.weights != 0).sum(axis=1) > limit.most).sum())
+        width = min(weights.shape[1], mesh.weights.shape[1])
+        differs = (weights[:, :width] != mesh.weights[:, :width]).any(axis=1)
+        if wide or differs.any():
+            entry = {"type": "weights", "node": rig.address(mesh.node), "new": False}
+            report.added.append({**entry, "points": int(differs.sum()), "over": wide})
+    if report.added and not rig.shown_clips:
+        report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
+    return replace(rig, pending=replace(rig.pending, weight_limit=limit)) if report.added else rig

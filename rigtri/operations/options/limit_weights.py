@@ -1,0 +1,22 @@
+"""The options of limit-weights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from rigtri.operations.declaration import Kind, option
+
+Influences = Annotated[int, Kind("number", "N", low=1, high=64)]
+
+
+@dataclass(frozen=True)
+class LimitWeightsOptions:
+    """Let no point follow more than some joints."""
+
+    max_influences: Influences = option(
+        4, help="The joints that a point may have; those that weigh most stay.", group="what"
+    )
+    normalise: bool = option(
+        False, help="Also let the weights of every point sum to 1, where they do not.", group="what"
+    )

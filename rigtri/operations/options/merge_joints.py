@@ -1,0 +1,33 @@
+"""The options of merge-joints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Annotated
+
+from rigtri.errors import UsageError
+from rigtri.operations.declaration import Kind, Nodes, option
+
+Count = Annotated[int, Kind("number", "N", low=1)]
+
+
+@dataclass(frozen=True)
+class MergeJointsOptions:
+    """Merge joints into those above them, which get their weights."""
+
+    joints: Nodes = option((), help="These joints, with all below them.", group="what")
+    still: bool = option(
+        False, help="Joints that never move against the one above, with all below them.", group="what"
+    )
+    max_joints: Count | None = option(
+        None,
+        help="As many joints as it takes to have so few; those that move points least go first.",
+        group="what",
+    )
+    exclude: Nodes = option((), help="Not these joints.")
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError where nothing says what is to be merged."""
+        if not (self.joints or self.still or self.max_joints):
+            raise UsageError("say what is to be merged: --joints GLOB, --still or --max-joints N")

@@ -1,0 +1,25 @@
+"""The options of prune-joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rigtri.operations.declaration import Nodes, option
+
+
+@dataclass(frozen=True)
+class PruneJointsOptions:
+    """Remove joints that move nothing."""
+
+    sockets: bool = option(
+        False,
+        help="Also joints that are there to hold something, as weapon slots, and hold nothing.",
+        group="what",
+    )
+    ends: bool = option(
+        False,
+        help="Also nodes below joints that show nothing, as the leaves *_end of exporters.",
+        group="what",
+    )
+    joints: Nodes = option((), help="Only these joints.")
+    exclude: Nodes = option((), help="Not these joints.")

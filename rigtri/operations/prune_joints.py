@@ -1,0 +1,100 @@
+"""prune-joints: joints without weight on or below them go, where nothing else needs them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rigtri.maths.arrays import Booleans
+from rigtri.model.metadata import with_references
+from rigtri.model.rig import Rig
+from rigtri.model.skin import JointMerge
+from rigtri.operations.joint_records import joint_record
+from rigtri.operations.operation import operation
+from rigtri.operations.options.prune_joints import PruneJointsOptions as PruneJointsOptions
+from rigtri.operations.without_nodes import staying, without_nodes
+from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+
+
+@operation(PruneJointsOptions)
+def prune_joints(rig: Rig, *, options: PruneJointsOptions, report: Report) -> Rig:
+    """The rig without joints that move no point, nor anything below them; nothing that is seen moves.
+
+    Kept are joints that a mesh, camera or light hangs below, that a format or a constraint names, that
+    rigtri's metadata are about, and that are there to hold something. What went is in ``report.joints``.
+    """
+    gone = sorted(_unneeded(rig, options))
+    for node in gone:
+        report.joints.append(joint_record(rig, node, "removed"))
+    return without_nodes(rig, gone, idle_folds(rig, gone)) if gone else rig
+
+
+def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
+    """The nodes that go: joints, and what hangs below them and shows nothing."""
+    needed = weighted_joints(rig) | (rig.attachment >= 0)
+    needed[sorted(named_nodes(rig))] = True
+    if not options.sockets and (rig.is_joint & ~needed).any():
+        needed[sorted(_sockets(rig))] = True
+    for glob in options.exclude:
+        needed[rig.match(glob)] = True
+    chosen = {node for glob in options.joints for node in rig.match(glob)}
+    below, ends = rig.is_joint.copy(), np.zeros(len(rig), dtype=bool)
+    for level in rig.levels[1:]:
+        below[level] |= below[rig.parents[level]]
+        ends[level] = below[level] & ~rig.is_joint[level]
+    for node in range(len(rig) - 1, -1, -1):
+        mine = rig.is_joint[node] or ends[node]
+        needed[node] |= not mine or (bool(chosen) and rig.is_joint[node] and node not in chosen)
+        needed[node] |= any(needed[child] for child in rig.children[node])
+    gone = set[int]()
+    for node in np.flatnonzero(~needed).tolist():
+        # A bare node goes with the joint above it, or where it is asked for.
+        if rig.is_joint[node] or options.ends or int(rig.parents[node]) in gone:
+            gone.add(node)
+    return {node for node in gone if all(child in gone for child in rig.below(node))}
+
+
+def weighted_joints(rig: Rig) -> Booleans:
+    """The joints that move points of any skin, (n,); all of a skin where nobody can tell, or it has none."""
+    found = np.zeros(len(rig), dtype=bool)
+    for skin in rig.skins:
+        found[skin.joints[skin.weighted] if skin.weighted.any() else skin.joints] = True
+    return found
+
+
+def named_nodes(rig: Rig) -> set[int]:
+    """The nodes that the file's format, a constraint, or rigtri's metadata name; they cannot go."""
+    found = {*rig.humanoid.values(), *rig.rules.fixed, *rig.rules.data_nodes, *rig.rules.named, *rig.own}
+    found |= {one.node for one in rig.bound} | {*rig.metadata}
+    for constraint in rig.node_constraints:
+        found |= {constraint.node, constraint.source} - {-1}
+
+    def note(_: object, name: str) -> str:
+        node = rig.known(name)
+        found.update(() if node is None else (node,))
+        return name
+
+    for stored in rig.metadata.values():
+        with_references(stored, note)
+    return found
+
+
+def _sockets(rig: Rig) -> set[int]:
+    """The joints that are there to hold something, by their names and by what is known of the body."""
+    layout = recognise(rig)
+    found = {p.joint for c in layout.characters for p in c.parts if p.role == "attachment"}
+    return found | {node for node, name in enumerate(rig.names) if "attachment" in roles_in_name(name)}
+
+
+def idle_folds(rig: Rig, gone: list[int]) -> list[JointMerge]:
+    """What becomes of the rows of skins that lose joints of no weight."""
+    folds = []
+    for number, skin in enumerate(rig.skins):
+        stays = staying(skin, gone)
+        if skin.key is None or stays.all():
+            continue
+        rows = np.where(stays, np.cumsum(stays) - 1, 0)
+        idle = bool(stays[: int(stays.sum())].all())
+        folds.append(JointMerge(number, rows, np.zeros(len(stays)), {}, idle))
+    return folds

@@ -1,0 +1,67 @@
+"""Taking nodes out of a rig: their tracks, their rows in skins, and what points had of them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.maths.arrays import Booleans
+from rigtri.model.rig import Rig
+from rigtri.model.skin import JointMerge, Skin
+
+
+def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) -> Rig:
+    """The rig without nodes, none of which is the parent of one that stays.
+
+    folds: for each skin that loses joints, who inherits the weight of these. Nodes of the file stay in the
+    rig without a name, as ``pending.removed``, until it is written.
+    """
+    gone = frozenset(gone)
+    less = replace(
+        rig,
+        names=tuple("" if node in gone else name for node, name in enumerate(rig.names)),
+        metadata={node: stored for node, stored in rig.metadata.items() if node not in gone},
+        pending=replace(
+            rig.pending,
+            removed=rig.pending.removed | gone,
+            shapes={node: shape for node, shape in rig.pending.shapes.items() if node not in gone},
+            joint_merges=(*rig.pending.joint_merges, *folds),
+        ),
+        clips=tuple(
+            replace(clip, tracks=tuple(track for track in clip.tracks if track.node not in gone))
+            if any(track.node in gone for track in clip.tracks)
+            else clip
+            for clip in rig.clips
+        ),
+        skins=tuple(
+            _without(skin, gone, next((fold for fold in folds if fold.skin == number), None))
+            for number, skin in enumerate(rig.skins)
+            if skin.key is not None or not gone.issuperset(skin.joints.tolist())  # new, and all of it goes
+        ),
+    )
+    # What no file has yet need not be taken out of one.
+    stay = [node for node in range(len(rig)) if node not in gone or rig.keys[node] is not None]
+    return less.reordered(stay) if len(stay) < len(rig) else less
+
+
+def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
+    stays = staying(skin, gone)
+    if stays.all():
+        return skin
+
+    def weigh() -> Booleans:
+        if fold is None:
+            return skin.weighted[stays]
+        weighted = np.zeros(np.count_nonzero(stays), dtype=bool)
+        weighted[fold.rows[skin.weighted[: len(fold.rows)]]] = True
+        return weighted
+
+    lost = replace(skin, joints=skin.joints[stays], inverse_bind=skin.inverse_bind[stays])
+    return lost if skin.weigh is None else replace(lost, weigh=weigh)
+
+
+def staying(skin: Skin, gone: Collection[int]) -> Booleans:
+    """Which joints of a skin stay, (m,)."""
+    return np.array([joint not in gone for joint in skin.joints.tolist()], dtype=bool)

@@ -1,0 +1,113 @@
+"""prune-joints, merge-joints, limit-weights: fewer joints and influences, and how far that moves anything."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gltf_files import glb_json
+from places import SAMPLES, real_files
+from program import cli
+
+import rigtri
+from rigtri.errors import GeometryError
+from rigtri.formats import ReadOptions, read
+from rigtri.model.skin import WeightLimit
+from rigtri.model.skin_weights import limited
+
+TRUST = ReadOptions(allow_external_paths=True)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path) -> None:
+    """The sample's head has an end joint; a twist joint that rigtri has added is none to go."""
+    source, out = tmp_path / f"in{suffix}", tmp_path / f"out{suffix}"
+    rig = rigtri.add_twist(rigtri.read(SAMPLES / f"biped{suffix}"), limbs="auto")
+    rigtri.write(rig, source, verify=False)
+    cli("prune-joints", source, "-o", out, "--ends", code=0)
+    before, after = read(source).rig, read(out).rig
+    gone = set(before.names) - set(after.names)
+    assert gone
+    assert not any(before.type_of(before.names.index(name)) for name in gone)
+    for skin in after.skins:
+        assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_path: Path) -> None:
+    out = tmp_path / f"out{suffix}"
+    words = ("merge-joints", SAMPLES / f"biped{suffix}", "-o", out, "--joints", "forearm_L")
+    ran = cli(*words, code=6)
+    assert "would look different" in ran.stderr
+    assert not out.exists()
+    cli(*words, "--tolerance", "1", code=0)
+    before, after = rigtri.read(SAMPLES / f"biped{suffix}"), rigtri.read(out)
+    assert {"forearm_L", "hand_L"} <= set(before.names) - set(after.names)
+    upper = after.find("upper_arm_L")
+    (mesh, *_) = (mesh for mesh in after.meshes if mesh.skin is not None)
+    assert np.allclose(mesh.weights.sum(axis=1), 1.0)
+    assert upper in after.skins[0].joints
+
+
+def test_as_many_joints_go_as_it_takes(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    cli("merge-joints", SAMPLES / "biped.glb", "-o", out, "--max-joints", "10", "--tolerance", "1", code=0)
+    after = rigtri.read(out)
+    assert int(after.is_joint.sum()) == 10
+    assert "hips" in after.names
+
+
+def test_a_merge_that_nothing_can_be_known_of_is_refused() -> None:
+    with pytest.raises(GeometryError, match="no clips"):
+        rigtri.merge_joints(replace(rigtri.read(SAMPLES / "tpose.glb"), clips=()), still=True)
+
+
+def test_a_joint_with_a_mesh_below_is_not_merged() -> None:
+    rig = rigtri.add_polevector(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
+    with pytest.raises(GeometryError, match="cannot be merged"):
+        rigtri.merge_joints(rig, joints=("forearm_L",))
+
+
+def test_influences_by_hand() -> None:
+    joints = np.array([[0, 1, 2, 3, 4, 0, 0, 0], [5, 6, 0, 0, 0, 0, 0, 0]])
+    weights = np.array([[0.1, 0.4, 0.2, 0.25, 0.05, 0, 0, 0], [0.5, 0.25, 0, 0, 0, 0, 0, 0]])
+    less, shares = limited(joints, weights, WeightLimit(2))
+    assert less[0].tolist() == [1, 3, 0, 0]
+    assert np.allclose(shares[0], [0.4 / 0.65, 0.25 / 0.65, 0, 0])
+    assert shares[1].tolist() == [0.5, 0.25, 0, 0]
+    assert np.allclose(limited(joints, weights, WeightLimit(2, normalise=True))[1].sum(axis=1), 1.0)
+    whole = limited(joints, np.rint(weights * 255), WeightLimit(2), full=255)[1]
+    assert whole[0].sum() == np.rint(weights[0] * 255).sum()
+
+
+def test_weights_that_are_no_numbers_stay() -> None:
+    weights = np.array([[np.nan, 0.5, 0.3, 0.2, 0.1, 0, 0, 0]])
+    joints = np.arange(8)[np.newaxis]
+    _, kept = limited(joints, weights, WeightLimit(4))
+    assert np.array_equal(kept, weights, equal_nan=True)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_points_follow_so_many_joints(suffix: str, tmp_path: Path) -> None:
+    out = tmp_path / f"out{suffix}"
+    words = ("limit-weights", SAMPLES / f"biped{suffix}", "-o", out, "--max-influences", "1")
+    cli(*words, "--tolerance", "1", code=0)
+    for mesh in rigtri.read(out).meshes:
+        assert ((mesh.weights != 0).sum(axis=1) <= 1).all()
+
+
+@pytest.mark.parametrize("command", [("prune-joints", "--ends"), ("limit-weights", "--normalise")])
+@pytest.mark.parametrize("path", real_files())
+def test_real_files_look_as_before(command: tuple[str, ...], path: Path, tmp_path: Path) -> None:
+    out, again = tmp_path / f"o{path.suffix}", tmp_path / f"a{path.suffix}"
+    trust = ("--allow-external-paths",)
+    ran = cli(command[0], path, "-o", out, *command[1:], *trust)
+    if ran.exit_code in (3, 6):
+        pytest.skip(ran.stderr)
+    assert ran.exit_code == 0, ran.stderr
+    cli(command[0], out, "-o", again, *command[1:], *trust, code=0)
+    assert read(again, TRUST).rig.names == read(out, TRUST).rig.names
+    if path.suffix == ".glb":
+        assert glb_json(again)["nodes"] == glb_json(out)["nodes"]
