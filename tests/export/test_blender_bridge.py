@@ -31,8 +31,10 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
-# Of the size. At rest and with FK it is Blender's float32; its IK is iterative, and rarely off by more.
-STILL, FK, IK = 1e-5, 1e-5, 1e-3
+# Of the size: Blender's float32, and its bones, which store their axes as two points and an angle.
+STILL, FK, IK = 3e-5, 3e-5, 3e-5
+# What bake leaves between its samples.
+BAKED = 1e-3
 ONE = {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": [1.0, 1.0, 1.0]}
 
 
@@ -189,7 +191,7 @@ def test_a_flat_leg_follows_its_control_in_blender_as_in_rigtri(tmp_path: Path) 
     checked(found)
     fk, *ik = (apart(rig, found, k, pose, only_fk=not k) for k, pose in enumerate(poses))
     assert fk <= FK
-    assert max(ik) <= 2 * IK  # the leg is all of the size
+    assert max(ik) <= IK
 
 
 RULES = """
@@ -280,7 +282,7 @@ def test_one_edit_in_blender_comes_home_by_the_documented_commands(
             for joint in np.flatnonzero(rig.is_joint).tolist():
                 there = seen.world(out.find(rig.names[joint]))[:, 3, :3]
                 apart = np.abs(there - posed.world(joint)[:, 3, :3]).max()
-                assert apart <= IK * size, (name, clip.name, rig.names[joint], float(apart / size))
+                assert apart <= BAKED * size, (name, clip.name, rig.names[joint], float(apart / size))
 
 
 # What an animator gives keys to, and the IK ends whose IK is off; nothing else has keys.
@@ -330,7 +332,7 @@ def test_what_is_seen_in_blender_comes_home_whatever_has_keys(
             if line is not take:
                 x, y, z = TAKES[word].get("move", (0, 0, 0)) if clip == "new" else (0, 0, 0)
                 seen = {name: places - (x, z, -y) for name, places in arrays(told["seen"]).items()}
-                assert unlike(Path(out), clip, seen) <= IK * size, (word, line)
+                assert unlike(Path(out), clip, seen) <= BAKED * size, (word, line)
 
 
 def unlike(path: Path, name: str, seen: Shown) -> float:
@@ -531,14 +533,16 @@ def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> No
     assert "'head'" in report.warnings[0].text
 
 
+REAL = ["kaykit_Barbarian.glb", "gdquest_mannequiny-0.3.0.glb", "khronos_CesiumMan_Binary.glb"]
+REAL += ["raylib_robot.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda"]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", ["kaykit_Barbarian.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda"]
-)
-def test_bones_of_real_characters_follow_controls(name: str, tmp_path: Path) -> None:
-    """Straight limbs, bones scaled by their armature, centimetres and z up."""
-    path = next((path for path in asset_files() if path.name == name), None)
-    if path is None:
+@pytest.mark.parametrize("name", [*REAL, "tpose.glb"])
+def test_bones_of_characters_follow_controls(name: str, tmp_path: Path) -> None:
+    """Straight limbs, bones scaled by their armature, a limb bent away from its pole, centimetres, z up."""
+    path = next((path for path in (*asset_files(), SAMPLES / name) if path.name == name), SAMPLES)
+    if not path.is_file():
         pytest.skip(NO_ASSETS)
     rigged = tmp_path / name
     line = ["add-controls", str(path), "-o", str(rigged), "--whole-character", "-q"]
@@ -550,22 +554,33 @@ def test_bones_of_real_characters_follow_controls(name: str, tmp_path: Path) -> 
         for wanted in (("control", "ik"), ("control", "fk"))
     )
     size = float(np.linalg.norm(np.ptp(rig.world[np.flatnonzero(rig.is_joint), 3, :3], axis=0)))
-    move = (0.03 * size * np.array([1.0, 1.0, 0.5])).tolist()
-    poses = [
+
+    def moved(by: tuple[float, float, float], axis: str, degrees: float, *controls: str) -> dict[str, Any]:
+        place = (0.03 * size * np.array(by)).tolist()
+        return {name: ONE | {"translation": place, "rotation": turn(axis, degrees)} for name in controls}
+
+    (pole, *_) = rig.nodes_of("poleVector")
+    aside = (rig.translation[pole] + 0.1 * size * np.array([1.0, -0.5, 0.3])).tolist()
+    poses: list[dict[str, Any]] = [
         {control: ONE | {"rotation": turn("xyz"[k % 3], 12)} for k, control in enumerate(fk[::3])},
-        {control: ONE | {"translation": move, "rotation": turn("y", 20)} for control in ends[:2]},
+        {},
+        moved((1.0, 1.0, 0.5), "y", 20, *ends),
+        moved((-1.0, 0.5, 2.0), "x", -30, *ends) | {rig.names[pole]: ONE | {"translation": aside}},
+        moved((3.0, -6.0, 3.0), "z", 0, *ends),
     ]
     is_gltf = path.suffix in (".glb", ".vrm")
     script = tmp_path / "setup.py"
-    script.write_text(exported(rig, gltf=is_gltf, meters=meters, file=name).script, "utf-8")
+    made = exported(rig, gltf=is_gltf, meters=meters, file=name, report=(report := Report()))
+    script.write_text(made.script, "utf-8")
     (found,) = blender_setup(
         {"source": str(rigged), "script": str(script), "poses": poses, "only_fk": [0], "meters": meters},
         folder=tmp_path,
     )
-    checked(found)
+    if "pole-elsewhere" not in {notice.code for notice in report.warnings}:
+        checked(found)
     y_up = is_gltf or rig.rules.up[1] > 0
     off = [
         apart(rig, found, k, pose, only_fk=not k, y_up=y_up, meters=meters) for k, pose in enumerate(poses)
     ]
     assert off[0] <= FK
-    assert off[1] <= IK
+    assert max(off[1:]) <= IK, off

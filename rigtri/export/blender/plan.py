@@ -42,6 +42,7 @@ class Plan:
     bones: list[dict[str, Any]] = field(default_factory=list)
     constraints: list[dict[str, Any]] = field(default_factory=list)
     limbs: list[str] = field(default_factory=list)
+    triangles: list[dict[str, Any]] = field(default_factory=list)
     controls: list[dict[str, Any]] = field(default_factory=list)
     group: str = ""
     _words: dict[int, str] = field(default_factory=dict)
@@ -141,6 +142,7 @@ class Plan:
             "bones": self.bones,
             "constraints": self.constraints,
             "limbs": self.limbs,
+            "triangles": self.triangles,
             "controls": self.controls,
             "group": self.group,
         }

@@ -89,7 +89,7 @@ def planned(rig: Rig, report: Report) -> Plan:
     refuse_cycles(rig)
     plan = Plan(rig, solver.reference)
     poles = {limb.limb.control: pole_place(plan, limb.rule) for limb in solver.limbs if limb.rule is not None}
-    controls(plan, solver.limbs, poles)
+    controls(plan, solver.limbs, poles, report)
     solved = {joint for limb in solver.limbs for joint in limb.limb.chain}
     for each in twist_joints(rig):
         twist(plan, each)

@@ -40,7 +40,6 @@ NAME = "rigtri_name"
 GROUPS = {"root": "Root", "ik": "IK", "pole": "IK", "fk": "FK", "offset": "Offsets"}
 # How much turns of bones may differ from those of the file's joints, in the numbers of a matrix.
 SAME = 1e-2
-ITERATIONS = 500
 
 
 class SetupError(Exception):
@@ -608,12 +607,15 @@ class Setup:
         self.solver: Any = None
         if RIG["bones"]:
             self.solver = self.bones()
-            self.frames = self.solved()
         self.sockets = [self.empty(about) for about in RIG["sockets"]]
         for about, thing in zip(RIG["sockets"], self.sockets, strict=True):
             self.hang(about, thing)
+        for about in RIG["triangles"]:
+            self.triangle(about, self.target(about["target"]), self.target(about["pole"]))
         for about in RIG["constraints"]:
             self.constrain(about)
+        if self.solver:
+            self.settle()
 
     def added(self, name: str, data: Any = None) -> Any:
         thing = bpy.data.objects.new(PREFIX + name, data)
@@ -656,6 +658,7 @@ class Setup:
             for about in RIG["bones"]
         ]
         self.names = build_bones(solver, made)
+        self.frames = [solver.data.bones[name].matrix_local.copy() for name in self.names]
         return solver
 
     # -- the controls
@@ -721,39 +724,80 @@ class Setup:
         if about["kind"] != "offset":
             bone.matrix_basis = in_parent(bone).inverted() @ in_bone_axes(bone, thing.matrix_local)
 
-    def solved(self) -> list[Matrix]:
-        """Where the solver puts its bones while controls are zero: what hangs on them is told from there.
+    def settle(self) -> None:
+        """Let what hangs on the bones that solve IK stand in its place while controls are zero.
 
-        It leaves a straight limb bent by some thousandths, which would show in the rest pose.
+        Angles of a limb that is nearly straight are known to some ten-thousandths in float32, which would
+        show at rest. So what rides on them is told from where they are, once all else is set up, while limbs
+        bend as they do at rest.
         """
-        made = []
-        for about in RIG["constraints"]:
-            if about["type"] == "IK":
-                points = [self.added(word) for word in ("target", "pole")]
-                for point, word in zip(points, (about["target"], about["pole"]), strict=True):
-                    point.location = self.world(word).translation
-                constraint = self.solver.pose.bones[self.target(about["on"])[1]].constraints.new("IK")
-                self.solving(constraint, (points[0], ""), (points[1], ""))
-                made.append((about, constraint, points))
+        data = self.rig.animation_data_create()
+        playing = data.action, data.action_slot, data.use_nla
+        data.action, data.use_nla = None, False
+        bones = [self.rig.pose.bones[self.target(about["node"])[1]] for about in RIG["controls"]]
+        poses = [bone.matrix_basis.copy() for bone in bones]
+        switches = [(self.master, DRIVE), *((bone, SWITCH) for bone in bones if SWITCH in bone)]
+        values = [thing[name] for thing, name in switches]
+        for bone in bones:
+            bone.matrix_basis.identity()
+        self.switch(switches, [1.0] * len(values))
+        aims = [self.target(about["bones"][3])[1] for about in RIG["triangles"]]
+        bends = [self.solver.pose.bones[aim].constraints["Pole"] for aim in aims]
+        poles = [(bend.target, bend.subtarget) for bend in bends]
+        points = [self.added("pole") for _ in bends]
+        for bend, point, about in zip(bends, points, RIG["triangles"], strict=True):
+            point.location = from_file() @ Vector(about["rest"])
+            bend.target = point
         self.solver.hide_viewport = False
-        bpy.context.view_layer.update()
-        seen = self.solver.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        frames = [seen.pose.bones[name].matrix.copy() for name in self.names]
+        for _ in range(2):  # a limb may hang on another
+            bpy.context.view_layer.update()
+            seen = self.solver.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            self.frames = [seen.pose.bones[name].matrix.copy() for name in self.names]
+            for about, thing in zip(RIG["sockets"], self.sockets, strict=True):
+                if about["on"].startswith("b"):
+                    self.hang(about, thing)
         self.solver.hide_viewport = True
-        for about, constraint, points in made:
-            self.solver.pose.bones[self.target(about["on"])[1]].constraints.remove(constraint)
-            for point in points:
-                bpy.data.objects.remove(point)
-        return frames
+        for bend, (thing, bone), point in zip(bends, poles, points, strict=True):
+            bend.target, bend.subtarget = thing, bone
+            bpy.data.objects.remove(point)
+        self.switch(switches, values)
+        for bone, pose in zip(bones, poses, strict=True):
+            bone.matrix_basis = pose
+        data.use_nla = playing[2]
+        if playing[0] is not None:
+            data.action, data.action_slot = playing[:2]
 
-    @staticmethod
-    def solving(constraint: Any, target: tuple[Any, str], pole: tuple[Any, str]) -> None:
-        """IK of two bones. The upper one is built with its x axis to the side of the pole: the angle is 0."""
-        constraint.target, constraint.subtarget = target
-        constraint.pole_target, constraint.pole_subtarget = pole
-        constraint.pole_angle = 0.0
-        constraint.chain_count, constraint.iterations = 2, ITERATIONS
-        constraint.use_stretch = False
+    def switch(self, switches: list[tuple[Any, str]], values: list[float]) -> None:
+        for (thing, name), value in zip(switches, values, strict=True):
+            thing[name] = value
+        self.master.update_tag()
+        self.rig.update_tag()
+
+    def triangle(self, about: dict[str, Any], target: tuple[Any, str], pole: tuple[Any, str]) -> None:
+        """Let a limb's bones point at the target, bend to the pole, and reach as far as the target is.
+
+        a, c: lengths of the bones as the node above scales them; d: how far off the target is.
+        """
+        base, first, second, aim, upper, lower = (self.target(word)[1] for word in about["bones"])
+        bones = self.solver.pose.bones
+        track = bones[aim].constraints.new("DAMPED_TRACK")
+        track.name, track.target, track.subtarget = about["name"], *target
+        track.track_axis = "TRACK_Y"
+        bend = bones[aim].constraints.new("LOCKED_TRACK")
+        bend.name, bend.target, bend.subtarget = "Pole", *pole
+        bend.track_axis, bend.lock_axis = "TRACK_X", "LOCK_Y"
+        ends = {"a": (self.solver, first), "c": (self.solver, second), "d": target}
+        for bone, start, square in ((upper, "-", "a*a + d*d - c*c"), (lower, "pi - ", "a*a + c*c - d*d")):
+            bones[bone].rotation_mode = "XYZ"
+            path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].rotation_euler'
+            driver = self.solver.driver_add(path, 2).driver
+            for name, end in ends.items():
+                variable = driver.variables.new()
+                variable.name, variable.type = name, "LOC_DIFF"
+                for each, (thing, part) in zip(variable.targets, ((self.solver, base), end), strict=True):
+                    each.id, each.bone_target = thing, part
+            around = f"max(2 * a * {'d' if bone == upper else 'c'}, 1e-12)"
+            driver.expression = f"{start}acos(max(min(({square}) / {around}, 1), -1))"
 
     def target(self, word: str) -> tuple[Any, str]:
         """The object and bone that a word of the plan means."""
@@ -802,8 +846,6 @@ class Setup:
                 setattr(constraint, key, about[key])
         if about["type"] == "COPY_TRANSFORMS":
             constraint.mix_mode = "AFTER_FULL" if "space" in about else "REPLACE"
-        elif about["type"] == "IK":
-            self.solving(constraint, self.target(about["target"]), self.target(about["pole"]))
         elif about["type"] == "TRANSFORM":
             self.twisting(constraint, about["weight"])
         if about["on"][0] == "n":

@@ -4,7 +4,8 @@ JOBS is a list of objects. ``source`` is imported (with ``alone`` the script doe
 twice, each of ``poses`` gives controls their channels as the file has them (translation, rotation xyzw,
 scale; IK is off in those of ``only_fk``), and what the script has made is taken out. The .npz ``target`` gets
 ``points|WORD``, the vertices of all meshes in the world as imported, set up, set up again and removed;
-``joints|POSE``, world matrices of the bones, posed; ``names`` of the bones; ``counts`` of things after each;
+``joints|POSE``, world matrices of the bones, posed, and ``joints|rest``, while IK is off; ``names`` of the
+bones; ``counts`` of things after each;
 ``clip|NAME|SHARE|WORD``, the vertices of clips before the script, and after it while nothing drives.
 """
 
@@ -144,6 +145,7 @@ def work(job):
         found[f"points|{word}"] = vertices()
         counts.append(count())
     found["names"] = np.array([bone.name for bone in skeleton().pose.bones if is_joint(bone)])
+    switch(0.0)
     found["joints|rest"] = joints()
     for number, controls in enumerate(job.get("poses", ())):
         before = pose(controls, Path(job["source"]).suffix in (".glb", ".gltf", ".vrm"))
