@@ -27,7 +27,7 @@ from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, Pole
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
-from rigtri.operations.control_drawing import Drawing, draw, draw_anew
+from rigtri.operations.control_drawing import Drawing, draw, draw_anew, lines_of
 from rigtri.operations.control_frames import ControlAxes, stored_style
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
@@ -35,14 +35,16 @@ from rigtri.operations.options.add_controls import NAME as NAME
 from rigtri.operations.options.add_controls import TOKENS as TOKENS
 from rigtri.operations.options.add_controls import AddControlsOptions as AddControlsOptions
 from rigtri.operations.rigtri_nodes import (
-    add,
+    NewNodes,
     built_at_zero,
     call,
     find,
     group,
     home,
     remembered,
+    seen_from,
     stand,
+    stand_local,
     unposed,
     with_record,
 )
@@ -98,6 +100,8 @@ class _Builder:
         # Of earlier runs; what this run makes has neither keys nor been moved.
         self.moved = moved_controls(rig)
         self.axes = ControlAxes(self.tree, options, self.moved)
+        self.bones = {node: bone for bone, node in rig.humanoid.items()}
+        self.sides: dict[int, Side] = {}
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
@@ -120,17 +124,23 @@ class _Builder:
         options = self.options
         self.rig, holder = group(self.rig)
         self.above_controls = self.rig.with_ancestors([holder])
+        self.new = NewNodes(self.rig)
         if options.root_control or options.whole_character:
             self._root()
         joints = self._joints()
         self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
+        known = self.rig.records(ControlRecord).items()
+        self.fk = {one.joint: node for node, one in reversed(known) if one.kind == "fk"}
         for joint in joints:
-            self.controls[joint] = self._control(joint, "fk", {"joint": self.rig.address(joint)})
+            address = self.rig.address(joint)
+            self.controls[joint] = self._control(joint, "fk", self.fk.get(address), {"joint": address})
+        self._add()
         for limb in dict.fromkeys(self.limbs):
             chain = tuple(map(self.rig.address, limb.triple))
             self._ik(limb, {"joint": chain[-1], "chain": chain})
         self._poles()
         self._give_names()
+        _ = self.rig.world  # of all at once
         for control, kind, joint in self.made:
             self._record(control, kind, joint)
         return self.rig
@@ -171,25 +181,34 @@ class _Builder:
         front = forward(self.rig)
         drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
         if control is None:
-            self.rig, parent = group(self.rig)
-            control = self._new("root", top, parent, about, drawing)
+            _, parent = group(self.rig)
+            control = self._new("root", top, parent, about, drawing, (place, np.eye(3)))
+            self._add()
         else:
             self._again(control, "root", top, drawing)
-        self._stand(control, place, np.eye(3))
+            self._stand(control, place, np.eye(3))
         self.made.append((control, "root", top))
 
     def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:
         return find(self.rig, ControlRecord, kind=kind, **about)
 
-    def _control(self, joint: int, kind: ControlKind, about: Mapping[str, Any]) -> int:
+    def _control(
+        self, joint: int, kind: ControlKind, known: int | None, about: Mapping[str, Any]
+    ) -> int:
         """The control of a kind over a joint, found again or new, its offset at the joint."""
-        control = self._find(kind, about)
         parent, frame = self._parent(joint, kind), self.axes.frames.get((joint, kind))
         drawing = self._drawing(kind, joint, *self._size(joint, frame))
-        if control is None:
+        if known is None:
             control = self._new(kind, joint, parent, about, drawing)
         else:
-            self._again(control, kind, joint, drawing)
+            control = known
+            self._known(control, kind, joint, parent, drawing)
+        self.made.append((control, kind, joint))
+        return control
+
+    def _known(self, control: int, kind: ControlKind, joint: int, parent: int, drawing: Drawing) -> None:
+        """A control that is there already: its drawing as requested, its offset at the joint."""
+        self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
         if int(self.rig.parents[offset]) != parent:
             self._report_kept(control)
@@ -198,18 +217,24 @@ class _Builder:
         if record is not None:
             self.rig = with_record(self.rig, offset, record)
         self._stand(control, self.world[joint, 3, :3], axes)
-        self.made.append((control, kind, joint))
-        return control
+
+    def _add(self) -> None:
+        """Add what is new to the rig."""
+        self.rig = self.new.added(self.rig)
+        self.new = NewNodes(self.rig)
 
     def _stand(self, control: int, place: Floats, axes: Floats) -> None:
         """Stand the offset of a control in the world; what is below the control stays where it is."""
         before, offset = self.rig, int(self.rig.parents[control])
-        self.rig = stand(before, offset, place, axes)
-        if not np.array_equal(before.local[offset], self.rig.local[offset]):
+        above = self.new.unposed(int(before.parents[offset]))
+        local, noise = seen_from(above, place, axes)
+        self.rig = self.new.stood(stand_local(before, offset, local, noise=noise))
+        if self.rig is not before and not np.array_equal(before.local[offset], self.rig.local[offset]):
             for node in before.children[control]:
                 if node in before.own:
                     there = unposed(before, node)
                     self.rig = stand(self.rig, node, there[3, :3], orthonormal_axes(there))
+            self.new.stood(self.rig)
 
     def _ik(self, limb: Limb, about: Mapping[str, Any]) -> None:
         """The IK end of a limb, a control or a joint as an earlier run has made it, or as is wanted."""
@@ -219,7 +244,8 @@ class _Builder:
         if kind == "joint" if known is None else is_joint_kind(self.rig, known, kind):
             self._ik_joint(limb, known, about)
         else:
-            self._control(limb.end, "ik", about)
+            self._control(limb.end, "ik", known, about)
+            self._add()
         self._limits(about)
 
     def _limits(self, about: Mapping[str, Any]) -> None:
@@ -249,14 +275,25 @@ class _Builder:
         return rule.format(joint=name, side=self._side(joint), kind=_WORDS[kind])
 
     def _new(
-        self, kind: ControlKind, joint: int, parent: int, about: Mapping[str, Any], drawing: Drawing
+        self,
+        kind: ControlKind,
+        joint: int,
+        parent: int,
+        about: Mapping[str, Any],
+        drawing: Drawing,
+        at: tuple[Floats, Floats] | None = None,
     ) -> int:
-        name = self._name(joint, kind)
-        record = ControlRecord(kind=kind, **about, side=self._side(joint))
-        offset_record = OffsetRecord(kind=kind, joint=record.joint)
-        self.rig, offset = add(self.rig, f"{name}_offset", parent, offset_record)
-        self.rig, control = add(self.rig, name, offset, record)
-        self.rig = draw(self.rig, control, drawing)
+        """A control and its offset, which `_add` adds. at: its place and axes, (3, 3); else of its joint."""
+        name, new = self._name(joint, kind), self.new
+        record, lines = lines_of(ControlRecord(kind=kind, **about, side=self._side(joint)), drawing)
+        stored = OffsetRecord(kind=kind, joint=record.joint)
+        if at is None:
+            axes, found = self.axes.of_offset(-1, joint, kind, stored)
+            at, stored = (self.world[joint, 3, :3], axes), found or stored
+        local, noise = seen_from(new.unposed(parent), *at)
+        offset = new.add(f"{name}_offset", parent, stored, local, noise)
+        control = new.add(name, offset, record, None)
+        new.shapes[control] = lines
         return control
 
     def _again(
@@ -295,7 +332,7 @@ class _Builder:
         above = self.tree.above.get(joint, -1) if kind == "fk" else -1
         while above >= 0:
             found = self.controls.get(above)
-            found = found if found is not None else self._find("fk", {"joint": self.rig.address(above)})
+            found = found if found is not None else self.fk.get(self.rig.address(above))
             if found is not None:
                 return found
             above = self.tree.above[above]
@@ -325,14 +362,15 @@ class _Builder:
 
     def _side(self, joint: int) -> Side:
         """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""
-        bones = {node: bone for bone, node in self.rig.humanoid.items()}
-        node = joint
-        while node >= 0:
-            found = side(bones.get(node, "")) or side(self.rig.names[node])
-            if found:
-                return found
+        path, node = list[int](), joint
+        while node >= 0 and node not in self.sides:
+            path.append(node)
             node = self.tree.above.get(node, -1)
-        return ""
+        found: Side = self.sides.get(node, "")
+        for node in reversed(path):
+            found = side(self.bones.get(node, "")) or side(self.tree.rig.names[node]) or found
+            self.sides[node] = found
+        return found
 
     def _poles(self) -> None:
         """A pole vector for every IK limb, drawn where it is new."""

@@ -7,14 +7,16 @@ a user's.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import TypeVar, cast
 
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.control_shapes import Kind, drawn
+from rigtri.model.control_shapes import Kind, Shape, drawn
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.report import Report
+
+D = TypeVar("D", ControlRecord, PoleVectorRecord)
 
 # Sizes that differ by less, as a share, are one: what float32 leaves of a bone's length.
 _SAME_SIZE = 1e-5
@@ -33,12 +35,17 @@ class Drawing:
 
 def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:
     """Draw at a control or pole vector, and store what."""
+    record, lines = lines_of(_record(rig, node), drawing)
+    pending = replace(rig.pending, shapes={**rig.pending.shapes, node: lines})
+    return replace(with_record(rig, node, record), pending=pending)
+
+
+def lines_of(record: D, drawing: Drawing) -> tuple[D, Shape]:
+    """The lines of a drawing, and the record with what they are."""
     color = (float(drawing.color[0]), float(drawing.color[1]), float(drawing.color[2]))
     size = float(drawing.size)
     lines = drawn(drawing.shape, size=size, normal=drawing.normal, color=color, ahead=drawing.ahead)
-    record = replace(_record(rig, node), shape=drawing.shape, size=size, color=color)
-    pending = replace(rig.pending, shapes={**rig.pending.shapes, node: lines})
-    return replace(with_record(rig, node, record), pending=pending)
+    return replace(record, shape=drawing.shape, size=size, color=color), lines
 
 
 def _record(rig: Rig, node: int) -> ControlRecord | PoleVectorRecord:

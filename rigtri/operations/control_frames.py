@@ -79,11 +79,15 @@ class ControlAxes:
 
     def of_joint(self, joint: int) -> Floats:
         """The axes of a joint in the world, (3, 3). Raises GeometryError where it has none."""
-        axes = nearest_rotation(self._world[joint])
+        axes = self._nearest[joint]
         if not np.isfinite(axes).all():
             title = self._tree.rig.title(joint)
             raise GeometryError(f"'{title}' has no frame: a scale on or above it is zero")
         return axes
+
+    @cached_property
+    def _nearest(self) -> Floats:
+        return nearest_rotation(self._world)
 
     def of_offset(
         self, control: int, joint: int, kind: ControlKind, record: OffsetRecord | None

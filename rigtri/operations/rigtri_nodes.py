@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,10 +13,11 @@ import numpy as np
 from rigtri.errors import UsageError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.zero_pose import ControlsAtZero, moved_controls, world_at_zero
-from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes
+from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.control_shapes import Shape
 from rigtri.model.metadata import ControlRecord, GroupRecord, Record, with_references
 from rigtri.model.rig import Rig
 from rigtri.report import Report
@@ -85,8 +86,12 @@ def free_name(rig: Rig, base: str, own: int | None, *, dots: bool = False) -> st
 
     USD prims allow nothing else, and three.js alters other names.
     """
-    name = plain_name(base, dots=dots)
     taken = {known for node, known in enumerate(rig.names) if node != own}
+    return free_of(taken, plain_name(base, dots=dots))
+
+
+def free_of(taken: Collection[str], name: str) -> str:
+    """A name, with a number where it is taken."""
     free, count = name, 2
     while free in taken:
         free, count = f"{name}_{count}", count + 1
@@ -124,11 +129,15 @@ def stand(rig: Rig, node: int, position: Floats, axes: Floats) -> Rig:
 
     What an animator has set on controls above it carries it along: it stands there while they are zero.
     """
-    above = unposed(rig, int(rig.parents[node]))
+    place, noise = seen_from(unposed(rig, int(rig.parents[node])), position, axes)
+    return stand_local(rig, node, place, noise=noise)
+
+
+def seen_from(above: Floats, position: Floats, axes: Floats) -> tuple[Floats, float]:
+    """A place in the world as seen from a matrix, (4, 4), and what rounding leaves uncertain about it."""
     place = multiply(from_frame(axes, position), inverse(above))
     # A place near its parent's keeps the rounding of both in the world.
-    largest = max(float(length(position)), float(length(above[3, :3])))
-    return stand_local(rig, node, place, noise=_SAME_PLACE * largest)
+    return place, _SAME_PLACE * max(float(length(position)), float(length(above[3, :3])))
 
 
 def unposed(rig: Rig, node: int) -> Floats:
@@ -136,16 +145,24 @@ def unposed(rig: Rig, node: int) -> Floats:
     return world_at_zero(rig, node, set(rig.nodes_of("control")))
 
 
-def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
-    """Give a node a local matrix without shear, (4, 4); bits that only ``noise`` would change stay."""
-    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+def settled(was: tuple[Floats, Floats], place: Floats, noise: float = 0.0) -> tuple[Floats, Floats]:
+    """Translation and rotation of a local matrix without shear, (4, 4), but for bits of ``noise`` alone."""
+    translation, rotation = was
     new = from_axes(orthonormal_axes(place))
     least = max(_SAME_PLACE * float(length(place[3, :3])), noise, 1e-30)
-    if length(place[3, :3] - translation[node]) > least:
-        translation[node] = place[3, :3]
     # q and −q are one rotation; of a half turn, rounding picks either.
-    if min(np.abs(new - rotation[node]).max(), np.abs(new + rotation[node]).max()) > _SAME_PLACE:
-        rotation[node] = new
+    turned = min(np.abs(new - rotation).max(), np.abs(new + rotation).max()) > _SAME_PLACE
+    return place[3, :3] if length(place[3, :3] - translation) > least else translation, (
+        new if turned else rotation
+    )
+
+
+def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Rig:
+    """Give a node a local matrix, see `settled`."""
+    was = rig.translation[node], rig.rotation[node]
+    now = settled(was, place, noise)
+    translation, rotation = rig.translation.copy(), rig.rotation.copy()
+    translation[node], rotation[node] = now
     if rig.has_matrix[node]:
         matrix = rig.matrix.copy()
         # A matrix keeps its own scale, as translation and rotation beside a scale do.
@@ -155,7 +172,70 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
         if np.abs(moved - matrix[node]).max() > 4.0 * _SAME_PLACE * max(1.0, float(np.abs(moved).max())):
             matrix[node] = moved
         return replace(rig, matrix=matrix)
+    if all(np.array_equal(a, b) for a, b in zip(was, now, strict=True)):
+        return rig
     return replace(rig, translation=translation, rotation=rotation)
+
+
+class NewNodes:
+    """Nodes that are added to a rig at once, parents first: one by one would cost their number squared.
+
+    zero: where nodes of both stand while controls are zero, (4, 4), once asked for.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig, self.first, self.taken = rig, len(rig), set(rig.names)
+        self.names: list[str] = []
+        self.parents: list[int] = []
+        self.parts: list[tuple[Floats, Floats]] = []
+        self.records: dict[int, Record] = {}
+        self.shapes: dict[int, Shape] = {}
+        self.zero: dict[int, Floats] = {-1: np.eye(4)}
+        self._controls = set(rig.nodes_of("control"))
+
+    def add(self, name: str, parent: int, record: Record, place: Floats | None, noise: float = 0.0) -> int:
+        """A new node, and its index. place: its local matrix, (4, 4); None: its parent's own."""
+        node = self.first + len(self.names)
+        self.names.append(free_of(self.taken, plain_name(name)))
+        self.taken.add(self.names[-1])
+        self.parents.append(parent)
+        self.parts.append((np.zeros(3), IDENTITY))
+        self.records[node] = record
+        above = self.unposed(parent)
+        if place is not None:
+            self.parts[-1] = settled(self.parts[-1], place, noise)
+            above = multiply(compose(*self.parts[-1], np.ones(3)), above)
+        self.zero[node] = above
+        return node
+
+    def unposed(self, node: int) -> Floats:
+        """The world matrix, (4, 4), that a node (−1: none) has while all controls are zero."""
+        path = []
+        while node not in self.zero:
+            path.append(node)
+            node = int(self.rig.parents[node])
+        world = self.zero[node]
+        for node in reversed(path):
+            world = world if node in self._controls else multiply(self.rig.local[node], world)
+            self.zero[node] = world
+        return world
+
+    def stood(self, rig: Rig) -> Rig:
+        """The same rig, with nodes elsewhere than before."""
+        if rig is not self.rig:
+            self.rig = rig
+            self.zero = {node: at for node, at in self.zero.items() if node < 0 or node >= self.first}
+        return rig
+
+    def added(self, rig: Rig) -> Rig:
+        """The rig, as it is now, with the nodes."""
+        if not self.names:
+            return rig
+        translation, rotation = (np.array(rows) for rows in zip(*self.parts, strict=True))
+        rig = rig.with_nodes(self.names, self.parents, translation, rotation)
+        pending = replace(rig.pending, shapes={**rig.pending.shapes, **self.shapes})
+        stored = {node: record.to_dict() for node, record in self.records.items()}
+        return replace(rig, metadata={**rig.metadata, **stored}, pending=pending)
 
 
 def refuse_taken(rig: Rig, name: str, own: int | None = None) -> None:
@@ -188,18 +268,23 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
             offsets[above] = f"{name}_offset"
         every[node] = name
     rig = replace(rig, names=tuple(every))
+    used = Counter(every)
     for offset, name in offsets.items():
-        every[offset] = free_name(rig, name, offset)
-        rig = replace(rig, names=tuple(every))
+        used[every[offset]] -= 1
+        if not used[every[offset]]:
+            del used[every[offset]]
+        every[offset] = free_of(used, plain_name(name))
+        used[every[offset]] += 1
+    rig = replace(rig, names=tuple(every))
     rig = _addressed(before, rig, [*names, *offsets])
     return remembered(rig, names)
 
 
 def remembered(rig: Rig, nodes: Iterable[int]) -> Rig:
     """The rig with what controls are called in their records, so that another name is known as a user's."""
-    for node in nodes:
-        rig = with_record(rig, node, replace(rig.records(ControlRecord)[node], named=rig.names[node]))
-    return rig
+    records = rig.records(ControlRecord)
+    named = {node: replace(records[node], named=rig.names[node]).to_dict() for node in nodes}
+    return replace(rig, metadata={**rig.metadata, **named}) if named else rig
 
 
 def _may_change(rig: Rig, node: int, name: str, report: Report) -> bool:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import morph_weights
 from rigtri.evaluation.skinning import deformed
-from rigtri.maths.arrays import Booleans, Integers
+from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.mesh import Mesh
@@ -21,28 +21,18 @@ from rigtri.model.rig import Rig
 _OWN = 0.1
 
 
-@dataclass(frozen=True, eq=False)
-class _Skinned:
-    """A mesh at rest: its points in the world, (v, 3), and its edges, (e, 2)."""
-
-    mesh: Mesh
-    points: Floats
-    edges: Integers
-
-
 class SkinSections:
     """The meshes of a rig at rest, which planes through joints cut."""
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
-        world = rig.normalised_world[np.newaxis]
-        still = np.zeros(1)
-        rest = [deformed(mesh, rig, world, morph_weights(mesh, None, still))[0] for mesh in rig.meshes]
-        self.meshes = [
-            _Skinned(mesh, points, _edges(mesh))
-            for mesh, points in zip(rig.meshes, rest, strict=True)
-            if np.isfinite(points).all()
-        ]
+        self._by_skin: dict[int, list[_Skinned]] = {}
+        self._by_node: dict[int, list[_Skinned]] = {}
+        for mesh in rig.meshes:
+            rigid = mesh.skin is None or not mesh.joints.shape[1]
+            found = self._by_node if rigid else self._by_skin
+            key = mesh.node if rigid or mesh.skin is None else mesh.skin
+            found.setdefault(key, []).append(_Skinned(rig, mesh))
 
     def radius(self, joint: int, place: Floats, normal: Floats) -> float:
         """How far from a place, (3,), skin reaches in the plane square to ``normal``, (3,) unit.
@@ -52,31 +42,99 @@ class SkinSections:
         """
         cut = whole = 0.0
         for skinned, own in self._of(joint):
-            away = skinned.points - place
-            height = dot(away, normal)
-            flat = away - height[:, np.newaxis] * normal
-            whole = max(whole, float(length(flat[own]).max(initial=0.0)))
-            one, other = skinned.edges[own[skinned.edges].any(axis=1)].T
-            a, b = height[one], height[other]
+            flat, _ = _seen(skinned.points[own], place, normal)
+            whole = max(whole, float(length(flat).max(initial=0.0)))
+            flat, height = _seen(skinned.points[skinned.edges_of(own)], place, normal)
+            a, b = height.T
             crosses = ((a <= 0) & (b > 0)) | ((b <= 0) & (a > 0))
-            one, other, a, b = one[crosses], other[crosses], a[crosses], b[crosses]
+            flat, a, b = flat[crosses], a[crosses], b[crosses]
             share = (a / (a - b))[:, np.newaxis]
-            cut = max(cut, float(length(flat[one] + share * (flat[other] - flat[one])).max(initial=0.0)))
+            cut = max(cut, float(length(flat[:, 0] + share * (flat[:, 1] - flat[:, 0])).max(initial=0.0)))
         return cut or whole
 
-    def _of(self, joint: int) -> Iterator[tuple[_Skinned, Booleans]]:
+    def _of(self, joint: int) -> Iterator[tuple[_Skinned, Integers]]:
         """The meshes that have skin of a joint or of its neighbours, and which vertices of each, (v,)."""
         joints = [joint, int(self.rig.parents[joint]), *self.rig.children[joint]]
-        for skinned in self.meshes:
-            mesh = skinned.mesh
-            if mesh.skin is None or not mesh.joints.shape[1]:
-                beside = mesh.node in joints or int(self.rig.parents[mesh.node]) == joint
-                own = np.full(len(skinned.points), beside)
-            else:
-                rows = np.flatnonzero(np.isin(self.rig.skins[mesh.skin].joints, joints))
-                own = np.any(np.isin(mesh.joints, rows) & (mesh.weights >= _OWN), axis=1)
-            if own.any():
-                yield skinned, own
+        for skinned in (mesh for node in joints for mesh in self._by_node.get(node, ())):
+            if skinned.usable:
+                yield skinned, np.arange(len(skinned.points))
+        for skin, meshes in self._by_skin.items():
+            rows = [row for k in joints for row in self._rows[skin].get(k, ())]
+            for skinned in meshes if rows else ():
+                own = skinned.vertices_of(rows)
+                if len(own) and skinned.usable:
+                    yield skinned, own
+
+    @cached_property
+    def _rows(self) -> dict[int, dict[int, list[int]]]:
+        """For each skin that meshes have, the rows of its joints."""
+        found: dict[int, dict[int, list[int]]] = {}
+        for skin in self._by_skin:
+            rows = found.setdefault(skin, {})
+            for row, joint in enumerate(self.rig.skins[skin].joints.tolist()):
+                rows.setdefault(joint, []).append(row)
+        return found
+
+
+class _Skinned:
+    """A mesh at rest, skinned when it is needed."""
+
+    def __init__(self, rig: Rig, mesh: Mesh) -> None:
+        self.rig, self.mesh = rig, mesh
+
+    @cached_property
+    def points(self) -> Floats:
+        """Its points in the world, (v, 3)."""
+        weights = morph_weights(self.mesh, None, np.zeros(1))
+        return deformed(self.mesh, self.rig, self.rig.normalised_world[np.newaxis], weights)[0]
+
+    @cached_property
+    def usable(self) -> bool:
+        return bool(np.isfinite(self.points).all())
+
+    def vertices_of(self, rows: list[int]) -> Integers:
+        """The vertices, (v,), that rows of the skin's joints move."""
+        return np.unique(self._own.of(np.array(rows)))
+
+    def edges_of(self, vertices: Integers) -> Integers:
+        """The edges, (e, 2), that vertices are at, some twice."""
+        return self._edges[self._at.of(vertices)]
+
+    @cached_property
+    def _own(self) -> _Groups:
+        vertices, columns = np.nonzero(self.mesh.weights >= _OWN)
+        return _Groups(self.mesh.joints[vertices, columns], vertices)
+
+    @cached_property
+    def _edges(self) -> Integers:
+        return _edges(self.mesh)
+
+    @cached_property
+    def _at(self) -> _Groups:
+        numbers = np.arange(len(self._edges))
+        return _Groups(self._edges.T.ravel(), np.concatenate([numbers, numbers]))
+
+
+class _Groups:
+    """Numbers by a key each, (n,), so that those of a few keys are found without a look at all of them."""
+
+    def __init__(self, keys: Integers, values: Integers) -> None:
+        order = np.argsort(keys, kind="stable")
+        self._keys, self._values = keys[order], values[order]
+
+    def of(self, keys: Integers) -> Integers:
+        """The numbers of keys, (k,), one after another, (m,)."""
+        first = np.searchsorted(self._keys, keys, side="left")
+        count = np.searchsorted(self._keys, keys, side="right") - first
+        before = np.cumsum(count) - count
+        return self._values[np.arange(int(count.sum())) + np.repeat(first - before, count)]
+
+
+def _seen(points: Floats, place: Floats, normal: Floats) -> tuple[Floats, Floats]:
+    """Points, (..., 3), from a place: in the plane square to a normal, and how far beside it, (...)."""
+    away = points - place
+    height = dot(away, normal)
+    return away - height[..., np.newaxis] * normal, height
 
 
 def _edges(mesh: Mesh) -> Integers:
