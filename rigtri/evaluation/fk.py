@@ -80,7 +80,7 @@ class Fk:
         """The joint's local parts while all controls are zero, one row."""
         rig, joint = self.rig, self.joint
         local = self.reference.local[joint]
-        if not rig.has_matrix[joint] and np.array_equal(local, rig.local[joint]):
+        if not rig.has_matrix[joint] and np.array_equal(local, rig.normalised_local[joint]):
             row = slice(joint, joint + 1)
             return Parts(rig.translation[row], unit(rig.rotation[row]), rig.scale[row])
         return to_parts(local[np.newaxis])

@@ -37,7 +37,7 @@ class PoseCache:
         """The local matrices of a node, (1 or f, 4, 4)."""
         if node in self.parts:
             return compose(*self.parts[node])
-        rest: Floats = self.rig.local[node][np.newaxis]
+        rest: Floats = self.rig.normalised_local[node][np.newaxis]
         return rest
 
     def part(self, node: int) -> Parts:
@@ -46,7 +46,7 @@ class PoseCache:
             return self.parts[node]
         rig = self.rig
         if rig.has_matrix[node]:
-            return to_parts(rig.local[node][np.newaxis])
+            return to_parts(rig.normalised_local[node][np.newaxis])
         rows = slice(node, node + 1)
         return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
 

@@ -130,7 +130,7 @@ class Solver:
 
     @cached_property
     def overruled(self) -> frozenset[int]:
-        """The joints whose rules do nothing, for IK moves their limbs, which a rule of one joint would tear."""
+        """The joints whose rules do nothing: IK moves their limbs, which a rule of one joint would tear."""
         return frozenset(node for limb in self.limbs for node in limb.sets if node in self.rules)
 
     def _riders(self, joint: int) -> tuple[Fk, ...]:

@@ -105,16 +105,16 @@ class ControlsAtZero:
             elif node in moved:
                 world[node] = moved[node]
             else:
-                world[node] = multiply(rig.local[node], parent)
+                world[node] = multiply(rig.normalised_local[node], parent)
         return world
 
     def _posed(self, controls: set[int]) -> dict[int, Floats]:
         """Where joints stand by their offsets that do not stand there by themselves."""
         rig, found = self.rig, {}
-        size = float(np.abs(rig.world[:, 3, :3]).max(initial=0.0)) or 1.0
+        size = float(np.abs(rig.normalised_world[:, 3, :3]).max(initial=0.0)) or 1.0
         for joint, own in self.fk.items():
             there = world_at_zero(rig, own.offset, controls)
-            here = rig.world[joint]
+            here = rig.normalised_world[joint]
             axes = nearest_rotation(here)
             turned = orthonormal_axes(there)
             if own.axes is not None:
@@ -131,10 +131,10 @@ class ControlsAtZero:
         rig = self.rig
         parents = np.where((rig.parents >= 0)[:, np.newaxis, np.newaxis], self.world[rig.parents], _WORLD)
         local = multiply(self.world, inverse(parents))
-        kept = np.abs(local - rig.local).max(axis=(1, 2)) <= 1e-9 * np.maximum(
-            1.0, np.abs(rig.local).max(axis=(1, 2))
+        kept = np.abs(local - rig.normalised_local).max(axis=(1, 2)) <= 1e-9 * np.maximum(
+            1.0, np.abs(rig.normalised_local).max(axis=(1, 2))
         )
-        return np.where(kept[:, np.newaxis, np.newaxis], rig.local, local)
+        return np.where(kept[:, np.newaxis, np.newaxis], rig.normalised_local, local)
 
     def world_rotation(self, node: int) -> Floats:
         """How a node is turned in the world while controls are zero, (4,), without scale; −1: not at all."""
@@ -154,7 +154,7 @@ def world_at_zero(rig: Rig, node: int, controls: set[int]) -> Floats:
     world = _WORLD
     while node >= 0:
         if node not in controls:
-            world = multiply(world, rig.local[node])
+            world = multiply(world, rig.normalised_local[node])
         node = int(rig.parents[node])
     return world
 
