@@ -39,7 +39,7 @@ def solver_warnings(solver: Solver, posed: PoseCache, at: Moment) -> Iterator[No
         yield from _limb(ik, posed, at)
     for node in sorted(solver.overruled):
         text = f"'{solver.rig.title(node)}' does not follow its constraints in {at(0)}, where IK moves its "
-        text += "limb: constrain its IK control instead, or take the keys of that away with rigtri snap --to fk"
+        text += "limb: constrain its IK control instead, or take its keys away with rigtri snap --to fk"
         yield Notice("constraint-overruled", text, solver.rig.title(node), geometry=True)
     scaled = {node for step in solver.steps for node in _scaled(step)}
     scaled |= {fk.own.control for ik in solver.limbs for fk in ik.fk.values()}

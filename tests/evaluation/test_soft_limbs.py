@@ -34,7 +34,7 @@ def legged(knee: tuple[float, float] | None, soft: float = 0.0, stretch: bool = 
     """The sample's biped with controls; its left knee off the line from hip to foot by shares of the leg."""
     rig = read(SAMPLES / "biped.glb").rig
     a, b, c = (rig.find(name) for name in ("thigh_L", "shin_L", "foot_L"))
-    hip, at, foot = (rig.world[node, 3, :3] for node in (a, b, c))
+    hip, at, foot = (rig.normalised_world[node, 3, :3] for node in (a, b, c))
     line = (foot - hip) / np.linalg.norm(foot - hip)
     bend = at - hip - (at - hip) @ line * line
     bend /= np.linalg.norm(bend)
@@ -42,17 +42,17 @@ def legged(knee: tuple[float, float] | None, soft: float = 0.0, stretch: bool = 
         leg = float(np.linalg.norm(foot - hip))
         wanted = hip + (at - hip) @ line * line + leg * (knee[0] * bend + knee[1] * np.cross(line, bend))
         translation = rig.translation.copy()
-        above = np.linalg.inv(rig.world[a, :3, :3])
+        above = np.linalg.inv(rig.normalised_world[a, :3, :3])
         translation[b] = (wanted - hip) @ above
-        local = np.linalg.inv(rig.world[b, :3, :3])
+        local = np.linalg.inv(rig.normalised_world[b, :3, :3])
         translation[c] = (foot - wanted) @ local
         rig = replace(rig, translation=translation)
     rig = add_controls(rig, options=AddControlsOptions(whole_character=True, soft=soft, stretch=stretch))
     if knee is not None:
         # The pole in front, where the well bent leg has it.
         limb = leg_of(rig).limb
-        place = rig.world[b, 3, :3] + bend * leg
-        world = rig.world[int(rig.parents[limb.pole])]
+        place = rig.normalised_world[b, 3, :3] + bend * leg
+        world = rig.normalised_world[int(rig.parents[limb.pole])]
         translation = rig.translation.copy()
         translation[limb.pole] = (np.append(place, 1.0) @ np.linalg.inv(world))[:3]
         rig = replace(rig, translation=translation)
@@ -73,20 +73,20 @@ def reached(rig: Rig, distances: Floats, seed: int = 3) -> tuple[Floats, Floats,
     """
     ik = leg_of(rig)
     a, b, c = ik.limb.chain
-    hip, knee, foot = (rig.world[node, 3, :3] for node in (a, b, c))
+    hip, knee, foot = (rig.normalised_world[node, 3, :3] for node in (a, b, c))
     leg = np.linalg.norm(knee - hip) + np.linalg.norm(foot - knee)
     spread = np.random.default_rng(seed).normal(size=(len(distances), 3))
     away = (foot - hip) / np.linalg.norm(foot - hip) + 0.6 * spread / np.linalg.norm(spread, axis=1)[:, None]
     away /= np.linalg.norm(away, axis=1)[:, None]
     target = hip + away * (distances * leg)[:, None]
     control = ik.limb.control
-    local = np.c_[target, np.ones(len(target))] @ np.linalg.inv(rig.world[int(rig.parents[control])])
+    local = np.c_[target, np.ones(len(target))] @ np.linalg.inv(rig.normalised_world[int(rig.parents[control])])
     still = rig.local[control]
     assert np.allclose(still, np.eye(4))
     parts = Parts(local[:, :3], np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
     posed = Solver(rig, {control}).run({control: parts})
     hip, knee, foot = (np.broadcast_to(posed.world(node)[:, 3, :3], target.shape) for node in (a, b, c))
-    pole = rig.world[ik.limb.pole, 3, :3] - hip
+    pole = rig.normalised_world[ik.limb.pole, 3, :3] - hip
     across = pole - (pole * away).sum(axis=1)[:, None] * away
     bend = (knee - hip) - ((knee - hip) * away).sum(axis=1)[:, None] * away
     side = (across * bend).sum(axis=1) / np.linalg.norm(across, axis=1)
@@ -102,7 +102,7 @@ def documented(distances: Floats, soft: float, bones: tuple[float, float]) -> Fl
 
 
 def bones(rig: Rig) -> tuple[float, float]:
-    a, b, c = (rig.world[node, 3, :3] for node in leg_of(rig).limb.chain)
+    a, b, c = (rig.normalised_world[node, 3, :3] for node in leg_of(rig).limb.chain)
     return float(np.linalg.norm(b - a)), float(np.linalg.norm(c - b))
 
 
@@ -141,7 +141,7 @@ def test_a_limb_whose_controls_have_keys_where_they_are_at_rest_stays_as_it_is(k
     ik = leg_of(rig)
     posed = Solver(rig, {ik.limb.control}).run({})
     for node in ik.limb.chain:
-        np.testing.assert_allclose(posed.world(node)[0], rig.world[node], atol=1e-7)
+        np.testing.assert_allclose(posed.world(node)[0], rig.normalised_world[node], atol=1e-7)
 
 
 @pytest.mark.parametrize("stretch", [slow(False), True])
@@ -161,7 +161,7 @@ def test_joints_to_controls_to_joints_gives_the_motion_back_whatever_the_softnes
             sampling.worlds(one, sampling.locals_at(one, one.clip(name), times))[:, joints, 3, :3]
             for one in (rig, home)
         )
-        size = np.linalg.norm(np.ptp(rig.world[joints, 3, :3], axis=0))
+        size = np.linalg.norm(np.ptp(rig.normalised_world[joints, 3, :3], axis=0))
         assert np.linalg.norm(before - after, axis=-1).max() / size < 1e-5
 
 
