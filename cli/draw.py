@@ -97,7 +97,7 @@ def command(source: str, output: str, **values: Any) -> None:
 
     The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
     Joints none of whose axes lies along their bone are orange. A limb is a yellow triangle with the
-    projection of its middle joint; the arrow from there is its bend direction. --json also prints
+    projection of its middle joint; the purple arrow from there is its bend direction. --json also prints
     what is drawn: lines, arrows and triangles in space.
 
     \b

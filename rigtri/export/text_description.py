@@ -34,6 +34,16 @@ SAME_SCALE = 1e-4
 ZERO_LENGTH = 1e-6
 _DEGREES = 180.0 / np.pi
 _LETTERS = "xyz"
+# What rigtri has added, in the words of riggers; other types are their own.
+_KINDS = {
+    "offset": "offset group",
+    "poleVector": "pole vector",
+    "frame": "axes of a split joint",
+    "twist": "twist joint",
+    "poseReader": "pose reader",
+    "poseWeight": "weight of a pose reader",
+    "group": "group of what rigtri has added",
+}
 # Deeper nodes show how deep they are instead of being indented: else a chain of n joints has n² dots. On a
 # terminal the dots take no more than this share of it.
 _DEEPEST, _DOTTED = 60, 1 / 4
@@ -206,7 +216,9 @@ def _flags(seen: _Seen, node: int) -> Iterator[str]:
     for bone, holder in rig.humanoid.items():
         if holder == node:
             yield f"vrm:{bone}"
-    if rig.attachment[node] >= 0:
+    if kind := rig.type_of(node):
+        yield _KINDS.get(kind, plain(kind, one_line=True))
+    elif rig.attachment[node] >= 0:
         yield "carries a mesh, camera or light"
     scale = seen.scale[node]
     if not np.allclose(scale, 1.0, rtol=0, atol=SAME_SCALE):

@@ -25,6 +25,7 @@ from rigtri.export.drawing.labels import labels, width
 from rigtri.export.drawing.picture import DrawOptions, draw, seen
 from rigtri.export.drawing.primitives import Mark, as_json
 from rigtri.export.drawing.silhouette import outline
+from rigtri.export.drawing.style import LEGEND, variables
 from rigtri.formats import read
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.trigonometry import Floats
@@ -399,3 +400,15 @@ def test_the_words_over_a_picture_end_where_it_ends(wide: int) -> None:
         assert text
         assert 16 + width(text, font) <= wide, text
     assert ("font-size: " in "".join(svg.split("</style>")[1:])) == (wide < 1000)
+
+
+def test_the_legend_has_the_colours_that_a_picture_has_and_the_page_has_the_same() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    words = {name: text for name, text in LEGEND.items() if text in rigtri.draw(rig)}
+    assert set(words) == {"x", "y", "z", "limb", "pole", "crooked"}
+    tail = rigtri.draw(rigtri.orient_joints(rigtri.read(SAMPLES / "tail.glb")))
+    assert LEGEND["limb"] not in tail
+    assert LEGEND["crooked"] not in tail
+    page = rigtri.view(SAMPLES / "biped.glb")
+    assert all(f'<li class="mark-{name}">{text}</li>' in page for name, text in LEGEND.items())
+    assert variables() in page

@@ -3,8 +3,8 @@
 
 import { Matrix4, Vector3 } from 'three';
 
-const AXES = ['#d33c3c', '#2c8f4b', '#3b6fe0'];
-const DARK_AXES = ['#ff6b6b', '#5fd07f', '#7aa2ff'];
+const NEUTRAL = { bone: '#2b2e33', halo: 'rgba(255,255,255,.8)' };
+const DARK_NEUTRAL = { bone: '#e6e8ea', halo: 'rgba(0,0,0,.65)' };
 const TAU = 2 * Math.PI;
 // Lines of a path: many at once are drawn faster, but not all of a crowd's.
 const AT_ONCE = 500;
@@ -36,9 +36,7 @@ export class Overlay {
     this.look = { wide, high, near: stage.camera.near };
     this.look.matrix = new Matrix4()
       .multiplyMatrices(stage.camera.projectionMatrix, stage.camera.matrixWorldInverse).elements;
-    this.colors = this.dark.matches
-      ? { axes: DARK_AXES, bone: '#e6e8ea', halo: 'rgba(0,0,0,.65)', limb: '#ffd24d', pole: '#ff9df5', off: '#ff9a3d' }
-      : { axes: AXES, bone: '#2b2e33', halo: 'rgba(255,255,255,.8)', limb: '#b77700', pole: '#a3159a', off: '#e06a00' };
+    if (this.colors?.dark !== this.dark.matches) this.colors = this.#palette();
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, wide, high);
     pen.lineCap = pen.lineJoin = 'round';
@@ -47,6 +45,16 @@ export class Overlay {
       this.#model(model, state, model === shown[0]);
     });
     pen.globalAlpha = 1;
+  }
+
+  /** The colours that the page's style has for what they mean, as `rigtri draw` has them. */
+  #palette() {
+    const style = getComputedStyle(document.documentElement);
+    const mark = (name) => style.getPropertyValue(`--mark-${name}`).trim();
+    const dark = this.dark.matches;
+    const axes = ['x', 'y', 'z'].map(mark);
+    const meant = { axes, limb: mark('limb'), pole: mark('pole'), off: mark('crooked'), rule: mark('rule') };
+    return { dark, ...(dark ? DARK_NEUTRAL : NEUTRAL), ...meant };
   }
 
   /** The name and path of the node nearest to a place in the picture, if one is near; of the model in front.
@@ -68,7 +76,7 @@ export class Overlay {
     if (state.axes) this.#arrows(model);
     if (!front) return;
     if (state.controls) {
-      for (const [from, to] of model.facts.follows) this.#line(at[from], at[to], this.colors.bone, 1, [1, 5]);
+      for (const [from, to] of model.facts.follows) this.#line(at[from], at[to], this.colors.rule, 1, [1, 5]);
     }
     this.spots = [];
     for (const node of [...model.listed, ...(state.controls ? model.facts.marks : [])]) {

@@ -10,9 +10,11 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.drawing.bones import AIMED
+from rigtri.export.drawing.labels import width
 from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.scene import Scene, marks
 from rigtri.export.drawing.silhouette import Patch, outline, patches
+from rigtri.export.drawing.style import LEGEND
 from rigtri.export.drawing.svg import arrow, heading, number, panel, sheet
 from rigtri.export.drawing.view import NAMED, View, Window, view_of
 from rigtri.maths.trigonometry import Floats
@@ -100,6 +102,7 @@ def draw(
     parts: list[str] = []
     for number_of, (side, window) in enumerate(zip(sides, windows, strict=True)):
         parts += _panel(side, window, options, number_of)
+    parts += legend([mark for side in sides for mark in side.marks], high)
     description = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
     return sheet([*parts, *gizmo(view, high)], wide, high, description)
 
@@ -179,6 +182,30 @@ def _outlines(found: Sequence[Patch], window: Window) -> list[Floats]:
 
     loops = outline(found, flat, int(window.wide / _CELL) + 1, int(window.high / _CELL) + 1)
     return [loop * _CELL + corner for loop in loops]
+
+
+# Which marks need which line of the legend; a joint that is crooked needs its own.
+_MEANING = {
+    "x": "x",
+    "y": "y",
+    "z": "z",
+    "limb": "limb",
+    "pole": "pole",
+    "locator": "pole",
+    "follows": "rule",
+}
+
+
+def legend(marks: Sequence[Mark], high: int) -> Iterator[str]:
+    """What the colours of a picture mean, in a row at its lower edge; only those that it has."""
+    there = {_MEANING.get(mark.kind, "") for mark in marks} | {"crooked" for mark in marks if mark.crooked}
+    x, y = 84.0, high - 16.0
+    for name, words in LEGEND.items():
+        if name not in there:
+            continue
+        yield f'<circle class="swatch {name}" cx="{number(x)}" cy="{number(y - 4)}" r="4"/>'
+        yield f'<text class="key" x="{number(x + 8)}" y="{number(y)}">{words}</text>'
+        x += 8.0 + width(words, 11.0) + 14.0
 
 
 def gizmo(view: View, high: int) -> Iterator[str]:

@@ -12,6 +12,7 @@ _COLOURS = {
     "bone": ("#ffffff", "#39424e"),
     "wire": ("#4b5563", "#aab4c1"),
     "limb": ("#f2a900", "#ffc233"),
+    "pole": ("#a3159a", "#ff9df5"),
     "crooked": ("#ff7a00", "#ff9a3d"),
     "rule": ("#8a5cd1", "#b794f4"),
     "x": ("#e0262d", "#ff5a5f"),
@@ -27,13 +28,14 @@ _RULES = """
 .limb {{ fill: {limb}; fill-opacity: 0.22; stroke: none }}
 .chord, .upright {{ stroke: {limb}; stroke-width: 1.3; stroke-dasharray: 5 3; fill: none }}
 .square {{ stroke: {limb}; stroke-width: 1; fill: none }}
-.foot, .pole {{ fill: {limb}; stroke: none }}
-.locator {{ fill: {paper}; stroke: {limb}; stroke-width: 2 }}
+.foot {{ fill: {limb}; stroke: none }}
+.pole {{ fill: {pole}; stroke: none }}
+.locator {{ fill: {paper}; stroke: {pole}; stroke-width: 2 }}
 .control {{ stroke: {faint}; stroke-width: 1.3; fill: none }}
 .vector {{ fill: {ink}; stroke: none }}
 .x {{ fill: {x} }} .y {{ fill: {y} }} .z {{ fill: {z} }}
 .x.ring {{ stroke: {x} }} .y.ring {{ stroke: {y} }} .z.ring {{ stroke: {z} }}
-.pole.ring {{ stroke: {limb} }} .vector.ring {{ stroke: {ink} }}
+.pole.ring {{ stroke: {pole} }} .vector.ring {{ stroke: {ink} }}
 .ring {{ fill: none; stroke-width: 1.4 }}
 .joint {{ fill: {ink}; stroke: {paper}; stroke-width: 0.6 }}
 .node {{ fill: {paper}; stroke: {faint}; stroke-width: 1 }}
@@ -44,8 +46,29 @@ text {{ font-family: sans-serif; fill: {ink} }}
 .title {{ font-size: 16px; font-weight: bold }}
 .words {{ font-size: 12px; fill: {faint} }}
 .words.crooked {{ fill: {crooked}; font-weight: bold }}
+.key {{ font-size: 11px; fill: {faint} }}
+.swatch.crooked {{ fill: {crooked} }} .swatch.rule {{ fill: {rule} }}
+.swatch.limb {{ fill: {limb}; fill-opacity: 0.6 }} .swatch.pole {{ fill: {pole} }}
 .letter {{ font-size: 10px; text-anchor: middle; stroke: none }}
 """
+
+
+# What the marks of a picture or of the page mean: the colour that shows it, and the words of the legend.
+LEGEND = {
+    "x": "x axis",
+    "y": "y axis",
+    "z": "z axis",
+    "limb": "limb, and P, the projection of its middle",
+    "pole": "bend direction, pole vector",
+    "crooked": "joint without an axis along its bone",
+    "rule": "follows by a constraint",
+}
+
+
+def variables() -> str:
+    """The colours that have a meaning as variables of a page's style sheet, ``--mark-x`` and so on."""
+    light, dark = ("; ".join(f"--mark-{name}: {_COLOURS[name][side]}" for name in LEGEND) for side in (0, 1))
+    return f":root {{ {light} }}\n@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
 
 
 def css() -> str:

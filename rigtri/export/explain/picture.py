@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rigtri.export.drawing.picture import gizmo
+from rigtri.export.drawing.picture import gizmo, legend
 from rigtri.export.drawing.primitives import Kind, Mark
 from rigtri.export.drawing.scene import pole_arrow, triangle
 from rigtri.export.drawing.svg import heading, panel, sheet, shown
@@ -37,7 +37,9 @@ def picture(found: Explanation, *, view: str | None = None) -> str:
     a, b, c = (shown(name) for name in found.names)
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
     parts += heading(lines, 0.0, _WIDE)
-    return sheet([*parts, *gizmo(seen, _HIGH)], _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}")
+    return sheet(
+        [*parts, *legend(marks, _HIGH), *gizmo(seen, _HIGH)], _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}"
+    )
 
 
 def _words(found: Explanation) -> str:

@@ -22,6 +22,7 @@ from typing import Any
 from rigtri._version import __version__
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.timelines import timeline_and_time
+from rigtri.export.drawing.style import LEGEND, variables
 from rigtri.export.viewer.page_data import clip_names, clip_place, facts
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import Embedded, ReadOptions, read
@@ -162,12 +163,13 @@ def _page(
     decoders = {name for one in shown for name in one.embedded.decoders}
     # The decoder of meshopt is so small that it is in the page's own script.
     scripts = [*([_text("page.draco.js")] if "draco" in decoders else []), _text("page.js")]
-    style = _text("page.css")
+    style = variables() + _text("page.css")
     words = {
         "policy": _policy(scripts, style, wasm=bool(decoders)),
         "version": __version__,
         "title": html.escape(f"{title} – rigtri view"),
         "style": style,
+        "legend": "".join(f'<li class="mark-{name}">{words}</li>' for name, words in LEGEND.items()),
         "licences": html.escape(_text("page.js.LICENSES.txt").strip(), quote=False),
         "data": "\n".join([facts, *elements.found]),
         "scripts": "\n".join(f"<script>{script}</script>" for script in scripts),
