@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -33,6 +33,14 @@ class Content:
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn and can be read; none for a rig that no file was read for."""
         return self.read_meshes()
+
+    def without_skins(self, hidden: Collection[int]) -> Content:
+        """The content without meshes of some skins, by number."""
+        return replace(
+            self,
+            read_outlines=lambda: [mesh for mesh in self.read_outlines() if mesh.skin not in hidden],
+            read_meshes=lambda: [mesh for mesh in self.meshes if mesh.skin not in hidden],
+        )
 
     def reordered(self, new: Sequence[int]) -> Content:
         """The content with node k called ``new[k]``."""

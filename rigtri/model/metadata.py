@@ -371,6 +371,18 @@ def with_references(stored: Any, change: Callable[[Place, str], str], place: Pla
     return stored
 
 
+def references(stored: Any) -> list[str]:
+    """The addresses of nodes in stored metadata."""
+    found: list[str] = []
+
+    def collect(_: Place, name: str) -> str:
+        found.append(name)
+        return name
+
+    with_references(stored, collect)
+    return found
+
+
 def kinds(record: type[Stored]) -> Mapping[str, Any]:
     """The annotations of what a record stores, by key."""
     return {key.name: key.kind for key in _keys(record)}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -51,6 +52,7 @@ from rigtri.operations.rigtri_nodes import (
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.operations.skin_sections import SkinSections
 from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
+from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
 
 # What {kind} stands for in a name, by the kind of control.
@@ -79,7 +81,16 @@ def add_controls(rig: Rig, *, options: AddControlsOptions, report: Report) -> Ri
 
     Raises NameNotFoundError, UsageError, GeometryError (a joint without a frame), FileError.
     """
-    return built_at_zero(rig, lambda rig: _Builder(rig, options, report).build())
+
+    def build(rig: Rig, mine: AddControlsOptions) -> Rig:
+        return built_at_zero(rig, lambda rig: _Builder(rig, mine, report).build())
+
+    several = bodies(rig) if options.whole_character and not options.selection.named else []
+    limbs = named_limbs(rig, options.ik)
+    for nodes in several:
+        mine = replace(options, ik=tuple(limb for limb in limbs if limb.start in nodes))
+        rig = within(rig, nodes, partial(build, mine=mine))
+    return rig if several else build(rig, options)
 
 
 class _Builder:

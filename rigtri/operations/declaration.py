@@ -453,3 +453,14 @@ JointNames = Annotated[Mapping[str, str], Kind("assignments", "JOINT=NAME", read
 RigFile = Annotated[Any, Kind("rig file", "FILE")]
 EditedFile = Annotated[Any, Kind("edited file", "FILE")]
 JsonFile = Annotated[Any, Kind("json file", "FILE.json")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OneCharacter:
+    """Options of operations that can edit one character of a file with several."""
+
+    character: Node | None = option(
+        None,
+        help="Only the character at or below this node, where the file has several; names mean its joints.",
+        rare=True,
+    )

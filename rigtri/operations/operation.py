@@ -33,6 +33,7 @@ from rigtri.operations.declaration import (
     hints_of,
     options_of,
 )
+from rigtri.recognition.one_character import named, within
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
@@ -87,13 +88,14 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 check(options, given)
                 keywords = {"options": options}
             report = report if report is not None else Report()
+            run = _of_character(function, getattr(options, "character", None))
             if rig.source is None:
-                return function(rig, *others, report=report, **keywords)
+                return run(rig, *others, report=report, **keywords)
             own = Report()
             try:
                 # What leaves float64 becomes inf or NaN; writing sees it.
                 with np.errstate(all="ignore"):
-                    made = function(replace(rig, source=None), *others, report=own, **keywords)
+                    made = run(replace(rig, source=None), *others, report=own, **keywords)
             finally:
                 report.merge(own)
             return replace(made, source=rig.source.after(own))
@@ -104,6 +106,18 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
         return called
 
     return decorated
+
+
+def _of_character(function: Callable[..., Rig], name: str | None) -> Callable[..., Rig]:
+    """A function of a rig that edits one of its characters alone; None for all."""
+    if name is None:
+        return function
+
+    def run(rig: Rig, *others: Rig, **keywords: Any) -> Rig:
+        nodes = named(rig, name)
+        return within(rig, nodes, lambda small: function(small, *others, **keywords))
+
+    return run
 
 
 def _check_rigs(options: Any) -> None:

@@ -22,6 +22,7 @@ from rigtri.operations.declaration import (
     Kind,
     Limbs,
     Nodes,
+    OneCharacter,
     Selection,
     SoftIk,
     Vector,
@@ -92,7 +93,7 @@ def _color(given: str, text: str) -> Vector:
 
 
 @dataclass(frozen=True)
-class AddControlsOptions:
+class AddControlsOptions(OneCharacter):
     """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
 
     color: by ``left``, ``right`` and "" for the middle. as_: None keeps what is there. bend: as pole

@@ -16,13 +16,14 @@ from rigtri.operations.declaration import (
     Facing,
     Limbs,
     Node,
+    OneCharacter,
     option,
     refuse,
 )
 
 
 @dataclass(frozen=True)
-class PlacementOptions:
+class PlacementOptions(OneCharacter):
     """Position of the pole vector of a limb."""
 
     method: Literal["perpendicular", "ratio"] = option(

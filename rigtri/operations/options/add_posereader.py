@@ -13,6 +13,7 @@ from rigtri.operations.declaration import (
     Kind,
     Node,
     Number,
+    OneCharacter,
     Tolerance,
     Vector,
     option,
@@ -45,7 +46,7 @@ Attributes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET 
 
 
 @dataclass(frozen=True)
-class AddPosereaderOptions:
+class AddPosereaderOptions(OneCharacter):
     """Let morph targets or values follow a joint's pose, baked to keys of every clip.
 
     target: the target poses, in Python also a `Goal` each, or a mapping with its fields. morph: (target,

@@ -6,11 +6,20 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import Above, Integers, Name, Names, Points, Tolerance, option
+from rigtri.operations.declaration import (
+    Above,
+    Integers,
+    Name,
+    Names,
+    OneCharacter,
+    Points,
+    Tolerance,
+    option,
+)
 
 
 @dataclass(frozen=True)
-class AddRivetOptions:
+class AddRivetOptions(OneCharacter):
     """Attach locators to the surface of a mesh, through skinning and morph targets, baked to keys.
 
     Each of ``triangle``, ``at`` and ``vertex`` is one rivet; ``name`` has names in this order.

@@ -7,7 +7,16 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import Auto, Direction, Kind, Limbs, Nodes, check_tokens, option
+from rigtri.operations.declaration import (
+    Auto,
+    Direction,
+    Kind,
+    Limbs,
+    Nodes,
+    OneCharacter,
+    check_tokens,
+    option,
+)
 
 MOST = 64
 NAME = "{joint}_twist_{number}"
@@ -22,7 +31,7 @@ def _weights(flag: str, text: str) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class AddTwistOptions:
+class AddTwistOptions(OneCharacter):
     """Put twist joints along bones, so that skin keeps its volume where forearms and shoulders twist.
 
     joint, to: a bone for each pair of both; whether the child's twist spreads up or the joint's own is

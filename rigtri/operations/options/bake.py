@@ -10,6 +10,7 @@ from rigtri.operations.declaration import (
     Above,
     ClipNames,
     Names,
+    OneCharacter,
     RigFile,
     SoftIk,
     Tolerance,
@@ -24,7 +25,7 @@ BETWEEN = 1e-3
 
 
 @dataclass(frozen=True)
-class BakeOptions:
+class BakeOptions(OneCharacter):
     """Bake controls and constraints to joint keys, or the motion of joints to their controls.
 
     fps: None is as many samples as ``between`` needs. tolerance: how far keys that are left out may be

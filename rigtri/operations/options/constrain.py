@@ -15,6 +15,7 @@ from rigtri.operations.declaration import (
     Kind,
     LimbNames,
     Node,
+    OneCharacter,
     Vector,
     option,
     refuse,
@@ -56,7 +57,7 @@ JointOrient = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConstrainOptions:
+class ConstrainOptions(OneCharacter):
     """Let a node follow others by a constraint that is stored in the file; nothing moves now.
 
     driver: nodes, in Python also pairs of node and weight. joint_orient: three angles are degrees about

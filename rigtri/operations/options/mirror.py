@@ -8,7 +8,15 @@ from functools import cached_property
 from typing import Any, Literal, get_args
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import Nodes, Number, OnConstraint, OnNonuniformScale, Selection, option
+from rigtri.operations.declaration import (
+    Nodes,
+    Number,
+    OnConstraint,
+    OneCharacter,
+    OnNonuniformScale,
+    Selection,
+    option,
+)
 
 What = Literal["limbs", "joints", "controls", "polevectors", "twists", "constraints", "rivets", "posereaders"]
 # In the order in which they are mirrored: each may be about nodes of those before.
@@ -24,7 +32,7 @@ MIRRORED = {
 
 
 @dataclass(frozen=True)
-class MirrorOptions:
+class MirrorOptions(OneCharacter):
     """Give one side of a character what the other has: joint axes, and what rigtri has added.
 
     plane_at: None is between most pairs of joints. across: that plane in the world, as

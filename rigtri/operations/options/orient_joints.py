@@ -21,6 +21,7 @@ from rigtri.operations.declaration import (
     Node,
     Nodes,
     OnConstraint,
+    OneCharacter,
     OnNonuniformScale,
     RigFile,
     Selection,
@@ -77,7 +78,7 @@ def _chains(_flag: str, chains: Iterable[Any]) -> tuple[StyledChain, ...]:
 
 
 @dataclass(frozen=True)
-class OrientJointsOptions:
+class OrientJointsOptions(OneCharacter):
     """Give joints new axes; nothing that can be seen moves.
 
     keep: joints have their axes already; only ``mirror`` re-orients those of the other side. plane: of the

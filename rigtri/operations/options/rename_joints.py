@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import JointNames, JsonFile, Node, Nodes, option
+from rigtri.operations.declaration import JointNames, JsonFile, Node, Nodes, OneCharacter, option
 
 
 @dataclass(frozen=True)
-class RenameJointsOptions:
+class RenameJointsOptions(OneCharacter):
     """Give recognised joints the names of a scheme; everything that names them follows."""
 
     to: str | None = option(

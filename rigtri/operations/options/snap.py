@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import Kind, Names, option
+from rigtri.operations.declaration import Kind, Names, OneCharacter, option
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.
 Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
 
 
 @dataclass(frozen=True)
-class SnapOptions:
+class SnapOptions(OneCharacter):
     """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
 
     to: Literal["ik", "fk"] = option(help="What the limbs are matched to.", group="what")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rigtri.operations.declaration import option
+from rigtri.operations.declaration import OneCharacter, option
 
 
 @dataclass(frozen=True)
-class StripOptions:
+class StripOptions(OneCharacter):
     """Remove what rigtri has added."""
 
     splits: bool = option(

@@ -3,7 +3,7 @@
 All are moved at once, each in a row of its own. What each has to move:
 
 * an FK control: its joint by the same rotation, and what is below that;
-* the root control: all joints with weight, rigidly;
+* the root control: all joints with weight, rigidly; of several characters those of its own;
 * an IK control: the end joint to its place, in its rotation, and the limb;
 * a pole vector: the limb, while the end joint stays.
 
@@ -33,6 +33,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
+from rigtri.recognition.one_character import bodies
 
 # Radians by which controls are rotated, about no axis of their own; shares of the limb by which an IK
 # control is moved towards the root, where the limb can follow, and a pole vector to the side.
@@ -153,7 +154,7 @@ class _Run:
     def __init__(self, solver: Solver, trials: Sequence[_Trial], tree: Skeleton) -> None:
         rig = self.rig = solver.rig
         self.solver, self.trials = solver, trials
-        self.size = size_of(rig)
+        self.size, self.bodies = size_of(rig), bodies(rig)
         # What holds the controls cannot follow them; --root may name a node that holds them and joints.
         holding, self.carries = rig.with_ancestors(rig.nodes_of("control")), tree.carries
         self.watched = [node for node in tree.joints if node not in holding and not _is_added(rig, node)]
@@ -189,7 +190,10 @@ class _Run:
             if self._turned(start, row) < _ANGLE:
                 return f"'{rig.title(start)}' does not turn to it"
             return f"'{rig.title(end)}' is moved by it" if self._off(end, row) > _PLACE * self.size else ""
-        joints = [node for node in self.watched if self.carries[node]] if trial.kind == "root" else [joint]
+        joints = [joint]
+        if trial.kind == "root":
+            body = next((body for body in self.bodies if joint in body), frozenset(self.watched))
+            joints = [node for node in self.watched if self.carries[node] and node in body]
         lazy = [node for node in joints if abs(self._turned(node, row) - _TURN) > _ANGLE]
         if trial.kind == "ik":
             goal = self.posed.world(trial.control)[:, 3, :3]

@@ -36,7 +36,7 @@ from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.control_shapes import Shape
-from rigtri.model.metadata import PoseWeightRecord
+from rigtri.model.metadata import PoseWeightRecord, references
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -244,9 +244,9 @@ class _Additions:
     def _top(self, node: int) -> Any:
         """The top-level prim that holds the skeleton a node is about."""
         rig, metadata = self.rig, self.rig.metadata.get(node, {})
-        joints = metadata.get("chain", [metadata["child"]] if metadata.get("type") == "constraint" else [])
-        joint = rig.known(joints[0]) if joints else None
-        about = [parts(rig.keys[joint])[1]] if joint is not None and kind(rig.keys[joint]) == "joint" else []
+        known = (rig.known(name) for name in references(metadata))
+        joints = (node for node in known if node is not None and kind(rig.keys[node]) == "joint")
+        about = [parts(rig.keys[node])[1] for node in joints][:1]
         if not about:
             about = list(self.source.skeletons) or [parts(s.key)[1] for s in rig.skins if parts(s.key)]
         default = self.source.stage.GetDefaultPrim()

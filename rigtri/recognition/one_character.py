@@ -1,0 +1,113 @@
+"""One character of a rig that has several: what an operation sees that is to edit it alone.
+
+A character is what skins with common joints move (`frames.rig_size.characters`) and what hangs on them. The
+joints of the others are no joints meanwhile, so that names mean the one at hand; and what rigtri has built
+for them is not seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rigtri.errors import NameNotFoundError
+from rigtri.frames.rig_size import characters
+from rigtri.model.metadata import references
+from rigtri.model.rig import Rig
+from rigtri.recognition.recognise import recognise
+
+Nodes = frozenset[int]
+
+
+def bodies(rig: Rig) -> list[Nodes]:
+    """The nodes of each character with limbs, in order; none where there are fewer than two of them.
+
+    What has no limbs (a prop, hair) is of the first.
+    """
+    groups = [frozenset(nodes) for nodes in characters(rig)]
+    if len(groups) < 2:
+        return []
+    limbs = {joint for body in recognise(rig).characters for chain in body.limbs for joint in chain.joints}
+    found = [group for group in groups if group & limbs]
+    others = frozenset[int]().union(*(group for group in groups if not group & limbs))
+    return [found[0] | others, *found[1:]] if len(found) > 1 else []
+
+
+def named(rig: Rig, name: str) -> Nodes:
+    """The nodes of the character at or below a node. NameNotFoundError where there is none."""
+    groups = [frozenset(nodes) for nodes in characters(rig)]
+    if rig.has(name):
+        below = set(rig.below(rig.find(name, "character")))
+        inside = [group for group in groups if group & below]
+        if inside:
+            return frozenset[int]().union(*inside)
+    raise NameNotFoundError("character", name, [_title(rig, group, groups) for group in groups])
+
+
+def _title(rig: Rig, group: Nodes, groups: Collection[Nodes]) -> str:
+    """The name of the uppermost node that holds a character and no other."""
+    joints = frozenset[int]().union(*groups)
+    node = min(group)
+    while rig.parents[node] >= 0 and not (joints - group).intersection(rig.below(int(rig.parents[node]))):
+        node = int(rig.parents[node])
+    return rig.address(node)
+
+
+def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
+    """The rig with an edit of one character; nodes: those of the character."""
+    others = {k: skin for k, skin in enumerate(rig.skins) if not nodes.issuperset(skin.joints.tolist())}
+    hidden = _of_others(rig, nodes)
+    seen = {node: stored for node, stored in rig.metadata.items() if node not in hidden}
+    skins = tuple(
+        replace(skin, joints=skin.joints[:0], inverse_bind=skin.inverse_bind[:0], weigh=None, drawn=False)
+        if k in others
+        else skin
+        for k, skin in enumerate(rig.skins)
+    )
+    top = min(nodes)
+    while rig.rules.group_parent >= 0 and rig.parents[top] >= 0:
+        top = int(rig.parents[top])
+    parent = top if rig.rules.group_parent >= 0 else -1
+    rules, content = replace(rig.rules, group_parent=parent), rig.content.without_skins(others)
+    small = replace(rig, skins=skins, metadata=seen, rules=rules, content=content)
+    made = edit(small)
+    if made is small:
+        return rig
+    # Nodes of the file may have other numbers: a split puts some between them.
+    now = {(key, label): node for node, (key, label) in enumerate(zip(made.keys, made.labels, strict=True))}
+    place = [now[both] for both in zip(rig.keys, rig.labels, strict=True)]
+    whole = list(made.skins)
+    for k, skin in others.items():
+        whole[k] = replace(skin, joints=np.array([place[joint] for joint in skin.joints.tolist()]))
+    metadata = {**made.metadata, **{place[node]: stored for node, stored in hidden.items()}}
+    group = rig.rules.group_parent
+    content = rig.content if len(made) == len(rig) else rig.content.reordered(place)
+    return replace(
+        made,
+        skins=tuple(whole),
+        metadata=dict(sorted(metadata.items())),
+        rules=replace(made.rules, group_parent=group if group < 0 else place[group]),
+        content=content,
+    )
+
+
+def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
+    """The metadata that are about joints of other characters alone, and those of groups of such."""
+    hidden: dict[int, Mapping[str, Any]] = {}
+    # Groups come before what they hold, and what hangs on controls after these.
+    for node, stored in sorted(rig.metadata.items(), reverse=True):
+        known = (rig.known(name) for name in references(stored))
+        about = {found for found in known if found is not None and rig.is_joint[found]}
+        about |= {node} if rig.is_joint[node] else set()
+        if about:
+            others = not about & nodes
+        else:
+            parent = int(rig.parents[node])
+            elsewhere = parent >= 0 and not nodes & set(rig.below(parent))
+            others = elsewhere or not hidden.keys().isdisjoint(rig.below(node))
+        if others:
+            hidden[node] = stored
+    return hidden

@@ -1,0 +1,131 @@
+"""Files with several characters: a rig for each, and edits of one alone."""
+
+from __future__ import annotations
+
+import copy
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from program import cli
+
+from rigtri.formats import read
+from rigtri.frames.rig_size import characters
+from rigtri.model.metadata import ControlRecord
+from rigtri.model.rig import Rig
+
+PAIR = """#usda 1.0
+(
+    upAxis = "Y"
+    timeCodesPerSecond = 24
+)
+def "A" (references = @./biped.usda@)
+{
+}
+def "B" (references = @./biped.usda@)
+{
+    double3 xformOp:translate = (3, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
+
+
+def pair(samples: Path, folder: Path, suffix: str) -> Path:
+    """Two bipeds side by side, A and B, whose joints have the same names."""
+    out = folder / f"pair.{suffix}"
+    if suffix == "usda":
+        shutil.copy(samples / "biped.usda", folder)
+        out.write_text(PAIR)
+        return out
+    shutil.copy(samples / "biped.bin", folder)
+    scene = json.loads((samples / "biped.gltf").read_text())
+    count = len(scene["nodes"])
+    for node in copy.deepcopy(scene["nodes"]):
+        node["children"] = [child + count for child in node.get("children", [])]
+        scene["nodes"].append({key: value for key, value in node.items() if value} | _second(node))
+    scene["nodes"][count]["translation"] = [3, 0, 0]
+    skin = copy.deepcopy(scene["skins"][0])
+    scene["skins"].append(skin | {"joints": [joint + count for joint in skin["joints"]]})
+    scene["skins"][1].pop("skeleton", None)
+    for animation in scene["animations"]:
+        for channel in copy.deepcopy(animation["channels"]):
+            channel["target"]["node"] += count
+            animation["channels"].append(channel)
+    tops = scene["scenes"][0]["nodes"]
+    scene["nodes"] += [
+        {"name": "A", "children": tops},
+        {"name": "B", "children": [top + count for top in tops]},
+    ]
+    scene["scenes"][0]["nodes"] = [2 * count, 2 * count + 1]
+    out.write_text(json.dumps(scene))
+    return out
+
+
+def _second(node: dict[str, object]) -> dict[str, int]:
+    return {"skin": 1} if "skin" in node else {}
+
+
+def built(rig: Rig) -> list[list[str]]:
+    """The names of the controls of each character."""
+    found = []
+    for nodes in characters(rig):
+        about = {n: rig.known(record.joint) for n, record in rig.records(ControlRecord).items()}
+        found.append([rig.names[node] for node, joint in about.items() if joint in nodes])
+    return found
+
+
+BOTH = pytest.mark.parametrize("suffix", ["usda", "gltf"])
+
+
+@BOTH
+def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
+    suffix: str, samples: Path, tmp_path: Path
+) -> None:
+    source, out, again = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "again"))
+    pair(samples, tmp_path, suffix)
+    cli("add-controls", source, "-o", out, "--whole-character", code=0)
+    rig = read(out).rig
+    one, other = built(rig)
+    assert len(one) == len(other)
+    assert [sum("root" in name for name in names) for names in (one, other)] == [1, 1]
+    assert not set(one) & set(other)
+    tops = [rig.find(name) for name in ("A", "B")]
+    for node in rig.nodes_of("control") if suffix == "usda" else ():
+        joint = rig.known(rig.metadata[node]["joint"])
+        assert [node in rig.below(top) for top in tops] == [joint in rig.below(top) for top in tops]
+    cli("add-controls", out, "-o", again, "--whole-character", code=0)
+    assert again.read_bytes() == out.read_bytes()
+    cli("auto", source, "-o", tmp_path / f"auto.{suffix}", code=0)
+
+
+@BOTH
+def test_one_character_is_edited_alone(suffix: str, samples: Path, tmp_path: Path) -> None:
+    source, out, bare = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "bare"))
+    pair(samples, tmp_path, suffix)
+    cli("orient-joints", source, "-o", out, "--character", "B", code=0)
+    before, after = read(source).rig, read(out).rig
+    moved = (before.local != after.local).any(axis=(1, 2))
+    assert moved.any()
+    assert set(np.flatnonzero(moved)) <= set(before.below(before.find("B")))
+    pole = ["--limb", "upper_arm_L", "forearm_L", "hand_L"]
+    assert "2 joints are named" in cli("add-polevector", source, "-o", bare, *pole, code=4).output
+    cli("add-polevector", source, "-o", out, *pole, "--character", "B", "--overwrite", code=0)
+    cli("add-controls", source, "-o", out, "--whole-character", "--overwrite", code=0)
+    cli("strip", out, "-o", bare, "--character", "A", code=0)
+    one, other = built(read(bare).rig)
+    assert not one
+    assert other == built(read(out).rig)[1]
+    cli("bake", out, "-o", bare, "--to", "controls", "--character", "B", "--overwrite", code=0)
+    rig = read(bare).rig
+    keyed = {rig.names[track.node] for clip in rig.clips for track in clip.tracks if track.node in rig.own}
+    assert keyed
+    assert not keyed & set(built(rig)[0])
+
+
+def test_a_character_that_is_not_there_is_named_with_those_that_are(samples: Path, tmp_path: Path) -> None:
+    source = pair(samples, tmp_path, "usda")
+    printed = cli("orient-joints", source, "-o", tmp_path / "out.usda", "--character", "C", code=4).output
+    assert "No character is named 'C'. There are 'A', 'B'." in printed
+    assert len(read(source).rig.skins) == 2
