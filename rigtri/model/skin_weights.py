@@ -93,7 +93,7 @@ def limited(
     one = float(full or 1)
     total = weights.cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
     plain = np.isfinite(weights).all(axis=1) & (total > 0)
-    over = ((weights != 0).sum(axis=1) > limit.most) & plain
+    over = (np.count_nonzero(weights, axis=1) > limit.most) & plain
     off = plain & (np.abs(total - one) > (0.5 if full else SAME)) if limit.normalise else over
     moved = over | off | ((weights[:, width:] != 0).any(axis=1) & plain)
     order = np.argsort(-np.abs(weights), axis=1, kind="stable")

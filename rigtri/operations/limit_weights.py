@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from rigtri.model.rig import Rig
 from rigtri.model.skin import WeightLimit
 from rigtri.model.skin_weights import limited
@@ -21,12 +23,12 @@ def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> 
     limit = WeightLimit(options.max_influences, options.normalise)
     for mesh in rig.meshes:
         _, weights = limited(mesh.joints, mesh.weights, limit)
-        wide = int(((mesh.weights != 0).sum(axis=1) > limit.most).sum())
+        wide = int(np.count_nonzero(np.count_nonzero(mesh.weights, axis=1) > limit.most))
         width = min(weights.shape[1], mesh.weights.shape[1])
         differs = (weights[:, :width] != mesh.weights[:, :width]).any(axis=1)
         if wide or differs.any():
             entry = {"type": "weights", "node": rig.address(mesh.node), "new": False}
-            report.added.append({**entry, "points": int(differs.sum()), "over": wide})
+            report.added.append({**entry, "points": int(np.count_nonzero(differs)), "over": wide})
     if report.added and not rig.shown_clips:
         report.warn("no-clips", "This file has no clips: vertices were compared in the rest pose alone")
     return replace(rig, pending=replace(rig.pending, weight_limit=limit)) if report.added else rig

@@ -110,10 +110,10 @@ class _Merging:
     def take_least(self, most: int) -> None:
         poses = _poses(self.rig)
         costs: dict[tuple[int, int], float] = {}
-        while int(self.rig.is_joint.sum()) - len(self.gone & self._joints) > most:
+        while int(np.count_nonzero(self.rig.is_joint)) - len(self.gone & self._joints) > most:
             leaves = [(node, self.heir(node)) for node in self.leaves()]
             if not leaves:
-                left = int(self.rig.is_joint.sum()) - len(self.gone & self._joints)
+                left = int(np.count_nonzero(self.rig.is_joint)) - len(self.gone & self._joints)
                 raise GeometryError(f"--max-joints {most}: no fewer than {left} joints are possible")
             for pair in leaves:
                 if pair not in costs:

@@ -95,6 +95,6 @@ def idle_folds(rig: Rig, gone: list[int]) -> list[JointMerge]:
         if skin.key is None or stays.all():
             continue
         rows = np.where(stays, np.cumsum(stays) - 1, 0)
-        idle = bool(stays[: int(stays.sum())].all())
+        idle = bool(stays[: int(np.count_nonzero(stays))].all())
         folds.append(JointMerge(number, rows, np.zeros(len(stays)), {}, idle))
     return folds
