@@ -18,6 +18,7 @@ GROUPS = {
     "Skeleton": {
         "freeze": "Put scale and rotation above joints into the joints; nothing that can be seen moves.",
         "rename-joints": "Give joints the names of another scheme: Mixamo, Unreal, Unity, VRM, Rigify ...",
+        "set-rest": "Give joints another rest pose, T-pose or A-pose too; every clip plays as before.",
         "prune-joints": "Remove joints that move nothing.",
         "merge-joints": "Merge joints into those above: still ones, named ones, or down to a number.",
         "limit-weights": "Let no point follow more than four joints, and weights sum to 1.",

@@ -25,6 +25,7 @@ _WHERE = {
     "freeze": "rigtri.operations.freeze",
     "limit_weights": "rigtri.operations.limit_weights",
     "merge_joints": "rigtri.operations.merge_joints",
+    "set_rest": "rigtri.operations.set_rest",
     "prune_joints": "rigtri.operations.prune_joints",
     "rename_joints": "rigtri.operations.rename_joints",
     "orient_joints": "rigtri.operations.orient_joints.orient",
@@ -100,6 +101,7 @@ __all__ = [
     "recognise",
     "register_usd_schemas",
     "rename_joints",
+    "set_rest",
     "snap",
     "spec_init",
     "strip",
@@ -144,6 +146,7 @@ if TYPE_CHECKING:
     from rigtri.operations.pose import take_pose as take_pose
     from rigtri.operations.prune_joints import prune_joints as prune_joints
     from rigtri.operations.rename_joints import rename_joints as rename_joints
+    from rigtri.operations.set_rest import set_rest as set_rest
     from rigtri.operations.snap import snap as snap
     from rigtri.operations.strip import strip as strip
     from rigtri.operations.take_clips.restore_metadata import as_described as as_described

@@ -179,6 +179,7 @@ def _renamed_and_back(rig: Rig) -> Rig:
 EDITS: dict[str, Edit] = {
     "freeze": Edit(rigtri.freeze),
     "rename-joints": Edit(_renamed_and_back),
+    "set-rest": Edit(lambda rig: rigtri.set_rest(rig, pose="tpose"), reposes=True),
     "prune-joints": Edit(rigtri.prune_joints),
     "merge-joints": Edit(lambda rig: rigtri.merge_joints(rig, max_joints=1000)),
     "limit-weights": Edit(rigtri.limit_weights),

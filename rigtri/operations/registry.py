@@ -15,6 +15,7 @@ OPERATIONS = {
     "prune-joints": "prune_joints",
     "merge-joints": "merge_joints",
     "limit-weights": "limit_weights",
+    "set-rest": "set_rest",
     "orient-joints": "orient_joints.orient",
     "make-limb": "make_limb",
     "add-twist": "add_twist.twist",

@@ -278,7 +278,7 @@ def _compared(
     if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return self_check(document, document)
     reposed = report.reposed and rig is not document.rig
-    expected = ExpectedResult(document, rig, report.morph_changes, reposed)
+    expected = ExpectedResult(document, rig, report.morph_changes, reposed, report.keeps_clips)
     return check_result(expected, document.reopen(part), tolerance)
 
 

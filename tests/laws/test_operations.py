@@ -42,6 +42,7 @@ class Case:
 CASES = {
     "freeze": Case("", strips=False),
     "rename-joints": Case("--to unreal", strips=False, renames=True),
+    "set-rest": Case("--pose tpose", keeps_looks=False, strips=False),
     "prune-joints": Case("", strips=False),
     "merge-joints": Case("--still", strips=False),
     "limit-weights": Case("", strips=False),

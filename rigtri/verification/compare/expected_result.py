@@ -38,13 +38,14 @@ class ExpectedResult:
 
     rig: also declares redistributed skin weights (``pending.weight_redistributions``) and removed nodes
     (``pending.removed``). morph_changes: morph targets that get other weights, by the keys of nodes.
-    reposed: what the source shows moves as ``rig`` does.
+    reposed: what the source shows moves as ``rig`` does. keeps_clips: but not in clips, only at rest.
     """
 
     source: Source
     rig: Rig
     morph_changes: MorphChanges = field(default_factory=dict)
     reposed: bool = False
+    keeps_clips: bool = False
 
     def views(self, written: Source) -> Views:
         """The source as it is expected to look, and the written file, but for changes of morph weights.
@@ -172,6 +173,11 @@ def declared_differences(
         result = replace(result, driven={name: far / result.diagonal for name, far in movement.items()})
     if expected.reposed and result.passes(tolerance):
         result = replace(result, motion=_motion(expected, *views))
+        clips = result.motion.per_clip if result.motion and expected.keeps_clips else {}
+        # What a USD animation holds without time is no motion, but what is seen at rest.
+        played = {name: far for name, far in clips.items() if not name.endswith("@default")}
+        moved = [f"clip '{name}' moves otherwise" for name, far in played.items() if not far <= tolerance]
+        result = replace(result, different=(*result.different, *moved))
     return result
 
 

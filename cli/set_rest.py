@@ -1,0 +1,31 @@
+"""Give the joints of IN another rest pose; every clip plays as before.
+
+A clip without keys of a joint showed its rest pose, so it gets a key of it. Bind poses stay, so meshes show
+the pose where no clip plays. T- and A-pose turn the arms, hands and legs of recognised bodies from their
+bind pose: palms down, feet ahead.
+
+\b
+Examples:
+    rigtri set-rest hero.glb -o out.glb --pose tpose
+    rigtri set-rest hero.glb -o out.glb --pose bind
+    rigtri set-rest hero.glb -o out.glb --pose idle@0
+    rigtri set-rest hero.glb -o out.glb --like other.glb
+"""
+
+from __future__ import annotations
+
+from rigtri.operations.options.set_rest import SetRestOptions
+from rigtri.report import Report
+
+from .edit_command import edit_command
+from .text import counted
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
+    if not report.joints:
+        return "the joints rest so already; nothing was changed"
+    return f"{counted(len(report.joints), 'joint')} rest in another pose; clips play as before"
+
+
+command = edit_command("set-rest", SetRestOptions, summary, __doc__)

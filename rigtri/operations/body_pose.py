@@ -1,0 +1,123 @@
+"""T-pose and A-pose of a recognised body: each bone turns by the shortest way to where it should point.
+
+Source: VRMC_vrm 1.0, tpose.md (arms along the lateral axis, palms down, legs down, feet ahead).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.quaternions import IDENTITY, between, conjugate, from_axes, multiply, rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import CONFIDENT, Character
+
+_FINGERS = ("Index", "Middle", "Ring", "Little")
+_PARTS = ("Proximal", "Intermediate", "Distal")
+# How far arms of an A-pose are below the horizontal: 45°.
+_DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5))}
+
+
+def posed(
+    rig: Rig,
+    world: Floats,
+    character: Character,
+    pose: Literal["tpose", "apose"],
+    facing: tuple[float, float, float] | None,
+    *,
+    straight_fingers: bool,
+) -> dict[int, Floats]:
+    """The local rotations, (4,), that joints get in a pose, from where they stand, ``world`` (n, 4, 4).
+
+    Only joints that are surely bones turn. Raises GeometryError for a body without arms or legs, or of which
+    nothing says where it faces.
+    """
+    bones = {part.bone: part.joint for part in character.parts if part.bone and part.confidence >= CONFIDENT}
+    if not {"leftUpperArm", "rightUpperArm"} <= bones.keys() and "leftUpperLeg" not in bones:
+        raise GeometryError("No arms or legs are known surely enough. See why: rigtri recognise FILE")
+    body = _Body(rig, world, bones)
+    up = np.array(character.up if any(character.up) else rig.rules.up)
+    left = np.array(character.normal)
+    ahead = np.array(facing) if facing is not None else np.array(character.facing)
+    if not any(left) or not any(ahead):
+        raise GeometryError("Nothing says where this body faces: give the direction with --facing")
+    down = _DOWN[pose]
+    for side, out in (("left", left), ("right", -left)):
+        arm = normalise(out * np.sqrt(1.0 - down * down) - up * down)
+        for bone, end in (("UpperArm", "LowerArm"), ("LowerArm", "Hand"), ("Hand", "MiddleProximal")):
+            body.point(side + bone, side + end, arm)
+        body.turn_palm(side, arm, cross(arm, ahead) if side == "left" else cross(ahead, arm), ahead)
+        if straight_fingers:
+            for finger in _FINGERS:
+                names = [f"{side}{finger}{part}" for part in _PARTS]
+                for bone, end in pairwise(names):
+                    body.point(bone, end, arm)
+        for bone, end in (("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot")):
+            body.point(side + bone, side + end, -up)
+        body.point_ahead(side + "Foot", side + "Toes", ahead, up)
+    return body.rotations()
+
+
+class _Body:
+    """Where joints are while bones turn, one after the other from the root on."""
+
+    def __init__(self, rig: Rig, world: Floats, bones: Mapping[str, int]) -> None:
+        self.rig, self.bones = rig, bones
+        self.at = world[:, 3, :3].copy()
+        self.axes = from_axes(orthonormal_axes(world))
+        self.turned = np.tile(IDENTITY, (len(rig), 1))
+
+    def point(self, bone: str, end: str, direction: Floats) -> None:
+        """Let a bone point at where ``end`` is to be seen from it."""
+        if bone in self.bones and end in self.bones:
+            here, there = self.bones[bone], self.bones[end]
+            along = self.at[there] - self.at[here]
+            if length(along) > 0:
+                self._turn(here, between(along, direction))
+
+    def point_ahead(self, bone: str, end: str, ahead: Floats, up: Floats) -> None:
+        """Let a bone point ahead, as far up or down as it does."""
+        if bone in self.bones and end in self.bones:
+            along = normalise(self.at[self.bones[end]] - self.at[self.bones[bone]])
+            steep = float(dot(along, up))
+            flat = np.sqrt(max(0.0, 1.0 - steep * steep))
+            if flat > 0.1:
+                self.point(bone, end, ahead * flat + up * steep)
+
+    def turn_palm(self, side: str, arm: Floats, down: Floats, ahead: Floats) -> None:
+        """Turn a forearm about itself until the index finger is ahead of the little one, the palm down."""
+        names = [f"{side}LowerArm", f"{side}IndexProximal", f"{side}LittleProximal"]
+        if all(name in self.bones for name in names):
+            lower, index, little = (self.bones[name] for name in names)
+            across = self.at[index] - self.at[little]
+            across = across - arm * dot(across, arm)
+            wanted = ahead - arm * dot(ahead, arm)
+            if length(across) > 0 and length(wanted) > 0:
+                self._turn(lower, between(across, wanted))
+
+    def _turn(self, node: int, rotation: Floats) -> None:
+        below = self.rig.below(node)
+        self.at[below] = self.at[node] + rotate(rotation, self.at[below] - self.at[node])
+        self.turned[below] = multiply(rotation, self.turned[below])
+
+    def rotations(self) -> dict[int, Floats]:
+        """The local rotations of the joints that turned against their parents."""
+        found = {}
+        for node in sorted(self.bones.values()):
+            parent = int(self.rig.parents[node])
+            above = self.turned[parent] if parent >= 0 else IDENTITY
+            change = multiply(conjugate(above), self.turned[node])
+            if parent >= 0:
+                change = multiply(conjugate(self.axes[parent]), multiply(change, self.axes[parent]))
+                local = multiply(conjugate(self.axes[parent]), self.axes[node])
+            else:
+                local = self.axes[node]
+            found[node] = np.asarray(multiply(change, local))
+        return found

@@ -1,0 +1,36 @@
+"""The options of set-rest."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from rigtri.errors import UsageError
+from rigtri.operations.declaration import Facing, RigFile, option
+
+
+@dataclass(frozen=True)
+class SetRestOptions:
+    """Give joints another rest pose, with the same motion in every clip."""
+
+    pose: str = option(
+        "",
+        metavar="POSE",
+        help="The rest pose: bind, tpose, apose, or a moment CLIP@TIME.",
+        group="what",
+    )
+    like: RigFile | None = option(
+        None,
+        help="The rest rotations of the joints of the same names in FILE.",
+        group="what",
+        excludes=["pose"],
+    )
+    straight_fingers: bool = option(False, help="With tpose or apose: fingers straight, too.")
+    facing: Facing | None = option(None)
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError where no pose is named."""
+        if not self.pose and self.like is None:
+            raise UsageError("give the pose with --pose bind|tpose|apose|CLIP@TIME, or --like FILE")
+        if self.straight_fingers and self.pose not in ("tpose", "apose"):
+            raise UsageError("--straight-fingers is for --pose tpose and apose")

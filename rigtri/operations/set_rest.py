@@ -1,0 +1,138 @@
+"""set-rest: another rest pose of the joints, and the same motion in every clip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal, cast
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import NOTHING, size_of
+from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.evaluation.constraint_solver import Parts, to_parts
+from rigtri.maths.matrices import local, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import PATHS, Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.body_pose import posed
+from rigtri.operations.joint_records import joint_record
+from rigtri.operations.operation import operation
+from rigtri.operations.options.pose import PoseOptions
+from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
+from rigtri.operations.pose import at_rest, pose_of
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+from rigtri.text import listed
+
+
+@operation(SetRestOptions)
+def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
+    """The rig with a pose for the rest pose of its joints; clips play as before, and so do bind poses.
+
+    A clip that had no keys of a joint showed its rest pose, and gets a key of it. Raises GeometryError where
+    no body is known, where joints may have no rotations (VRM 0.x), and where VRM constraints or springs count
+    from the rest pose; UsageError and NameNotFoundError for moments that there are not.
+    """
+    parts = _target(rig, options, report)
+    least = np.full(len(rig), 0.1 * NOTHING * size_of(rig))
+    taken, moved = at_rest(rig, parts, least)
+    _refuse(rig, moved)
+    for node in moved:
+        report.joints.append(joint_record(rig, node, "posed"))
+    if not moved:
+        return rig
+    report.reposed = report.keeps_clips = True
+    clips = tuple(_with_old_rest(clip, rig, taken, moved) for clip in rig.clips)
+    return replace(taken, clips=clips)
+
+
+def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Parts]:
+    """The parts of joints in the pose, one row each."""
+    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
+    if options.like is not None:
+        return _of_names(rig, options.like, joints)
+    if options.pose == "bind":
+        return _of_locals(rig, _bind(rig), joints)
+    if options.pose in ("tpose", "apose"):
+        layout = recognise(rig)
+        if not layout.characters:
+            raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
+        pose = cast(Literal["tpose", "apose"], options.pose)
+        worlds = _bind(rig)
+        found = _of_locals(rig, worlds, joints)
+        for body in layout.characters:
+            fingers = options.straight_fingers
+            turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=fingers)
+            for node, rotation in turned.items():
+                was = found.get(node) or Parts(*(getattr(rig, p)[[node]] for p in PATHS))
+                found[node] = was._replace(rotation=rotation[np.newaxis])
+        return found
+    cache = pose_of(rig, PoseOptions(at=options.pose), report)
+    return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
+
+
+def _bind(rig: Rig) -> Floats:
+    """World matrices with all joints in the bind pose of the first skin that has them and can be inverted."""
+    world, known = rig.world.copy(), np.zeros(len(rig), dtype=bool)
+    for skin in sorted(rig.skins, key=lambda skin: -len(skin.joints)):
+        bound = bind_worlds(rig, skin)
+        for joint in skin.joints.tolist():
+            if not known[joint] and np.isfinite(bound[joint]).all():
+                world[joint], known[joint] = bound[joint], True
+    for level in rig.levels[1:]:
+        for node in level[~known[level]].tolist():
+            world[node] = multiply(rig.local[node], world[rig.parents[node]])
+    return world
+
+
+def _of_locals(rig: Rig, worlds: Floats, joints: list[int]) -> dict[int, Parts]:
+    parents = rig.parents[joints]
+    above = np.where((parents >= 0)[:, np.newaxis, np.newaxis], worlds[parents], np.eye(4))
+    parts = to_parts(local(worlds[joints], above))
+    rows = {node: Parts(*(part[[row]] for part in parts)) for row, node in enumerate(joints)}
+    return {node: row for node, row in rows.items() if all(np.isfinite(part).all() for part in row)}
+
+
+def _of_names(rig: Rig, like: Rig, joints: list[int]) -> dict[int, Parts]:
+    """Rest rotations of another rig's joints of the same names; GeometryError where there is none."""
+    found = {}
+    for node in joints:
+        other = like.known(rig.names[node]) if rig.names[node] else None
+        if other is not None:
+            own = (getattr(rig, path)[[node]] for path in PATHS)
+            rotation = to_parts(like.normalised_local[[other]]).rotation
+            found[node] = Parts(*own)._replace(rotation=rotation)
+    if not found:
+        raise GeometryError("--like: no joint there has the name of one here. Try rename-joints first")
+    return found
+
+
+def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
+    """The clip with a key of the old rest pose for what it does not move."""
+    driven = {(track.node, track.path) for track in clip.tracks}
+    fresh: list[Track] = []
+    times = next((track.times[:1] for track in clip.tracks if len(track.times)), None)
+    # What a stage holds without time is its rest pose, where no samples say otherwise.
+    if times is None or clip.idle or (isinstance(clip.key, tuple) and clip.key[0] == "default"):
+        return clip
+    for node in moved:
+        for path in PATHS:
+            was, now = (getattr(each, path)[node] for each in (rig, taken))
+            if (node, path) not in driven and (was != now).any():
+                fresh.append(Track(node, path, "STEP", times, was[np.newaxis]))
+    return replace(clip, tracks=(*clip.tracks, *fresh)) if fresh else clip
+
+
+def _refuse(rig: Rig, moved: list[int]) -> None:
+    """GeometryError where the rest pose of what moves means something to the format."""
+    if not moved:
+        return
+    if rig.rules.orient_locked:
+        raise GeometryError(f"{rig.rules.orient_locked}, so its rest pose is that of its bind pose")
+    tied = {c.node for c in rig.node_constraints if c.key is not None} | {
+        c.source for c in rig.node_constraints if c.key is not None
+    }
+    if ties := sorted(tied & set(moved)):
+        names = listed([rig.title(node) for node in ties], 6)
+        raise GeometryError(f"Node constraints count from the rest pose of {names}: take them out first")

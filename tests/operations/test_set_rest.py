@@ -1,0 +1,99 @@
+"""set-rest: joints rest in another pose, and every clip plays as before."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import SAMPLES, real_files
+from program import cli
+from vrm_files import vrm_0
+
+import rigtri
+from rigtri.errors import GeometryError
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.maths.vectors import normalise
+from rigtri.model.rig import Rig
+from rigtri.recognition.recognise import recognise
+
+
+def places(rig: Rig, number: int) -> np.ndarray:
+    """Where nodes are at the keys of a clip, (f, n, 3)."""
+    clip = rig.clips[number]
+    return worlds(rig, locals_at(rig, clip, key_times(clip)))[..., 3, :3]
+
+
+@pytest.mark.parametrize("pose", ["tpose", "apose"])
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_arms_stand_where_the_pose_has_them(pose: str, suffix: str, tmp_path: Path) -> None:
+    out = tmp_path / f"out{suffix}"
+    cli("set-rest", SAMPLES / f"biped{suffix}", "-o", out, "--pose", pose, code=0)
+    rig = rigtri.read(out)
+    (body,) = recognise(rig).characters
+    at, bones = rig.world[:, 3, :3], body.bones
+    left, up = np.array(body.normal), np.array(body.up)
+    arm = left if pose == "tpose" else normalise(left - up)
+    for start, end in (("UpperArm", "LowerArm"), ("LowerArm", "Hand")):
+        along = normalise(at[bones[f"left{end}"]] - at[bones[f"left{start}"]])
+        assert np.allclose(along, arm, atol=1e-5)
+    leg = normalise(at[bones["rightFoot"]] - at[bones["rightUpperLeg"]])
+    assert np.allclose(leg, -up, atol=1e-5)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_clips_play_as_before(suffix: str, tmp_path: Path) -> None:
+    """Also a clip that has no keys of what rests in another way now."""
+    source, out = tmp_path / f"in{suffix}", tmp_path / f"out{suffix}"
+    rig = rigtri.read(SAMPLES / f"biped{suffix}")
+    kept = [track for track in rig.clips[0].tracks if rig.names[track.node] != "upper_arm_L"]
+    if suffix == ".glb":
+        rig = replace(rig, clips=(replace(rig.clips[0], tracks=tuple(kept)), *rig.clips[1:]))
+    rigtri.write(rig, source, verify=False)
+    cli("set-rest", source, "-o", out, "--pose", "apose", code=0)
+    before, after = rigtri.read(source), rigtri.read(out)
+    size = np.ptp(before.world[:, 3, :3], axis=0).max()
+    assert not np.allclose(before.world[:, 3, :3], after.world[:, 3, :3], atol=1e-3 * size)
+    for number in (k for k, clip in enumerate(before.clips) if not clip.name.endswith("@default")):
+        assert np.abs(places(before, number) - places(after, number)).max() < 1e-6 * size
+
+
+def test_a_moment_and_another_file_give_the_rest_pose(tmp_path: Path) -> None:
+    out, alike = tmp_path / "out.glb", tmp_path / "alike.glb"
+    cli("set-rest", SAMPLES / "biped.glb", "-o", out, "--pose", "walk@0.5", code=0)
+    cli("set-rest", SAMPLES / "biped.glb", "-o", alike, "--like", out, code=0)
+    before, one, other = (rigtri.read(each) for each in (SAMPLES / "biped.glb", out, alike))
+    arm = before.find("upper_arm_L")
+    assert not np.allclose(before.rotation[arm], one.rotation[arm], atol=1e-3)
+    assert np.allclose(one.rotation[arm], other.rotation[arm], atol=1e-6)
+
+
+def test_the_bind_pose_is_where_the_mesh_is_as_it_was_drawn(tmp_path: Path) -> None:
+    posed, out = tmp_path / "posed.glb", tmp_path / "out.glb"
+    cli("set-rest", SAMPLES / "biped.glb", "-o", posed, "--pose", "walk@0.5", code=0)
+    cli("set-rest", posed, "-o", out, "--pose", "bind", code=0)
+    rig = rigtri.read(out)
+    skin = rig.skins[0]
+    assert np.allclose(skin.bind[:, :3, :3], rig.world[skin.joints, :3, :3], atol=1e-5)
+
+
+def test_vrm_0_has_no_rest_rotations(tmp_path: Path) -> None:
+    rig = rigtri.read(vrm_0().glb(tmp_path / "in.vrm"))
+    joint = int(np.flatnonzero(rig.is_joint)[-1])
+    turned = rig.rotation.copy()
+    turned[joint] = (0, 0, 0.6, 0.8)
+    with pytest.raises(GeometryError, match=r"VRM 0\.x forbids rest rotations"):
+        rigtri.set_rest(rig, like=replace(rig, rotation=turned, source=None))
+
+
+@pytest.mark.parametrize("path", real_files())
+def test_real_files_play_as_before(path: Path, tmp_path: Path) -> None:
+    out, again = tmp_path / f"o{path.suffix}", tmp_path / f"a{path.suffix}"
+    trust = ("--allow-external-paths",)
+    ran = cli("set-rest", path, "-o", out, "--pose", "tpose", *trust)
+    if ran.exit_code in (3, 5):
+        pytest.skip(ran.stderr)
+    assert ran.exit_code == 0, ran.stderr
+    cli("set-rest", out, "-o", again, "--pose", "tpose", *trust, code=0)
+    assert again.read_bytes() == out.read_bytes()
