@@ -119,12 +119,10 @@ class _PosedHand:
         """
         across = self._across(is_left=is_left is not False)
         known = across is not None and is_left is not None and (self._is_apart or not guessed)
-        expected = across if known else natural
         curl = _curl(self.fingers, self.at)
         if curl is not None:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
-            sure = expected is not None and not (known and guessed)
-            turned = sure and expected is not None and dot(curl, expected) < 0
+            turned = known and not guessed and across is not None and dot(curl, across) < 0
             return Hinge("plane of the bent fingers", -curl if turned else curl)
         if across is None:
             return None if natural is None else Hinge("arm, as hands hang", natural)

@@ -63,11 +63,14 @@ def _is_other(draft: Draft, node: int) -> bool:
 
 
 def _hand(draft: Draft, arm: Found) -> None:
-    chains = finger_chains(draft, arm.joints[2], _lower(draft, arm))
+    tree, chains = draft.tree, finger_chains(draft, arm.joints[2], _lower(draft, arm))
     if len(chains) < 2:
         chains += _beside(draft, arm)
     way = [arm.joints[2]]
-    if len(chains) == 1 and not _names_finger(draft.tree.rig.names[chains[0][0]]):
+    moves, names = draft.poses.moves_points, tree.rig.names
+    # What is held moves no points.
+    chains = [k for k in chains if any(map(moves, k)) or _names_finger(names[k[0]])] or chains
+    if len(chains) == 1 and not _names_finger(tree.rig.names[chains[0][0]]):
         if not draft.poses.moves_points(way[0]) or any(draft.poses.moves_points(k) for k in chains[0]):
             way += [k for k in chains[0] if not _is_other(draft, k)]  # else it is held, whatever its name
         chains = []

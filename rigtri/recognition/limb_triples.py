@@ -33,8 +33,8 @@ _LED, _SHORT = 0.25, 0.45
 _FOLD, _FOLDED = 0.1, 0.34
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
 _MOVES, _SHARP = 0.1, 0.966
-# What it costs to end elsewhere than where so many fingers begin, and how many these are.
-_HANDLESS, HAND = 0.25, 5
+# What it costs to end elsewhere than where fingers begin, and so many of them.
+_HANDLESS, HAND = 0.25, 4
 # What names of all three joints weigh against the shape of a limb.
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.

@@ -114,6 +114,8 @@ HANDS = [
     Pose(fingers=1, thumb=False, arms=20.0, names="unreal"),
     Pose(fingers=1, thumb=False, names="none", arms=70.0),
     Pose("blender", fingers=4, thumb=False, curl=25.0),
+    # A clear bend goes before that.
+    Pose("none", thumb=False, metacarpals=True, curl=50.0, palm=90.0, arms=75.0),
 ]
 
 

@@ -21,6 +21,17 @@ def test_a_fist_has_its_thumb_where_an_open_hand_has_it(curl: float, hands: floa
         assert known.items() >= (expected | {f"{side} thumb": body.parts[f"{side} thumb 1"]}).items()
 
 
+def test_what_is_held_is_no_finger() -> None:
+    """A joint without weight in the hand, of which no name says what it is."""
+    body = posed_body(Pose("none", slots=True, curl=10.0))
+    (character,) = recognise(body.rig).characters
+    fingers = [chain for chain in character.chains if chain.kind == "finger"]
+    assert {chain.name for chain in fingers if chain.side == "left"} == {
+        "left thumb", *(f"left {finger} finger" for finger in FINGERS)
+    }
+    assert not {joint for chain in fingers for joint in chain.joints}.intersection(body.sockets)
+
+
 @pytest.mark.parametrize("curl", [0.0, 30.0])
 def test_four_fingers_without_a_thumb_are_not_called_after_one(curl: float) -> None:
     body = posed_body(Pose("none", curl=curl, thumb=False))
