@@ -203,9 +203,7 @@ class _Builder:
     def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:
         return find(self.rig, ControlRecord, kind=kind, **about)
 
-    def _control(
-        self, joint: int, kind: ControlKind, known: int | None, about: Mapping[str, Any]
-    ) -> int:
+    def _control(self, joint: int, kind: ControlKind, known: int | None, about: Mapping[str, Any]) -> int:
         """The control of a kind over a joint, found again or new, its offset at the joint."""
         parent, frame = self._parent(joint, kind), self.axes.frames.get((joint, kind))
         drawing = self._drawing(kind, joint, *self._size(joint, frame))

@@ -241,7 +241,8 @@ class _Plan:
         else:
             width = len(self.kept)
             rows[:, :width] = _resampled(item, times)[:, self.kept]
-            default = None if item.default is None else np.concatenate([item.default[self.kept], rest[width:]])
+            own = None if item.default is None else item.default[self.kept]
+            default = None if own is None else np.concatenate([own, rest[width:]])
             new = replace(item, times=times, samples=rows, default=default)
         return set_array(self.animation.path, name, new, only=True)
 
