@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from crowds import contents
 from program import cli
 from pxr import Sdf, UsdUtils
 from usd_files import MESH, animation, deviation, error_of, read, save, scene, skeleton, turned, write
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.composition import external_paths
 
 ASSET = scene(skeleton(), animation(), MESH)
 CLIPS = """clips = {{ dictionary default = {{
@@ -193,3 +198,29 @@ def test_what_usd_cannot_read_is_no_reason_to_refuse_the_rest(folders: tuple[Pat
     source = save(folder, ASSET + odd, "shot.usda")
     document = read(source, allow_missing=True)
     assert document.rig.skins
+
+
+@pytest.mark.parametrize(("asked", "opened"), [("studio:hero/v3", True), ("other:hero/v3", False)])
+def test_what_a_resolver_of_the_site_opens_is_left_to_it(
+    asked: str, opened: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A plugin in C++ cannot be had here: a stand-in for Ar's own answers."""
+
+    class Resolver:
+        def CreateIdentifier(self, path: str, _: object) -> str:  # noqa: N802
+            return path
+
+        def Resolve(self, identifier: str) -> str:  # noqa: N802
+            return f"/store/{identifier[7:]}.usda" if identifier.startswith("studio:") else ""
+
+    stand_in = SimpleNamespace(
+        GetResolver=Resolver, GetRegisteredURISchemes=lambda: ["studio"], ResolvedPath=str
+    )
+    monkeypatch.setattr(external_paths, "Ar", stand_in)
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    found = partial(external_paths._identifier, layer, asked, "<A>", tmp_path / "in.usda", False)
+    if opened:
+        assert found() == asked
+    else:
+        with pytest.raises(FileError, match="no Ar resolver opens it"):
+            found()

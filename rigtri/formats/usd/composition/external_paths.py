@@ -2,7 +2,8 @@
 
 Sublayers, references, payloads (of every variant) and value clips are followed from
 layer to layer. What lies outside the folder of the file is opened only if the
-user allows it; other schemes than files never are. Textures and other assets are
+user allows it. Other schemes than files are left to an Ar resolver that the site has set up for them
+(`PXR_PLUGINPATH_NAME`), which is trusted; rigtri fetches nothing itself. Textures and other assets are
 never opened at all.
 """
 
@@ -92,21 +93,34 @@ def check_outside(file: str, path: Path, name: str, *, allow_external: bool) -> 
 
 def _identifier(layer: Any, asset: str, where: str, path: Path, allow_external: bool) -> str:
     """The identifier of an asset path as USD resolves it; "" where there is nothing to open."""
-    if _SCHEME.match(asset):
-        raise FileError(f"{where} asks for '{asset}'; rigtri fetches nothing. Put the layer beside this one.")
     resolver = Ar.GetResolver()
     anchor = Ar.ResolvedPath(layer.realPath)
     plain, arguments = Sdf.Layer.SplitIdentifier(asset)
     identifier = resolver.CreateIdentifier(plain, anchor)
     resolved = str(resolver.Resolve(identifier))
+    if not resolved and _SCHEME.match(asset):
+        raise FileError(
+            f"{where} asks for '{asset}'; rigtri fetches nothing, and no Ar resolver opens it. Put the layer "
+            "beside this one, or set up the resolver of your site (PXR_PLUGINPATH_NAME)."
+        )
     if not resolved:
         return ""  # what is not there is reported when the stage is composed
+    if is_of_site(identifier):
+        return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
     if not allow_external and lies_outside(resolved, path):
         raise _outside(asset, where)
     file = Path(resolved.partition("[")[0])
     if file.exists() and not (file.is_file() or file.is_dir()):
         raise FileError(f"{where} asks for '{asset}', which is a device or a pipe. Put a plain file there")
     return str(Sdf.Layer.CreateIdentifier(identifier, arguments))
+
+
+def is_of_site(identifier: str) -> bool:
+    """Whether a resolver that the site has set up opens an asset, wherever that lies."""
+    scheme = _SCHEME.match(identifier)
+    return scheme is not None and scheme[0][:-1].lower() in {
+        known.lower() for known in Ar.GetRegisteredURISchemes()
+    }
 
 
 def _outside(asset: str, where: str) -> FileError:

@@ -115,7 +115,7 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
         raise FileError(f"{path}: no USD file, or a damaged one.")
     codeless_schemas.check_known()
     for layer in stage.GetUsedLayers():
-        if layer.realPath:
+        if layer.realPath and not external_paths.is_of_site(layer.identifier):
             name = layer.identifier
             external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
     return stage, _lacking(texts, path.parent, allow_missing=allow_missing)
