@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.report import Report
 
 from . import output_file
@@ -134,7 +134,12 @@ class _Job:
 
     def drawn(self, report: Report) -> None:
         """The picture, before and after."""
-        self._draw(self.built.outcome.rig or self.proposal.rig, self.proposal.rig)
+        try:
+            self._draw(self.built.outcome.rig or self.proposal.rig, self.proposal.rig)
+        except FileError as error:
+            made = [] if self.values["dry_run"] else [self.values["output"], self.values["spec_out"]]
+            written = " and ".join(filter(None, made))
+            raise FileError(f"{error}. {written} were written before" if written else str(error)) from error
 
     def _draw(self, rig: Rig, before: Rig | None) -> None:
         from rigtri.export.drawing.picture import DrawOptions, draw

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rigtri.errors import GeometryError
+from rigtri.text import and_more
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,21 @@ class Notice:
     def as_json(self) -> dict[str, str]:
         """The notice as commands print it that report nothing else of it."""
         return {"code": self.code, "text": self.text}
+
+
+class SameNotices:
+    """Notices of one code that differ by a place alone, as one in ``notices`` that names the first places."""
+
+    def __init__(self, notices: list[Notice]) -> None:
+        self._notices = notices
+        self._known: dict[tuple[str, str, str], tuple[int, list[str]]] = {}
+
+    def add(self, code: str, before: str, place: str, after: str) -> None:
+        """Tell of a place: the text is what comes before and after the places."""
+        at, places = self._known.setdefault((code, before, after), (len(self._notices), []))
+        places.append(place)
+        notice = Notice(code, f"{before}{and_more(places, 4)}{after}")
+        self._notices[at : at + 1] = [notice]
 
 
 @dataclass

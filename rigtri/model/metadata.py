@@ -390,7 +390,7 @@ def kinds(record: type[Stored]) -> Mapping[str, Any]:
 
 def illegible(stored: Mapping[str, Any]) -> str:
     """Why this version cannot read a record, which stays as it is then; "" where it can."""
-    if stored.get("v") != VERSION:
+    if stored.get("v") != VERSION or isinstance(stored["v"], bool):  # True equals 1
         return f"its version is {stored.get('v')!r:.60}, and this rigtri reads {VERSION}"
     kind = stored.get("type")
     known = isinstance(kind, str) and kind in RECORDS

@@ -16,7 +16,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.report import Report
 
-D = TypeVar("D", ControlRecord, PoleVectorRecord)
+D = TypeVar("D", bound=ControlRecord | PoleVectorRecord)
 
 # Sizes that differ by less, as a share, are one: what float32 leaves of a bone's length.
 _SAME_SIZE = 1e-5

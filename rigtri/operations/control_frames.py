@@ -79,7 +79,7 @@ class ControlAxes:
 
     def of_joint(self, joint: int) -> Floats:
         """The axes of a joint in the world, (3, 3). Raises GeometryError where it has none."""
-        axes = self._nearest[joint]
+        axes = np.asarray(self._nearest[joint])
         if not np.isfinite(axes).all():
             title = self._tree.rig.title(joint)
             raise GeometryError(f"'{title}' has no frame: a scale on or above it is zero")

@@ -86,7 +86,7 @@ class _Skinned:
     def points(self) -> Floats:
         """Its points in the world, (v, 3)."""
         weights = morph_weights(self.mesh, None, np.zeros(1))
-        return deformed(self.mesh, self.rig, self.rig.normalised_world[np.newaxis], weights)[0]
+        return np.asarray(deformed(self.mesh, self.rig, self.rig.normalised_world[np.newaxis], weights)[0])
 
     @cached_property
     def usable(self) -> bool:
@@ -98,7 +98,7 @@ class _Skinned:
 
     def edges_of(self, vertices: Integers) -> Integers:
         """The edges, (e, 2), that vertices are at, some twice."""
-        return self._edges[self._at.of(vertices)]
+        return np.asarray(self._edges[self._at.of(vertices)])
 
     @cached_property
     def _own(self) -> _Groups:
@@ -127,7 +127,7 @@ class _Groups:
         first = np.searchsorted(self._keys, keys, side="left")
         count = np.searchsorted(self._keys, keys, side="right") - first
         before = np.cumsum(count) - count
-        return self._values[np.arange(int(count.sum())) + np.repeat(first - before, count)]
+        return np.asarray(self._values[np.arange(int(count.sum())) + np.repeat(first - before, count)])
 
 
 def _seen(points: Floats, place: Floats, normal: Floats) -> tuple[Floats, Floats]:

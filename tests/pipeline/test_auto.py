@@ -16,6 +16,7 @@ from recognition_bodies.creatures import crane, two_characters, vehicle
 from second_opinions import validator
 
 from rigtri import auto, read
+from rigtri.errors import FileError
 from rigtri.formats import read as document
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Character, Layout
@@ -109,6 +110,29 @@ def test_a_spec_by_which_nothing_was_built_says_so(tmp_path: Path) -> None:
     assert first.startswith("# rigtri auto built nothing by this spec")
     assert "The result would look different" in why
     assert rest.startswith("# A rig spec to start from")
+
+
+def test_a_build_that_fails_leaves_the_spec_of_one_that_works(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    run("auto", SAMPLES / "biped.glb", "-o", out)
+    (spec,) = (path for path in tmp_path.iterdir() if path != out)
+    before = spec.read_bytes()
+    run("auto", SAMPLES / "biped.glb", "-o", out, "--tolerance", "0", "--overwrite", code=6)
+    assert spec.read_bytes() == before
+
+
+def test_a_picture_that_cannot_be_written_says_what_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out.glb"
+
+    def full(*_: object) -> None:
+        raise FileError("p.svg: No space left on device")
+
+    monkeypatch.setattr("rigtri.cli.output_file.write_picture", full)
+    result = run("auto", SAMPLES / "biped.glb", "-o", out, "--picture", tmp_path / "p.svg", code=3)
+    words = f"{out} and {out.with_suffix('.rig.yaml')} were written before"
+    assert f"p.svg: No space left on device. {words}" in result.stderr.splitlines()[-1]
 
 
 def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> None:

@@ -56,7 +56,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import damage, illegible
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
-from rigtri.report import Notice
+from rigtri.report import Notice, SameNotices
 
 # What files of these suffixes have, by the specifications of VRM 0.0, VRM 1.0 and VRMA 1.0.
 _AVATARS = {".vrm": ("VRM", "VRMC_vrm"), ".vrma": ("VRMC_vrm_animation",)}
@@ -293,19 +293,18 @@ class GltfDocument:
     def _notes(self, extras: Sequence[object]) -> dict[int, dict[str, Any]]:
         """What rigtri has stored, by node; what another version has stored is reported and left alone."""
         found: dict[int, dict[str, Any]] = {}
+        same = SameNotices(self.notices)
         for node, extra in enumerate(extras):
             note = extra.get("rigtri") if isinstance(extra, dict) else None
             if not isinstance(note, dict):
                 continue
             why = illegible(note)
             if why:
-                text = f"What rigtri stored on node {node} stays as it is: {why}"
-                self.notices.append(Notice("note-unread", text))
+                same.add("note-unread", _STORED, f"node {node}", f" stays as it is: {why}")
                 continue
             found[node] = note
             if why := damage(note):
-                text = f"What rigtri stored on node {node} is damaged and is not used: {why}"
-                self.notices.append(Notice("note-damaged", text))
+                same.add("note-damaged", _STORED, f"node {node}", f" is damaged and is not used: {why}")
         return found
 
     def _freeze(self, rig: Rig, ordered: list[dict[str, object]], fixed: dict[int, str]) -> None:
@@ -323,6 +322,9 @@ class GltfDocument:
                     "Choose --unknown-node-ext freeze or ignore."
                 )
             fixed.setdefault(node, why)
+
+
+_STORED = "What rigtri stored on "
 
 
 def _place(place: list[int], node: int) -> int:

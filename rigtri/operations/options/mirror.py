@@ -15,6 +15,7 @@ from rigtri.operations.declaration import (
     OneCharacter,
     OnNonuniformScale,
     Selection,
+    Tolerance,
     option,
 )
 
@@ -69,7 +70,7 @@ class MirrorOptions(OneCharacter):
     on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
     on_constraint: OnConstraint = option("freeze", rare=True)
     root: str | None = option(None, where="shared")
-    tolerance: Number = option(1e-5, where="shared")
+    tolerance: Tolerance = option(1e-5, where="shared")
     across: Any = option(None, where="python")
 
     def check(self, given: Collection[str]) -> None:

@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal, get_args
 from rigtri.errors import UsageError
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
-    Above,
     Axis,
     Facing,
     JsonFile,
@@ -25,6 +24,7 @@ from rigtri.operations.declaration import (
     OnNonuniformScale,
     RigFile,
     Selection,
+    Tolerance,
     Vector,
     option,
     refuse,
@@ -170,7 +170,7 @@ class OrientJointsOptions(OneCharacter):
     )
     inverse: bool = option(False, help="With --frames: undo them.", group="what", rare=True)
     root: str | None = option(None, where="shared")
-    tolerance: Above = option(1e-5, where="shared")
+    tolerance: Tolerance = option(1e-5, where="shared")
     keep: bool = option(False, where="python")
     across: Any = option(None, where="python")
 

@@ -125,7 +125,7 @@ def auto_file(
     nowhere. seen: is called with what is proposed, before anything is built.
     Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
     places in the spec then; else as `build_file`, with the last step for controls that do not do what they
-    are for. Where a step fails the spec is written all the same.
+    are for. Where a step fails the spec is written all the same, but over no other.
     """
     place = None if spec_out is None or request.dry_run else Path(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
@@ -147,7 +147,9 @@ def auto_file(
                 seen(found)
                 built = _built(inner, found, report, *spec)
         except SpecError as error:
-            _write(place, _not_built(error) + found.text)
+            # One that is there may be that of a rig that works, and edited.
+            if place is None or not place.exists():
+                _write(place, _not_built(error) + found.text)
             raise
     _write(place, found.text)
     return built

@@ -18,10 +18,13 @@ from rigtri.maths.matrices import compose, decompose, identity
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.metadata import ADDED, damage, illegible
 from rigtri.model.rig import Rig
-from rigtri.report import Notice
+from rigtri.report import Notice, SameNotices
 
 # rigtri's prims have translate, orient and scale; a transform that these cannot hold is somebody else's.
 OWN_PLACE = 1e-9
+
+
+_STORED = "What rigtri stored on "
 
 
 class Nodes:
@@ -29,6 +32,7 @@ class Nodes:
 
     def __init__(self, stage: Any, instances: SharedInstances, warnings: list[Notice]) -> None:
         self.stage, self.instances, self.warnings = stage, instances, warnings
+        self._same = SameNotices(warnings)
         self.names: list[str] = []
         self.parents: list[int] = []
         self.matrices: list[np.ndarray] = []
@@ -153,11 +157,9 @@ class Nodes:
         """Whether another version has stored metadata, which are reported and left alone then."""
         why = illegible(metadata)
         if why:
-            text = f"What rigtri stored on '{title}' stays as it is: {why}"
-            self.warnings.append(Notice("note-unread", text))
+            self._same.add("note-unread", _STORED, f"'{title}'", f" stays as it is: {why}")
         elif broken := damage(metadata):
-            text = f"What rigtri stored on '{title}' is damaged and is not used: {broken}"
-            self.warnings.append(Notice("note-damaged", text))
+            self._same.add("note-damaged", _STORED, f"'{title}'", f" is damaged and is not used: {broken}")
         return bool(why)
 
     def rig(self) -> Rig:
