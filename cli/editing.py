@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 _GLTF_ONLY = ("resources", "lenient", "unknown_node_ext", "vrm_constraints")
-_USD_ONLY = ("override", "override_stage", "bake_xform", "allow_rename", "allow_missing")
+_USD_ONLY = ("edit_target", "override", "override_stage", "bake_xform", "allow_rename", "allow_missing")
 
 
 def run_edit(

@@ -214,6 +214,15 @@ def edit_options(command: F) -> F:
             rare=True,
         ),
         option(
+            "--edit-target",
+            metavar="LAYER",
+            default="",
+            help="USD: the layer that gets the opinions, root or a sublayer by its file name; OUT becomes "
+            "that layer. [root]",
+            group="output",
+            rare=True,
+        ),
+        option(
             "--override-stage",
             is_flag=True,
             help="USD: write such a layer with IN as its sublayer and IN's metadata.",

@@ -31,6 +31,7 @@ class ReadOptions:
     root: the node whose hierarchy is the rig where there is no skin (both).
     relink: point a moved .gltf at its old resources instead of copying them (glTF).
     override: write bare opinions over the source (USD): "", "layer" or "stage".
+    edit_target: the sublayer that is edited instead of the root layer, and becomes the output (USD).
     allow_rename: let joints of skeletons get other paths, which a split gives them (USD).
     bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
@@ -45,6 +46,7 @@ class ReadOptions:
     root: str | None = None
     relink: bool = False
     override: str = ""
+    edit_target: str = ""
     allow_rename: bool = False
     bake_xform: bool = False
     from_stream: bool = False

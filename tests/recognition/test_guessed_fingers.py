@@ -27,7 +27,8 @@ def test_what_is_held_is_no_finger() -> None:
     (character,) = recognise(body.rig).characters
     fingers = [chain for chain in character.chains if chain.kind == "finger"]
     assert {chain.name for chain in fingers if chain.side == "left"} == {
-        "left thumb", *(f"left {finger} finger" for finger in FINGERS)
+        "left thumb",
+        *(f"left {finger} finger" for finger in FINGERS),
     }
     assert not {joint for chain in fingers for joint in chain.joints}.intersection(body.sockets)
 

@@ -13,6 +13,7 @@ import numpy as np
 from rigtri.files.atomic_write import same_file
 from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import external_paths
+from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.edit_stage import edit_stage
 from rigtri.formats.usd.embed import embedded
@@ -49,6 +50,8 @@ class UsdDocument:
         stage, layer, warnings = open_file(
             path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
         )
+        if options.edit_target not in ("", "root"):
+            layer = sublayer(stage, options.edit_target)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
     @property
@@ -87,7 +90,8 @@ class UsdDocument:
             edit = edit_stage(self._source, rig, self._options)
             output.write(edit.edits, part, target, edit.notices, strips=bool(edit.rig.pending.removed))
             routed = {*map(id, edit.opinions)} != {*map(id, edit.values)}
-            if routed or any(instance_of(stage, value.prim) is not None for value in edit.values):
+            inside = any(instance_of(stage, value.prim) is not None for value in edit.values)
+            if routed or inside or output.is_sublayer:
                 edit.expected.check(output.composed(part)[0], [*edit.prepared, *edit.values])
         self._notices += [notice for notice in edit.notices if notice not in self._notices]
         return ()
@@ -107,11 +111,12 @@ class UsdDocument:
         with quiet(f"{source.path}: USD cannot read what it refers to"):
             files = list(external_paths.files(source.stage, source.path))
         # To edit a file in place is no loss, whoever refers to it.
-        yield from (entry for entry in files if not same_file(entry[0], source.path))
+        yield from (entry for entry in files if not same_file(entry[0], self._output.layer_path))
 
     def reopen(self, part: Path) -> UsdDocument:
         """Read what was written; bare opinions are read over the file they were made for."""
-        if not self._output.is_bare and (not self._output.is_streamed or part.suffix.lower() == ".usdz"):
+        whole = not (self._output.is_bare or self._output.is_sublayer)
+        if whole and (not self._output.is_streamed or part.suffix.lower() == ".usdz"):
             # Where the output lies in another folder, the source's files are outside it, but were allowed.
             return UsdDocument.read(part, replace(self._options, allow_external_paths=True))
         with quiet(f"{part}: USD cannot read it"):

@@ -14,7 +14,7 @@ from pxr import Sdf, Usd
 from rigtri.errors import FileError, UsageError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import usdz
-from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition import edit_target, layers
 from rigtri.formats.usd.composition.stage import DEFAULT, MARK, is_override, open_over, overridden_file
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.opinions.edits import Edit, Setting
@@ -42,6 +42,16 @@ class Output:
         return self.options.override == "layer" and not is_override(self.layer)
 
     @property
+    def is_sublayer(self) -> bool:
+        """Whether the output is a sublayer of the source, edited."""
+        return bool(self.options.edit_target) and self.layer != self.source.layer
+
+    @property
+    def layer_path(self) -> Path:
+        """The file of what is edited."""
+        return Path(self.layer.realPath) if self.is_sublayer else self.source.path
+
+    @property
     def is_streamed(self) -> bool:
         return self.options.from_stream or self.options.to_stream
 
@@ -52,7 +62,7 @@ class Output:
 
     def check_target(self, target: Path) -> None:
         """UsageError for a target of another format."""
-        own, suffix = self.source.path.suffix.lower(), target.suffix.lower()
+        own, suffix = self.layer_path.suffix.lower(), target.suffix.lower()
         if self.options.override not in ("", "layer", "stage"):
             raise ValueError(f"override is '', 'layer' or 'stage', not {self.options.override!r}")
         if self.is_new_layer:
@@ -78,33 +88,36 @@ class Output:
             encoding = "usda" if target.suffix.lower() == ".usda" else "usdc"
             part.write_bytes(layers.to_bytes(layer, encoding))
             return
-        packed = self.source.path.suffix.lower() == ".usdz"
+        path = self.layer_path
+        packed = path.suffix.lower() == ".usdz"
         rename = None if packed else self._rename(target)
         if not edits and rename is None:
-            shutil.copyfile(self.source.path, part)
+            shutil.copyfile(path, part)
             return
         layer = layers.copy_of(self.layer)
         # Edits first: what they write has no asset paths, and renamed arcs must not be composed.
         apply_edits(stage, edits, layer)
-        if strips and not packed and not is_override(self.layer):
+        if strips and not (packed or self.is_sublayer or is_override(self.layer)):
             _drop_redundant(stage, layer, edits, self._composed_in_place)
         renamed = rename is not None and layers.rename_assets(layer, rename)
         if not edits and not renamed:
-            shutil.copyfile(self.source.path, part)
+            shutil.copyfile(path, part)
         elif packed:
-            package = usdz.read(self.source.path)
-            _check_sums(package, self.source.path, notices)
+            package = usdz.read(path)
+            _check_sums(package, path, notices)
             root = package.bytes_of(package.root)
             encoding = "usdc" if root.startswith(b"PXR-USDC") else "usda"
             usdz.write(package, self._encoded(layer, encoding, root, notices), part)
         else:
             encoding = layers.encoding_of(self.layer)
-            content = self.source.path.read_bytes() if encoding == "usda" else b""
+            content = path.read_bytes() if encoding == "usda" else b""
             part.write_bytes(self._encoded(layer, encoding, content, notices))
 
     def composed(self, part: Path) -> tuple[Any, Any]:
         """The stage of what was written, and the layer in it that an edit would edit."""
         layer = layers.fresh(part)
+        if self.is_sublayer:
+            return edit_target.with_other(self.source.layer, self.layer, layer.identifier), layer
         if self.is_streamed and part.suffix.lower() != ".usdz":
             # What a stream got stands where the source stood; a copy with absolute paths does, too.
             layer = self._anchored(layers.copy_of(layer))
@@ -128,7 +141,7 @@ class Output:
         """How relative asset paths of the source read in the output; None where they stay."""
         if self.is_streamed:
             return None
-        return layers.from_folder(self.source.path.parent, target.parent, self.source.layer)
+        return layers.from_folder(self.layer_path.parent, target.parent, self.source.layer)
 
     def _source_from(self, target: Path) -> str:
         """The source as a relative asset path of the output."""

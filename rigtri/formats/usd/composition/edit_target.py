@@ -1,0 +1,84 @@
+"""The layer of a stage that an edit is for: the root layer, or one of its sublayers that the user names.
+
+Source: UsdEditTarget; layer stacks of the OpenUSD glossary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Usd
+
+from rigtri.errors import FileError, NameNotFoundError
+from rigtri.formats.usd.composition import layers
+
+
+def sublayer(stage: Any, name: str) -> Any:
+    """The layer of a stage's own layer stack that is called so, by file name, by path or by identifier.
+
+    NameNotFoundError where there is none. FileError for one that is referred to, or counts time otherwise.
+    """
+    root = stage.GetRootLayer()
+    folder = Path(root.realPath).parent
+    own = list(stage.GetLayerStack(False))
+    found = [layer for layer in own if name in _names(layer, folder)]
+    if found:
+        for above, below, offset in _sublayers(root):
+            if below == found[0] and (not offset.IsIdentity() or _clock(above) != _clock(below)):
+                raise FileError(
+                    f"--edit-target {name}: its times are scaled or shifted by {above.identifier}. Edit the "
+                    "layer by itself, or write to the root layer"
+                )
+        return found[0]
+    others = [layer for layer in stage.GetUsedLayers(False) if layer not in own]
+    for layer in others:
+        if name in _names(layer, folder):
+            raise FileError(
+                f"--edit-target {name}: {layer.identifier} is referred to, under other paths; edit that "
+                "file itself"
+            )
+    raise NameNotFoundError("layer", name, [Path(layer.realPath).name for layer in own])
+
+
+def with_other(root: Any, old: Any, new: str) -> Any:
+    """The stage of a copy of a root layer, in which the layer in the file ``new`` stands for a sublayer."""
+    copy = _replaced(root, old, new)
+    held = list(copy[1])  # until the stage has them
+    stage = Usd.Stage.Open(copy[0])
+    del held
+    return stage
+
+
+def _replaced(layer: Any, old: Any, new: str) -> tuple[Any, list[Any]]:
+    copy, held = layers.copy_of(layer), list[Any]()
+    layers.rename_assets(copy, layers.anchored(Path(layer.realPath).parent, layer))
+    for number, path in enumerate(layer.subLayerPaths):
+        below = Sdf.Layer.FindOrOpenRelativeToLayer(layer, path)
+        if below is not None and below == old:
+            copy.subLayerPaths[number] = new
+        elif below is not None and any(each == old for _, each, _ in _sublayers(below)):
+            inner, more = _replaced(below, old, new)
+            copy.subLayerPaths[number] = inner.identifier
+            held += [inner, *more]
+    return copy, held
+
+
+def _names(layer: Any, folder: Path) -> set[str]:
+    path = Path(layer.realPath)
+    relative = {path.relative_to(folder).as_posix()} if path.is_relative_to(folder) else set()
+    return {path.name, str(path), layer.identifier, *relative, *(f"./{name}" for name in relative)}
+
+
+def _sublayers(layer: Any) -> Iterator[tuple[Any, Any, Any]]:
+    """Each layer with a sublayer below it, and the offset of that, through the whole layer stack."""
+    for path, offset in zip(layer.subLayerPaths, layer.subLayerOffsets, strict=True):
+        below = Sdf.Layer.FindOrOpenRelativeToLayer(layer, path)
+        if below is not None:
+            yield layer, below, offset
+            yield from _sublayers(below)
+
+
+def _clock(layer: Any) -> float:
+    return float(layer.timeCodesPerSecond)

@@ -1,0 +1,58 @@
+"""--edit-target: which layer of a composed stage gets the opinions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from program import cli
+from pxr import Sdf, Usd
+from usd_files import MESH, animation, deviation, save, scene, skeleton
+
+KEYS = "quatf[] rotations.timeSamples = {\n2: [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)],\n"
+KEYS += "6: [(0.8, 0, 0.6, 0), (1, 0, 0, 0), (0.6, 0, 0.8, 0)],\n}"
+
+
+@pytest.fixture
+def shot(tmp_path: Path) -> Path:
+    """A shot of two departments: layout has the character, animation has keys over it."""
+    save(tmp_path, scene(skeleton(), animation(), MESH), "dept/layout.usda")
+    save(tmp_path, f'#usda 1.0\n# keys\nover "Root"\n{{\nover "Anim"\n{{\n{KEYS}\n}}\n}}\n', "dept/anim.usda")
+    save(tmp_path, "#usda 1.0\n(\nsubLayers = [@./anim.usda@, @./layout.usda@]\n)\n", "dept/all.usda")
+    return save(tmp_path, "#usda 1.0\n(\nsubLayers = [@./dept/all.usda@]\n)\n", "shot.usda")
+
+
+@pytest.mark.parametrize("folder", ["dept", "versions"])
+def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) -> None:
+    out = shot.parent / folder / "anim_v2.usda"
+    out.parent.mkdir(exist_ok=True)
+    before = {path: path.read_bytes() for path in shot.parent.rglob("*.usda")}
+    cli("orient-joints", shot, "-o", out, "--edit-target", "anim.usda", code=0)
+    assert {path: path.read_bytes() for path in before} == before
+    assert "# keys" in out.read_text()
+    assert not Sdf.Layer.FindOrOpen(str(out)).subLayerPaths
+    stack = f"#usda 1.0\n(\nsubLayers = [@./{folder}/anim_v2.usda@, @./dept/layout.usda@]\n)\n"
+    seen = save(shot.parent, stack, "seen.usda")
+    assert deviation(shot, seen) < 1e-6
+    stages = [Usd.Stage.Open(str(path)) for path in (shot, seen)]
+    one, other = (s.GetPrimAtPath("/Root/Skel").GetAttribute("restTransforms").Get() for s in stages)
+    assert one != other
+    # In place, and once more: the layer is the input and the output.
+    cli("orient-joints", seen, "-o", out, "--edit-target", "anim_v2.usda", "--overwrite", code=0)
+    assert deviation(shot, seen) < 1e-6
+
+
+def test_opinions_that_a_stronger_layer_hides_are_refused(shot: Path) -> None:
+    out = shot.parent / "dept" / "layout_v2.usda"
+    printed = cli("orient-joints", shot, "-o", out, "--edit-target", "layout.usda", code=3).output
+    assert "anim.usda is stronger" in printed
+    assert not out.exists()
+
+
+def test_a_layer_that_is_none_of_the_stage_is_named_with_those_that_are(shot: Path) -> None:
+    words = ["orient-joints", shot, "-o", shot.parent / "out.usda", "--edit-target"]
+    assert "No layer is named 'rig.usda'" in cli(*words, "rig.usda", code=4).output
+    save(shot.parent, f'#usda 1.0\ndef "A" (references = @./{shot.name}@</Root>)\n{{\n}}\n', "set.usda")
+    words[1] = shot.parent / "set.usda"
+    assert "anim.usda is referred to, under other paths" in cli(*words, "anim.usda", code=3).output
+    assert cli(*words, "root", "--override", code=2).output
