@@ -25,6 +25,9 @@ _WHERE = {
     "freeze": "rigtri.operations.freeze",
     "limit_weights": "rigtri.operations.limit_weights",
     "merge_joints": "rigtri.operations.merge_joints",
+    "add_root": "rigtri.operations.add_root",
+    "add_socket": "rigtri.operations.add_socket",
+    "root_motion": "rigtri.operations.root_motion",
     "set_rest": "rigtri.operations.set_rest",
     "prune_joints": "rigtri.operations.prune_joints",
     "rename_joints": "rigtri.operations.rename_joints",
@@ -73,6 +76,8 @@ __all__ = [
     "add_polevector",
     "add_posereader",
     "add_rivet",
+    "add_root",
+    "add_socket",
     "add_twist",
     "as_described",
     "auto",
@@ -101,6 +106,7 @@ __all__ = [
     "recognise",
     "register_usd_schemas",
     "rename_joints",
+    "root_motion",
     "set_rest",
     "snap",
     "spec_init",
@@ -134,6 +140,8 @@ if TYPE_CHECKING:
     from rigtri.operations.add_polevector import add_polevector as add_polevector
     from rigtri.operations.add_posereader.posereader import add_posereader as add_posereader
     from rigtri.operations.add_rivet.rivet import add_rivet as add_rivet
+    from rigtri.operations.add_root import add_root as add_root
+    from rigtri.operations.add_socket import add_socket as add_socket
     from rigtri.operations.add_twist.twist import add_twist as add_twist
     from rigtri.operations.bake.bake import bake as bake
     from rigtri.operations.constrain.constrain import constrain as constrain
@@ -146,6 +154,7 @@ if TYPE_CHECKING:
     from rigtri.operations.pose import take_pose as take_pose
     from rigtri.operations.prune_joints import prune_joints as prune_joints
     from rigtri.operations.rename_joints import rename_joints as rename_joints
+    from rigtri.operations.root_motion import root_motion as root_motion
     from rigtri.operations.set_rest import set_rest as set_rest
     from rigtri.operations.snap import snap as snap
     from rigtri.operations.strip import strip as strip

@@ -33,16 +33,27 @@ class Case:
     source: Callable[[str, Path], Path] = lambda name, out: SAMPLES / name
     # Every pose looks as before.
     keeps_looks: bool = True
+    # It works in USD, too.
+    usd: bool = True
     # Joints have other names, by which `verify` cannot find them.
     renames: bool = False
     # `strip` gives the source back.
     strips: bool = True
 
 
+def _rooted(name: str, out: Path) -> Path:
+    """The sample with a root, where a format can get one."""
+    cli("add-root", SAMPLES / name, "-o", out, code=0)
+    return out
+
+
 CASES = {
     "freeze": Case("", strips=False),
     "rename-joints": Case("--to unreal", strips=False, renames=True),
     "set-rest": Case("--pose tpose", keeps_looks=False, strips=False),
+    "add-root": Case("", strips=False, usd=False),
+    "add-socket": Case("--name weapon --on hand_L --at 0,1,0", strips=False),
+    "root-motion": Case("", source=_rooted, keeps_looks=False, strips=False, usd=False),
     "prune-joints": Case("", strips=False),
     "merge-joints": Case("--still", strips=False),
     "limit-weights": Case("", strips=False),
@@ -103,6 +114,8 @@ def made(command: str, suffix: str, folder: Path) -> Made:
 
 @cache
 def _made(command: str, suffix: str, folder: Path) -> Made:
+    if not CASES[command].usd and suffix.startswith(".usd"):
+        pytest.skip("not in USD")
     case, name, place = CASES[command], f"biped{suffix}", folder / f"{command}{suffix.replace('.', '_')}"
     for part in ("source", "keyed", "result"):
         (place / part).mkdir(parents=True)

@@ -1,0 +1,128 @@
+"""add-root: a root joint on the ground, above all joints of a character."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import conjugate, from_axes, rotate
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_socket import with_joint
+from rigtri.operations.joint_records import joint_record
+from rigtri.operations.operation import operation
+from rigtri.operations.options.add_root import AddRootOptions as AddRootOptions
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+
+# The lowest joint stands on the ground of the scene if it is no higher than this share of the height.
+_ON_GROUND = 0.15
+
+
+@operation(AddRootOptions)
+def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
+    """The rig with a joint on the ground, with the world's axes, between a top joint and its parent.
+
+    It is a joint of every skin that has the top joint, and moves no point. A joint of the name above the body
+    is the root already. Raises GeometryError where no body is known, UsageError for a name that is taken, and
+    in USD, where all joints would get other paths.
+    """
+    top = rig.find(options.above) if options.above is not None else _top(rig)
+    if any(rig.names[node] == options.name for node in rig.path_to_root(top) if rig.is_joint[node]):
+        return rig
+    if options.name in rig.names:
+        raise UsageError(f"--name {options.name}: another node is called so")
+    if rig.rules.sized_binding:
+        raise UsageError(
+            "add-root: a USD joint is named by its path, so a root would rename all joints. Add it where the "
+            "skeleton is exported from, or convert to glTF"
+        )
+    return _with_root(rig, top, options.name, report)
+
+
+def _top(rig: Rig) -> int:
+    """The topmost joint of the body."""
+    layout = recognise(rig)
+    if len(layout.characters) != 1:
+        count = len(layout.characters) or "no"
+        raise GeometryError(f"There is {count} character here: name the joint below the root with --above")
+    (body,) = layout.characters
+    joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
+    start = body.hips if body.hips >= 0 else min(joints)
+    return [node for node in rig.path_to_root(start) if rig.is_joint[node]][-1]
+
+
+def _with_root(rig: Rig, top: int, name: str, report: Report) -> Rig:
+    parent = int(rig.parents[top])
+    above = rig.world[parent] if parent >= 0 else np.eye(4)
+    place = _ground(rig, top)
+    local = multiply(from_frame(np.eye(3), place), inverse(from_frame(orthonormal_axes(above), np.zeros(3))))
+    position = multiply(from_frame(np.eye(3), place), inverse(above))[3, :3]
+    still = position, from_axes(orthonormal_axes(local))
+    grown = rig.insert_above({top: name})
+    root, child = top, top + 1
+    translation, rotation = grown.translation.copy(), grown.rotation.copy()
+    translation[root], rotation[root] = still
+    back = conjugate(still[1])
+    translation[child] = rotate(back, rig.translation[top] - position)
+    rotation[child] = product(back, rig.rotation[top])
+    matrix = grown.matrix.copy()
+    matrix[child] = multiply(rig.matrix[top], inverse(compose(*still, np.ones(3))))
+
+    def seen(track: Track) -> Track:
+        return _below_root(track, position, back) if track.node == child else track
+
+    moved = tuple(replace(clip, tracks=tuple(map(seen, clip.tracks))) for clip in grown.clips)
+    skins = []
+    for old, skin in zip(rig.skins, grown.skins, strict=True):
+        if top in old.joints:
+            row = old.joints.tolist().index(top)
+            # Where the top joint is bound, the root stands to it as at rest.
+            bind = multiply(_world(position, still[1], above), inverse(rig.world[top]))
+            first = multiply(old.inverse_bind[row], inverse(bind))
+            skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
+        skins.append(skin)
+    made = replace(
+        grown,
+        translation=translation,
+        rotation=rotation,
+        matrix=matrix,
+        clips=moved,
+        skins=tuple(skins),
+    )
+    report.joints.append(joint_record(made, root, "added"))
+    return made
+
+
+def _world(position: Floats, rotation: Floats, above: Floats) -> Floats:
+    return multiply(compose(position, rotation, np.ones(3)), above)
+
+
+def _ground(rig: Rig, top: int) -> Floats:
+    """Below the top joint on the ground: of the scene, or as low as the lowest joint."""
+    up = np.array(rig.rules.up)
+    joints = [node for node in rig.below(top) if rig.is_joint[node]]
+    heights = rig.world[joints, 3, :3] * up
+    low, high = (float(each) for each in (heights.max(axis=1).min(), heights.max(axis=1).max()))
+    place = rig.world[top, 3, :3] * (1.0 - up)
+    on_ground = abs(low) <= _ON_GROUND * max(high - low, 1e-12)
+    return np.asarray(place + up * (0.0 if on_ground else low))
+
+
+def _below_root(track: Track, position: Floats, back: Floats) -> Track:
+    """A track of the top joint, seen from the root: tangents rotate, and values move, too."""
+    if track.path == "rotation":
+        return track.having(product(back, track.values))
+    if track.path != "translation":
+        return track
+    values = track.values.copy()
+    if track.interpolation == "CUBICSPLINE":
+        values[:, 1] -= position
+    else:
+        values -= position
+    return track.having(rotate(back, values))

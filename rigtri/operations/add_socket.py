@@ -1,0 +1,97 @@
+"""add-socket: a node on a joint that something can be attached to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from rigtri.errors import UsageError
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import IDENTITY, from_axes, to_axes
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, length, normalise, perpendicular
+from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+from rigtri.operations.joint_records import joint_record
+from rigtri.operations.operation import operation
+from rigtri.operations.options.add_socket import AddSocketOptions as AddSocketOptions
+from rigtri.report import Report
+
+# A place that differs by less, as a share of its distance, is the one that is there.
+_SAME = 1e-6
+
+
+@operation(AddSocketOptions)
+def add_socket(rig: Rig, *, options: AddSocketOptions, report: Report) -> Rig:
+    """The rig with a node below a joint, or with the one of that name below it in its new place.
+
+    In glTF it is a plain node, in USD, where only joints follow joints, a joint without weight. Raises
+    NameNotFoundError for a joint that is not there, UsageError for a name that another node has.
+    """
+    joint = rig.find(options.on)
+    known = [node for node in rig.children[joint] if rig.names[node] == options.name]
+    if options.name in rig.names and not known:
+        raise UsageError(f"--name {options.name}: another node is called so")
+    place, rotation = np.array(options.at), _rotation(rig, joint, options)
+    if known:
+        return _moved(rig, known[0], place, rotation, report)
+    made = rig.with_nodes([options.name], [joint], place[np.newaxis], rotation[np.newaxis])
+    node = len(rig)
+    if rig.rules.sized_binding:
+        local = from_frame(to_axes(rotation), place)
+        skins = []
+        for skin in made.skins:
+            if joint in skin.joints:
+                row = skin.joints.tolist().index(joint)
+                bind = multiply(skin.inverse_bind[row], inverse(local))
+                matrices = np.concatenate([skin.inverse_bind, bind[np.newaxis]])
+                skin = with_joint(skin, node, matrices)
+            skins.append(skin)
+        made = replace(made, skins=tuple(skins))
+    report.joints.append(joint_record(made, node, "added"))
+    return made
+
+
+def with_joint(skin: Skin, node: int, inverse_bind: Floats) -> Skin:
+    """A skin with one more joint behind the others, which weighs nothing; inverse_bind: of all."""
+    weigh = None if skin.weigh is None else partial(_and_none, skin.weigh)
+    return replace(skin, joints=np.append(skin.joints, node), inverse_bind=inverse_bind, weigh=weigh)
+
+
+def _and_none(weigh: Callable[[], Booleans]) -> Booleans:
+    return np.append(weigh(), False)
+
+
+def _rotation(rig: Rig, joint: int, options: AddSocketOptions) -> Floats:
+    """The rotation of a socket, seen from its joint."""
+    if options.aim is None:
+        return IDENTITY
+    x = normalise(np.array(options.aim))
+    up = np.array(options.up if options.up is not None else rig.rules.up)
+    if length(cross(x, up)) < _SAME:
+        raise UsageError("--aim and --up are parallel: give another --up")
+    y = normalise(perpendicular(up, x))
+    axes = np.stack([x, y, cross(x, y)])
+    own = orthonormal_axes(rig.world[joint])
+    seen = multiply(from_frame(axes, np.zeros(3)), inverse(from_frame(own, np.zeros(3))))
+    return np.asarray(from_axes(orthonormal_axes(seen)))
+
+
+def _moved(rig: Rig, node: int, place: Floats, rotation: Floats, report: Report) -> Rig:
+    far = float(np.abs(rig.translation[node] - place).max())
+    turn = min(float(np.abs(rig.rotation[node] - sign * rotation).max()) for sign in (1, -1))
+    if far <= _SAME * max(1e-9, float(np.abs(place).max())) and turn <= _SAME:
+        return rig
+    if rig.has_matrix[node]:
+        rig = rig.with_parts([node])
+    translation, rotations = rig.translation.copy(), rig.rotation.copy()
+    translation[node], rotations[node] = place, rotation
+    matrix = rig.matrix.copy()
+    matrix[node] = from_frame(to_axes(rotation), place)
+    report.joints.append(joint_record(rig, node, "posed"))
+    report.reposed = True
+    return replace(rig, translation=translation, rotation=rotations, matrix=matrix)

@@ -1,0 +1,20 @@
+"""The options of add-socket."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rigtri.operations.declaration import Direction, Name, Node, Point, option
+
+
+@dataclass(frozen=True)
+class AddSocketOptions:
+    """Put a node on a joint that something can be attached to."""
+
+    name: Name = option(help="What it is called.", group="what")
+    on: Node = option(help="The joint that it follows.")
+    at: Point = option((0.0, 0.0, 0.0), help="Where it stands, seen from the joint, in the file's units.")
+    aim: Direction | None = option(
+        None, help="Where its x axis points, in the world. [it has the axes of the joint]"
+    )
+    up: Direction | None = option(None, help="Where its y axis points, as far as x allows. [the file's up]")

@@ -1,0 +1,23 @@
+"""The options of root-motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.operations.declaration import Names, Node, option
+
+
+@dataclass(frozen=True)
+class RootMotionOptions:
+    """Move a character's motion over the ground from its hips to its root, or take it out."""
+
+    mode: Literal["extract", "remove"] = option(
+        "extract",
+        help="What becomes of the motion over the ground.",
+        values={"extract": "the root has it; nothing moves", "remove": "the character stays in place"},
+        group="what",
+    )
+    clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]")
+    hips: Node | None = option(None, help="The joint that moves. [the hips of the body]")
+    to: Node | None = option(None, help="The joint that gets its motion. [the one above the hips]")

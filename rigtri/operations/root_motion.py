@@ -1,0 +1,118 @@
+"""root-motion: what hips move over the ground goes to the root, or out of the clip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from rigtri.errors import GeometryError, NameNotFoundError
+from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import rotate
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.operation import operation
+from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+
+# Motion over the ground by no more of the hips' height is none.
+_NONE = 1e-7
+
+
+@operation(RootMotionOptions)
+def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
+    """The rig whose root moves over the ground as its hips did, so that no other joint moves; or none does.
+
+    Exact for every interpolation: both get keys at the times that the hips have. What was done in each clip
+    is in ``report.added``. Raises GeometryError where there is no root above the hips, or it rotates or moves
+    at other times.
+    """
+    hips, root = _joints(rig, options)
+    names = [clip.name for clip in rig.clips]
+    for glob in options.clip:
+        if not any(fnmatchcase(name, glob) for name in names):
+            raise NameNotFoundError("clip", glob, names, pattern=True)
+    clips = []
+    for clip in rig.clips:
+        asked = not options.clip or any(fnmatchcase(clip.name, glob) for glob in options.clip)
+        clips.append(_moved(rig, clip, hips, root, options, report) if asked and not clip.idle else clip)
+    if not report.added:
+        return rig
+    report.reposed = True  # the root, or all
+    return replace(rig.with_parts([root]), clips=tuple(clips))
+
+
+def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
+    """The hips and the root above them."""
+    if options.hips is not None:
+        hips = rig.find(options.hips)
+    else:
+        found = [body.hips for body in recognise(rig).characters if body.hips >= 0]
+        if len(found) != 1:
+            raise GeometryError("The hips of one body are not known here: name them with --hips")
+        (hips,) = found
+    above = [node for node in rig.path_to_root(hips)[1:] if rig.is_joint[node]]
+    root = rig.find(options.to) if options.to is not None else (above or [-1])[0]
+    if root < 0 or root not in rig.path_to_root(hips)[1:]:
+        raise GeometryError(f"'{rig.title(hips)}' has no root joint above it: add one with rigtri add-root")
+    if int(rig.parents[hips]) != root:
+        raise GeometryError(
+            f"'{rig.title(hips)}' is no child of '{rig.title(root)}': name others with --to or --hips"
+        )
+    return hips, root
+
+
+def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOptions, report: Report) -> Clip:
+    mine = [t for t in clip.tracks if t.node == hips and t.path == "translation"]
+    if not mine:
+        return clip
+    (track,) = mine
+    theirs = {t.path: t for t in clip.tracks if t.node == root}
+    if "rotation" in theirs or "scale" in theirs:
+        raise GeometryError(
+            f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}': bake it to the hips first"
+        )
+    up = _up(rig, root)
+    rest = rig.translation[hips]
+    plain = track.interpolation != "CUBICSPLINE"
+    away = track.values - rest if plain else _but_tangents(track.values, rest)
+    along = away - up * dot(away, up)[..., np.newaxis]
+    if np.abs(along).max(initial=0.0) <= _NONE * max(1.0, float(length(rest))):
+        return clip
+    report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode, "keys": len(track.times)})
+    tracks = [track.having(track.values - along) if t is track else t for t in clip.tracks]
+    if options.mode == "extract":
+        shift = rotate(rig.rotation[root], along * rig.scale[root])
+        old = theirs.get("translation")
+        if old is None:
+            start = rig.translation[root]
+            values = shift + start if plain else _but_tangents(shift, -start)
+            tracks.append(Track(root, "translation", track.interpolation, track.times, values))
+        elif old.interpolation == track.interpolation and np.array_equal(old.times, track.times):
+            tracks[tracks.index(old)] = old.having(old.values + shift)
+        else:
+            raise GeometryError(
+                f"The root '{rig.title(root)}' moves at other times than its hips in clip '{clip.name}': "
+                "bake it first"
+            )
+    return replace(clip, tracks=tuple(tracks))
+
+
+def _up(rig: Rig, root: int) -> Floats:
+    """The scene's up axis, seen from the root."""
+    frame = np.eye(4)
+    frame[:3, :3] = orthonormal_axes(rig.world[root])
+    point = np.eye(4)
+    point[3, :3] = rig.rules.up
+    return np.asarray(multiply(point, inverse(frame))[3, :3])
+
+
+def _but_tangents(values: Floats, origin: Floats) -> Floats:
+    """Keys of a spline less ``origin``; tangents have no place."""
+    moved = values.copy()
+    moved[:, 1] -= origin
+    return moved

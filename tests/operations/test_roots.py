@@ -1,0 +1,105 @@
+"""add-root, add-socket, root-motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from places import SAMPLES
+from program import cli
+
+import rigtri
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.formats import read
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.compare import verify
+
+
+def places(rig: Rig, name: str, number: int = 0) -> np.ndarray:
+    """Where a node is at the keys of a clip and between them, (f, 3)."""
+    keys = key_times(rig.clips[number])
+    times = np.sort(np.concatenate([keys, (keys[1:] + keys[:-1]) / 2]))
+    return worlds(rig, locals_at(rig, rig.clips[number], times))[:, rig.find(name), 3, :3]
+
+
+@pytest.fixture
+def rooted(tmp_path: Path) -> Path:
+    out = tmp_path / "rooted.glb"
+    cli("add-root", SAMPLES / "biped.glb", "-o", out, code=0)
+    return out
+
+
+def test_a_root_stands_on_the_ground_and_nothing_moves(rooted: Path) -> None:
+    before, after = rigtri.read(SAMPLES / "biped.glb"), rigtri.read(rooted)
+    root = after.find("root")
+    assert after.world[root, 1, 1] == pytest.approx(1.0)
+    assert after.world[root, 3, 1] == pytest.approx(0.0, abs=1e-9)
+    assert after.names[after.parents[after.find("hips")]] == "root"
+    assert root in after.skins[0].joints
+    assert not after.skins[0].weighted[after.skins[0].joints.tolist().index(root)]
+    assert verify(read(SAMPLES / "biped.glb"), read(rooted)).deviation < 1e-6
+    for number in range(len(before.clips)):
+        assert np.allclose(places(before, "hand_L", number), places(after, "hand_L", number), atol=1e-4)
+
+
+def test_a_second_root_is_not_added(rooted: Path) -> None:
+    rig = rigtri.read(rooted)
+    assert rigtri.add_root(rig).names == rig.names
+
+
+def test_a_root_in_usd_is_refused_with_the_reason() -> None:
+    with pytest.raises(UsageError, match="named by its path"):
+        rigtri.add_root(rigtri.read(SAMPLES / "biped.usda"))
+
+
+def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -> None:
+    source, out, again, still = (tmp_path / f"{name}.glb" for name in ("source", "out", "again", "still"))
+    rig = rigtri.read(rooted)
+    hips = rig.find("hips")
+    clip = rig.clips[0]
+    (track,) = (t for t in clip.tracks if t.node == hips and t.path == "translation")
+    far = np.linspace(0, 100, len(track.times))[:, np.newaxis] * np.array([0.3, 0.0, 1.0])
+    walks = track.having(track.values + far)
+    tracks = tuple(walks if t is track else t for t in clip.tracks)
+    rigtri.write(rigtri_with(rig, tracks), source, verify=False)
+    cli("root-motion", source, "-o", out, "--clip", clip.name, code=0)
+    cli("root-motion", out, "-o", again, "--clip", clip.name, code=0)
+    assert again.read_bytes() == out.read_bytes()
+    before, after = rigtri.read(source), rigtri.read(out)
+    assert np.allclose(places(before, "head"), places(after, "head"), atol=1e-4)
+    moved = places(after, "root")
+    assert moved[-1, 2] - moved[0, 2] > 90
+    assert np.abs(moved[:, 1]).max() < 1e-6
+    cli("root-motion", source, "-o", still, "--mode", "remove", "--clip", clip.name, code=0)
+    assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4
+
+
+def rigtri_with(rig: Rig, tracks: tuple[object, ...]) -> Rig:
+    from dataclasses import replace
+
+    return replace(rig, clips=(replace(rig.clips[0], tracks=tracks), *rig.clips[1:]))
+
+
+def test_hips_without_a_root_are_told_what_to_do() -> None:
+    with pytest.raises(GeometryError, match="add one with rigtri add-root"):
+        rigtri.root_motion(rigtri.read(SAMPLES / "biped.glb"))
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_socket_stands_where_it_is_put_and_follows(suffix: str, tmp_path: Path) -> None:
+    source, out, moved = SAMPLES / f"biped{suffix}", tmp_path / f"out{suffix}", tmp_path / f"moved{suffix}"
+    words = ("--name", "gun", "--on", "hand_L", "--aim", "+z", "--up", "+y")
+    cli("add-socket", source, "-o", out, *words, "--at", "0,2,0", code=0)
+    rig = rigtri.read(out)
+    socket, hand = rig.find("gun"), rig.find("hand_L")
+    assert int(rig.parents[socket]) == hand
+    x, y = rig.world[socket, :2, :3]
+    assert np.allclose(x / np.linalg.norm(x), (0, 0, 1), atol=1e-6)
+    assert np.allclose(y / np.linalg.norm(y), (0, 1, 0), atol=1e-6)
+    gap = places(rig, "gun") - places(rig, "hand_L")
+    assert np.allclose(np.linalg.norm(gap, axis=1), 2 * np.linalg.norm(rig.world[hand, 1, :3]), rtol=1e-4)
+    cli("add-socket", out, "-o", moved, *words, "--at", "0,3,0", code=0)
+    assert rigtri.read(moved).names == rig.names
+    assert np.allclose(rigtri.read(moved).local[socket, 3, :3], (0, 3, 0))
