@@ -5,8 +5,10 @@ from __future__ import annotations
 import click
 from click.shell_completion import CompletionItem
 
+from rigtri.errors import UsageError
+
 from .catalogue import COMMANDS, GROUPS
-from .help_format import WHOLE, Command, options_json
+from .help_format import WHOLE, Command, option, options_json
 from .options import json_option
 from .printing import print_json
 
@@ -28,18 +30,27 @@ class _CommandName(click.ParamType):  # type: ignore[type-arg]
 
 @click.command("help", cls=Command)
 @click.argument("name", metavar="[COMMAND]", required=False, type=_CommandName())
+@option("--man", is_flag=True, help="Print the manual page of all commands, for man.", group="what")
 @json_option
 @click.pass_context
-def command(ctx: click.Context, name: str | None, as_json: bool) -> None:
+def command(ctx: click.Context, name: str | None, man: bool, as_json: bool) -> None:
     """Show the whole help of a command: all of its options, in groups, with what their values mean.
 
     \b
-    Example:
+    Examples:
         rigtri help orient-joints
+        rigtri help --man > ~/.local/share/man/man1/rigtri.1
     """
     root = ctx.find_root()
     program = root.command
     assert isinstance(program, click.Group)
+    if man:
+        from .man_page import man_page
+
+        if name is not None or as_json:
+            raise UsageError("--man prints the page of all commands; leave out the rest")
+        click.echo(man_page(program, root), nl=False)
+        return
     if name is None:
         print_json({"commands": GROUPS}) if as_json else click.echo(program.get_help(root))
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Any
@@ -65,18 +65,29 @@ class Command(click.Command):
     """A command whose options stand in groups; rare ones only in its whole help."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        every = [each for each in self.get_params(ctx) if isinstance(each, click.Option) and not each.hidden]
-        shown = [each for each in every if ctx.meta.get(WHOLE) or not getattr(each, "rare", False)]
-        for group, title in GROUPS.items():
-            # That of --help is click's own.
-            here = [each for each in shown if getattr(each, "group", "output") == group]
-            rows = [row for each in here for row in _rows(ctx, each)]
-            if rows:
-                with formatter.section(title):
-                    formatter.write_dl(rows)
-        if len(shown) < len(every):
+        for title, rows in option_groups(self, ctx):
+            with formatter.section(title):
+                formatter.write_dl(rows)
+        every = _options(self, ctx)
+        if not ctx.meta.get(WHOLE) and any(getattr(each, "rare", False) for each in every):
             formatter.write_paragraph()
             formatter.write_text(f"All {len(every)} options: rigtri help {ctx.info_name}")
+
+
+def option_groups(command: click.Command, ctx: click.Context) -> Iterator[tuple[str, list[tuple[str, str]]]]:
+    """The options that help shows under each heading, with what their values mean."""
+    shown = [
+        each for each in _options(command, ctx) if ctx.meta.get(WHOLE) or not getattr(each, "rare", False)
+    ]
+    for group, title in GROUPS.items():
+        # That of --help is click's own.
+        here = [each for each in shown if getattr(each, "group", "output") == group]
+        if here:
+            yield title, [row for each in here for row in _rows(ctx, each)]
+
+
+def _options(command: click.Command, ctx: click.Context) -> list[click.Option]:
+    return [each for each in command.get_params(ctx) if isinstance(each, click.Option) and not each.hidden]
 
 
 def options_json(ctx: click.Context) -> list[dict[str, Any]]:

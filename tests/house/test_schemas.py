@@ -66,7 +66,7 @@ def test_stored_frames_are_four_numbers_each() -> None:
 
 def test_a_report_has_exactly_its_keys() -> None:
     report: dict[str, Any] = {
-        "rigtri": "0.1.0",
+        "rigtri": "0.2.0",
         "command": "add-polevector",
         "source": "in.glb",
         "target": "-",
