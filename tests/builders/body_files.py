@@ -78,9 +78,16 @@ def _made(rig: Callable[[], Rig]) -> Make:
 
 
 LIMBS = [f"{side}_{part}" for side in ("left", "right") for part in ("upper_arm", "lower_arm")]
+FINGERS = [f"left_{part}_{k}" for part in ("index", "middle", "ring", "little") for k in (1, 2, 3)]
 AXES: dict[str, list[Make]] = {
     "axes.aim": [_made(lambda: posed_body(Pose()).rig)],
     "axes.fingers": [_made(lambda: rolled(posed_body(Pose()), left_ring_1=50.0))],
+    "axes.hands": [_made(lambda: rolled(posed_body(Pose()), **dict.fromkeys(FINGERS, 180.0)))],
+    "axes.roll": [
+        _made(lambda: rolled(posed_body(Pose()), left_thumb_1=120.0)),
+        _made(lambda: rolled(posed_body(Pose()), left_hand=90.0)),
+        _made(lambda: rolled(posed_body(Pose()), left_foot=90.0)),
+    ],
     "axes.hinge": [_made(lambda: rolled(posed_body(Pose()), left_lower_leg=30.0))],
     "axes.trunk": [_made(lambda: rolled(posed_body(Pose()), chest=90.0))],
     "axes.forward": [_made(lambda: rolled(posed_body(Pose()), hips=45.0, spine=45.0, chest=45.0))],

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from body_files import AXES, backwards, rolled, with_poles
+from body_files import AXES, FINGERS, backwards, rolled, with_poles
 from broken_vrm import avatar_0
 from places import sample_files
 from posed_bodies import Pose, posed_body, poses
@@ -107,6 +107,22 @@ def test_left_and_right_by_other_signs_are_named() -> None:
     ((rule, _, text),) = axis_findings(out)
     assert rule == "axes.flex"
     assert "left elbow by -y, right elbow by +y" in text
+
+
+@pytest.mark.parametrize("part", ["left_thumb_2", "right_hand", "left_foot"])
+@pytest.mark.parametrize("degrees", [90.0, 180.0])
+def test_rolled_hands_thumbs_and_feet_are_named(part: str, degrees: float) -> None:
+    body = posed_body(Pose(arms=70.0))
+    ((rule, node, text),) = axis_findings(rolled(body, **{part: degrees}))
+    assert (rule, node) == ("axes.roll", body.parts[part.replace("_", " ")])
+    assert "+y" in text
+
+
+def test_a_hand_whose_fingers_all_close_the_other_way_is_named() -> None:
+    found = list(axis_findings(rolled(posed_body(Pose()), **dict.fromkeys(FINGERS, 180.0))))
+    ((_, _, text),) = [each for each in found if each[0] == "axes.hands"]
+    assert "by -y" in text
+    assert "by +y" in text
 
 
 def test_joints_without_weight_are_left_out() -> None:

@@ -20,6 +20,7 @@ import numpy as np
 
 from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
+from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_sine
 from rigtri.maths.trigonometry import Floats
@@ -48,6 +49,8 @@ TINY = 1e-3
 FLEXES = 0.5
 # Joints have the same axes that differ by less than this (cosine of 2°); a character has, of which most do.
 PARALLEL, MOST = 0.9993908270190958, 0.5
+# A thumb closes over the palm in many ways: by so much (the cosine of 75°) at least.
+THUMB = 0.25881904510252074
 # Where the user or the motion has decided on a pole, nothing is presumed.
 DECIDED = ("given", "clips", "other pose")
 _BENDS = {"arm": "elbow", "leg": "knee"}
@@ -108,6 +111,11 @@ class _Seen:
             return np.asarray(normalise(self.world[:, :3, :3]))
 
     @cached_property
+    def turning(self) -> Floats:
+        """Which way a positive rotation turns, (n,): −1 in left-handed axes."""
+        return np.where(determinant(self.world) < 0, -1.0, 1.0)
+
+    @cached_property
     def chains(self) -> dict[str, Chain]:
         carries = self.tree.carries
         return {k.name: k for k in self.character.chains if k.is_sure and carries[list(k.joints)].all()}
@@ -155,8 +163,14 @@ class _Seen:
 
     def findings(self) -> Iterator[Found]:
         off: list[int] = []
+        closing = {}
         for side, hand in self.hands:
             yield from self._hand(side, hand, off)
+            closing[hand[0].joints[0]] = self._closing_hand(hand)
+            yield from self._rolled_hand(side, hand, closing[hand[0].joints[0]])
+        if len(closing) > 1 and all(closing.values()) and not set.intersection(*closing.values()):
+            what = ", ".join(f"'{self.rig.title(joint)}' by {_text(axes)}" for joint, axes in closing.items())
+            yield "axes.hands", next(iter(closing)), f"no one axis and sign closes both hands: {what}"
         if self.character.form == "biped":
             yield from self._trunk(off)
             yield from self._limbs(off)
@@ -206,6 +220,41 @@ class _Seen:
             text = f"the fingers of the {side} hand curl about axes up to {most:.0f}° apart"
             yield "axes.fingers", a.joints[0], f"{text}: {a.name} and {b.name}"
 
+    def _closing_hand(self, hand: Sequence[Chain]) -> set[Signed]:
+        """The axes about which a positive rotation closes all fingers; none where they do not agree."""
+        axes = [self._about(finger.joints[0], finger.joints[1], FLEXES) for finger in hand]
+        return set.intersection(*axes)
+
+    def _about(self, joint: int, target: int, least: float) -> set[Signed]:
+        """The axes about which a positive rotation moves a joint as its body has it move, by this cosine.
+
+        None of them where no axis of the joint aims at the target.
+        """
+        hinge = None if self.body is None else self.body.hinges.get(joint)
+        bone = normalise(self.at[target] - self.at[joint])
+        along = np.abs(dot(self.axes[joint], bone))
+        if hinge is None or not along.max() >= AIMS:
+            return set()
+        axes, direction = self.axes[joint] * self.turning[joint], hinge.of(bone)
+        signed = product((k for k in range(3) if k != int(np.argmax(along))), (1.0, -1.0))
+        return {(k, s) for k, s in signed if s * dot(axes[k], direction) > least}
+
+    def _rolled_hand(self, side: str, hand: Sequence[Chain], closing: set[Signed]) -> Iterator[Found]:
+        """The thumb and the wrist that another axis closes than the fingers."""
+        thumb, wrist = self.chains.get(f"{side} thumb"), self.chains.get(f"{side} hand")
+        bones = [(*pair, THUMB) for pair in pairwise(thumb.joints if thumb else ())]
+        bones += [(wrist.joints[0], finger.joints[0], FLEXES) for finger in hand[1:2] if wrist]
+        for joint, target, least in bones:
+            yield from self._rolled(joint, target, least, closing, "closes the fingers")
+
+    def _rolled(
+        self, joint: int, target: int, least: float, flexing: set[Signed], what: str
+    ) -> Iterator[Found]:
+        own = self._about(joint, target, least)
+        if flexing and own and not flexing & own:
+            text = f"is rolled: {_text(flexing)} {what}, and {_text(own)} would have to turn this joint"
+            yield "axes.roll", joint, text
+
     def _trunk(self, off: list[int]) -> Iterator[Found]:
         trunk = self.trunk
         aim = self._aim([*pairwise(trunk)], off) if len(trunk) > 1 else None
@@ -242,6 +291,10 @@ class _Seen:
             axes = self._flexing(limb, aim)
             if axes is not None:
                 flexing.append((limb, axes))
+                foot = self.chains.get(f"{limb.side} foot") if limb.kind == "leg" else None
+                if foot and len(foot.joints) > 1:
+                    ankle, toes = foot.joints[:2]
+                    yield from self._rolled(ankle, toes, FLEXES, axes, "bends the knee")
         if flexing and not set.intersection(*(axes for _, axes in flexing)):
             what = ", ".join(f"{limb.side} {_BENDS[limb.kind]} by {_text(axes)}" for limb, axes in flexing)
             yield "axes.flex", flexing[0][0].middle, f"no one axis and sign bends all limbs: {what}"
@@ -261,8 +314,9 @@ class _Seen:
         if found is None:
             return None
         hinge = believable(self.rig, limb, self.world, found, facing, Report()).hinge
+        axes = self.axes[limb.middle] * self.turning[limb.middle]
         signed = product((k for k in range(3) if k != aim[0]), (1.0, -1.0))
-        return {(k, s) for k, s in signed if s * dot(self.axes[limb.middle, k], hinge) > FLEXES}
+        return {(k, s) for k, s in signed if s * dot(axes[k], hinge) > FLEXES}
 
 
 def _text(axes: set[Signed]) -> str:
