@@ -18,6 +18,7 @@ from typing import Any
 from pxr import Sdf
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition.layers import listed_items
 from rigtri.formats.usd.composition.variable_expressions import Variables, evaluated, is_one, variables_of
 
 # Prims of a stage, those in instances for each of them: rigtri reads them one by one.
@@ -207,25 +208,23 @@ class _Count:
 
     def _arcs(self, spec: Any, layer: Any, number: int) -> Iterator[Site]:
         """Where the arcs of a spec lead to."""
-        for paths in (spec.inheritPathList, spec.specializesList):
-            for path in paths.GetAddedOrExplicitItems():
-                yield number, path
-                if number:
-                    # Opinions on a class of the same name in the root layer count, too.
-                    yield 0, path
+        for path in (*listed_items(spec, "inheritPaths"), *listed_items(spec, "specializes")):
+            yield number, path
+            if number:
+                # Opinions on a class of the same name in the root layer count, too.
+                yield 0, path
         variables = self._stacks[number][1]
-        for arcs in (spec.referenceList, spec.payloadList):
-            for arc in arcs.GetAddedOrExplicitItems():
-                stack = number
-                root = self._stacks[number][0][0]
-                if arc.assetPath:
-                    root = _opened(layer, arc.assetPath, variables)
-                    if root is None:
-                        continue
-                    stack = self._stack(root, {**variables_of(root), **variables})
-                path = arc.primPath or _default_prim(root)
-                if path:
-                    yield stack, path
+        for arc in (*listed_items(spec, "references"), *listed_items(spec, "payload")):
+            stack = number
+            root = self._stacks[number][0][0]
+            if arc.assetPath:
+                root = _opened(layer, arc.assetPath, variables)
+                if root is None:
+                    continue
+                stack = self._stack(root, {**variables_of(root), **variables})
+            path = arc.primPath or _default_prim(root)
+            if path:
+                yield stack, path
 
     def _stack(self, root: Any, variables: Variables) -> int:
         """The number of the layer stack of a layer."""

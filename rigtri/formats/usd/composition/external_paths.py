@@ -162,8 +162,8 @@ def asset_paths(layer: Any, variables: Variables) -> Iterator[tuple[str, str, st
 
 
 def _arcs(spec: Any) -> Iterator[str]:
-    for arcs in (spec.referenceList, spec.payloadList):
-        yield from (arc.assetPath for arc in arcs.GetAddedOrExplicitItems())
+    for name in ("references", "payload"):
+        yield from (arc.assetPath for arc in layers.listed_items(spec, name))
 
 
 def _clips(spec: Any, layer: Any, variables: Variables) -> Iterator[str]:

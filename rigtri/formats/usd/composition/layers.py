@@ -51,6 +51,14 @@ def remove(spec: Any) -> None:
     del (spec.nameParent or spec.layer.pseudoRoot).nameChildren[spec.name]
 
 
+def listed_items(spec: Any, field: str) -> list[Any]:
+    """What a list of a spec adds or names, such as its ``references``.
+
+    By value: proxies of lists fail where a process has opened and dropped many layers (26.11).
+    """
+    return list(spec.GetInfo(field).GetAddedOrExplicitItems()) if spec.HasInfo(field) else []
+
+
 def over(opinions: Any, source: Any) -> Any:
     """A stage of bare opinions over the layer they are about, with that one's metadata."""
     both = empty()
