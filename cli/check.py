@@ -49,6 +49,12 @@ _PAINTS = (
     help="Hide the findings of a check; * matches anything.",
     group="what",
 )
+@option(
+    "--profile",
+    type=click.Choice(["unity", "unreal", "godot", "vrm", "three", "webgl"]),
+    help="Also look for what an engine asks of a character, by its own documents.",
+    group="what",
+)
 @option("--strict", is_flag=True, help="Treat warnings as errors.", group="safety")
 @option("--external", is_flag=True, help="USD: add the findings of OpenUSD's own validators.", group="what")
 @option("--list", "list_rules", is_flag=True, help="Print every id with its meaning, and exit.", group="what")
@@ -78,13 +84,14 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     \b
     Example:
         rigtri check hero.glb
+        rigtri check hero.glb --profile unreal
         rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
     """
     from rigtri.files.worker_process import WorkerProcess
     from rigtri.verification.checks.rule_catalogue import matching
 
     if values["list_rules"]:
-        _list(values["as_json"])
+        _list(values["as_json"], engines=values["profile"] is not None)
         return
     if not files:
         raise UsageError("name a file to check, or --list")
@@ -109,7 +116,7 @@ def _check(name: str, values: dict[str, Any], child: WorkerProcess) -> list[Find
     from rigtri.files.input_stream import opened
     from rigtri.verification.checks import check
 
-    options = {key: values[key] for key in ("allow_external_paths", "external")}
+    options = {key: values[key] for key in ("allow_external_paths", "external", "profile")}
     if name != "-":
         return _apart(child, Path(name), options) if _may_crash(Path(name)) else check(name, **options)
     with opened(name) as path:
@@ -214,11 +221,13 @@ def _counted(numbers: dict[str, int]) -> str:
     return ", ".join(words)
 
 
-def _list(machine: bool) -> None:
+def _list(machine: bool, *, engines: bool) -> None:
+    from rigtri.verification.checks.profile_check import PROFILE_RULES
     from rigtri.verification.checks.rule_catalogue import RULES
 
+    every = [*RULES.values(), *(PROFILE_RULES.values() if engines else ())]
     if machine:
-        print_json([rule.as_json() for rule in RULES.values()])
+        print_json([rule.as_json() for rule in every])
         return
-    for rule in RULES.values():
+    for rule in every:
         click.echo(f"{rule.id} ({rule.severity})\n    {rule.meaning}\n    {rule.remedy}")

@@ -10,26 +10,36 @@ from pathlib import Path
 
 from rigtri.errors import FileError
 from rigtri.files.text_files import check_no_pointer
-from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, need_usd
+from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
 from rigtri.verification.checks.findings import Finding, Findings, Rule
+from rigtri.verification.checks.profile_check import PROFILE_RULES, Profile, check_profile
 from rigtri.verification.checks.rule_catalogue import RULES, UNREADABLE
 
 __all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]
 
 
-def check(path: Path | str, *, allow_external_paths: bool = False, external: bool = False) -> list[Finding]:
+def check(
+    path: Path | str,
+    *,
+    allow_external_paths: bool = False,
+    external: bool = False,
+    profile: Profile | None = None,
+) -> list[Finding]:
     """Everything that is wrong with a skinned rig in a glTF, VRM or USD file, the worst first.
 
     A file that cannot be read at all has the one finding ``file.unreadable``.
     allow_external_paths: read buffers and layers outside the folder of the file. external: for
-    USD, add what OpenUSD's own validators report.
+    USD, add what OpenUSD's own validators report. profile: the engine whose demands are looked at, too.
 
     Every id is in `RULES`, but those of OpenUSD, which have a colon.
     """
     path = Path(path)
-    findings = Findings(RULES)
+    findings = Findings({**RULES, **PROFILE_RULES})
     try:
         _check(path, findings, allow_external_paths, external)
+        if profile is not None:
+            rig = read(path, ReadOptions(allow_external_paths=allow_external_paths)).rig
+            check_profile(rig, profile, findings)
     except FileError as error:
         return [*unreadable(path, error), *findings.all()]
     return findings.all()

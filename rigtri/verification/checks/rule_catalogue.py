@@ -12,6 +12,7 @@ from fnmatch import fnmatchcase
 
 from rigtri.errors import UsageError
 from rigtri.formats.rules import Rule, read_rules
+from rigtri.verification.checks.profile_check import PROFILE_RULES
 
 UNREADABLE = "file.unreadable"
 _FILE = (
@@ -62,10 +63,11 @@ def matching(patterns: Iterable[str]) -> set[str]:
     An id with a colon is one of OpenUSD's own, which are not listed here.
     """
     found: set[str] = set()
+    every = {**RULES, **PROFILE_RULES}
     for pattern in patterns:
-        named = {known for known in RULES if fnmatchcase(known, pattern)}
+        named = {known for known in every if fnmatchcase(known, pattern)}
         if not named and ":" not in pattern:
-            close = get_close_matches(pattern, RULES, n=3)
+            close = get_close_matches(pattern, every, n=3)
             hint = f" Did you mean {', '.join(close)}?" if close else ""
             raise UsageError(f"no check has the id '{pattern}'.{hint} All ids: rigtri check --list")
         found |= named or {pattern}

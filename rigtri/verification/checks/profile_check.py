@@ -1,0 +1,229 @@
+"""What engines ask of a character: bones, scale, pose, root, influences, names, by their own documents.
+
+Only what is asked for with ``--profile`` is looked at: a file may be right and not fit an engine. Each rule
+names its source, and the command that mends it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rigtri.formats.rules import Rule, Severity
+from rigtri.maths.vectors import dot, length, normalise
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import CONFIDENT, Character
+from rigtri.recognition.recognise import recognise
+from rigtri.verification.checks.cycle_check import place_of
+from rigtri.verification.checks.findings import Findings
+
+Profile = Literal["unity", "unreal", "godot", "vrm", "three", "webgl"]
+PROFILES: tuple[Profile, ...] = ("unity", "unreal", "godot", "vrm", "three", "webgl")
+# The bones that a humanoid must have.
+# Source: Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md, "Required".
+_LIMBS = ("UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot")
+_REQUIRED = ("hips", "spine", "head", *(side + bone for bone in _LIMBS for side in ("left", "right")))
+# A world scale this near to 1 is 1; arms this far (cosine of 20°) from the lateral axis are in no T-pose.
+_ONE, _LATERAL = 1e-3, 0.9396926207859084
+
+
+@dataclass(frozen=True)
+class _Engine:
+    """What one engine asks for. influences: joints of a point, joints: of a skin; 0 for any number."""
+
+    title: str
+    humanoid: bool = False
+    t_pose: bool = False
+    root: bool = False
+    scale: bool = False
+    influences: int = 0
+    joints: int = 0
+    odd_names: str = ""
+
+
+# Sources of the numbers: Unity manual, QualitySettings.skinWeights; Unreal, "Skeletal Mesh" (8 influences);
+# Godot, ArrayMesh (ARRAY_FLAG_USE_8_BONE_WEIGHTS); three.js, GLTFLoader and PropertyBinding; WebGL 2.0
+# (MAX_VERTEX_UNIFORM_VECTORS is at least 256, and a joint takes 4).
+_ENGINES: Mapping[str, _Engine] = {
+    "unity": _Engine("Unity", humanoid=True, t_pose=True, scale=True, influences=4),
+    "unreal": _Engine("Unreal", root=True, scale=True, influences=8),
+    "godot": _Engine("Godot", t_pose=True, scale=True, influences=8),
+    "vrm": _Engine("VRM", humanoid=True, t_pose=True, scale=True, influences=4),
+    "three": _Engine("three.js", influences=4, odd_names=r"[\[\].:/\s]"),
+    "webgl": _Engine("WebGL", influences=4, joints=64),
+}
+_ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
+    (
+        "character",
+        "error",
+        "No body is recognised, so a humanoid cannot be made of it.",
+        "Unity manual, Importing a model with humanoid animations; VRMC_vrm 1.0, humanoid.md",
+        "See why with rigtri recognise.",
+    ),
+    (
+        "bones",
+        "error",
+        "A bone that the engine's humanoid must have is not there.",
+        "Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md",
+        "See what is known with rigtri recognise --joints; name joints with rigtri rename-joints.",
+    ),
+    (
+        "scale",
+        "warning",
+        "A joint has a scale other than 1 in the world: physics, sockets and retargeting go by it.",
+        "VRMC_vrm 1.0, tpose.md; Unity manual, Model tab; Godot, Retargeting 3D Skeletons",
+        "Freeze it with rigtri freeze.",
+    ),
+    (
+        "pose",
+        "warning",
+        "The rest pose is no T-pose, from which the engine retargets.",
+        "VRMC_vrm 1.0, tpose.md; Unity manual, Avatar Mapping; Godot, Retargeting 3D Skeletons",
+        "Give it one with rigtri set-rest --pose tpose.",
+    ),
+    (
+        "root",
+        "warning",
+        "There is no one root joint above the hips, from which root motion is taken.",
+        "Unreal Engine, Root Motion, and FBX Skeletal Mesh Pipeline",
+        "Add one with rigtri add-root.",
+    ),
+    (
+        "influences",
+        "warning",
+        "Points follow more joints than the engine shows.",
+        "Unity, QualitySettings.skinWeights; Godot, ArrayMesh; three.js issue 26137; glTF issue 1275",
+        "Limit them with rigtri limit-weights.",
+    ),
+    (
+        "joints",
+        "info",
+        "A skin has more joints than a vertex shader is sure to hold as uniforms.",
+        "WebGL 2.0, MAX_VERTEX_UNIFORM_VECTORS",
+        "Take some out with rigtri prune-joints or merge-joints, or use a bone texture.",
+    ),
+    (
+        "names",
+        "warning",
+        "Several joints share a name, so that the engine's humanoid cannot tell them apart.",
+        "Unity manual, Avatar Mapping",
+        "Name them with rigtri rename-joints --name JOINT=NAME.",
+    ),
+    (
+        "names-altered",
+        "info",
+        "A joint has a name that the engine alters when it loads it.",
+        "three.js, PropertyBinding.sanitizeNodeName",
+        "Where a program looks for it, name it with rigtri rename-joints.",
+    ),
+)
+PROFILE_RULES: Mapping[str, Rule] = {
+    f"profile.{name}": Rule(f"profile.{name}", severity, f"{meaning} Source: {source}.", remedy)
+    for name, severity, meaning, source, remedy in _ABOUT
+}
+
+
+def check_profile(rig: Rig, profile: Profile, findings: Findings) -> None:
+    """Note what an engine asks for and a rig does not have."""
+    for rule, node, text in _found(rig, _ENGINES[profile]):
+        place = place_of(rig, node) if node >= 0 else ("file", "")
+        findings.add(f"profile.{rule}", *place, text)
+
+
+def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    joints = np.flatnonzero(rig.is_joint).tolist()
+    if not joints:
+        return
+    bodies = recognise(rig).characters if engine.humanoid or engine.t_pose or engine.root else ()
+    if engine.humanoid and not bodies:
+        yield "character", -1, f"{engine.title} makes a humanoid of a recognised body, and none is known here"
+    for body in bodies:
+        if engine.humanoid:
+            yield from _bones(body, engine)
+        if engine.t_pose:
+            yield from _pose(rig, body, engine)
+        if engine.root:
+            yield from _root(rig, body, engine)
+    if engine.scale:
+        yield from _scale(rig, joints, engine)
+    yield from _limits(rig, engine)
+    yield from _names(rig, joints, engine)
+
+
+def _bones(body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    missing = [bone for bone in _REQUIRED if bone not in body.bones]
+    if missing:
+        yield "bones", body.root, f"{engine.title} needs {', '.join(missing)}"
+
+
+def _pose(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    at, left = rig.world[:, 3, :3], np.array(body.normal)
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        ends = [body.bones.get(f"{side}{bone}") for bone in ("UpperArm", "Hand")]
+        sure = all(p.confidence >= CONFIDENT for p in body.parts if p.joint in ends)
+        if ends[0] is None or ends[1] is None or not sure or not left.any():
+            continue
+        along = normalise(at[ends[1]] - at[ends[0]])
+        if dot(along, left * sign) < _LATERAL:
+            yield (
+                "pose",
+                ends[0],
+                f"the {side} arm is not stretched out to its side, as {engine.title} expects",
+            )
+
+
+def _root(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    tops = [joint for skin in rig.skins for joint in skin.joints.tolist()]
+    tops = sorted({top for top in tops if not any(rig.is_joint[k] for k in rig.path_to_root(top)[1:])})
+    above = [node for node in rig.path_to_root(body.hips)[1:] if rig.is_joint[node]] if body.hips >= 0 else []
+    if len(tops) > 1:
+        yield (
+            "root",
+            tops[1],
+            f"{len(tops)} joints have no joint above them; {engine.title} takes one skeleton",
+        )
+    elif body.hips >= 0 and not above:
+        yield "root", body.hips, "the hips are the topmost joint"
+
+
+def _scale(rig: Rig, joints: list[int], engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    sizes = length(rig.world[joints, :3, :3])
+    off = np.abs(sizes - 1.0).max(axis=1)
+    if off.max() > _ONE:
+        worst = joints[int(off.argmax())]
+        count = int(np.count_nonzero(off > _ONE))
+        size = " ".join(f"{each:.6g}" for each in sizes[int(off.argmax())])
+        yield "scale", worst, f"its scale is {size} in the world, and {count} joints have another than 1"
+
+
+def _limits(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    for mesh in rig.meshes if engine.influences else ():
+        if mesh.joints.shape[1] > engine.influences:
+            most = int(np.count_nonzero(mesh.weights, axis=1).max(initial=0))
+            if most > engine.influences:
+                text = f"points follow up to {most} joints, and {engine.title} shows {engine.influences}"
+                yield "influences", mesh.node, text
+    for skin in rig.skins if engine.joints else ():
+        if len(skin.joints) > engine.joints:
+            yield (
+                "joints",
+                int(skin.joints[0]),
+                f"its skin has {len(skin.joints)} joints, over {engine.joints}",
+            )
+
+
+def _names(rig: Rig, joints: list[int], engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    if engine.odd_names:
+        for joint in joints:
+            if re.search(engine.odd_names, rig.names[joint]):
+                yield "names-altered", joint, f"{engine.title} alters this name"
+    if engine.humanoid:
+        every = Counter(rig.names[joint] for joint in joints)
+        for joint in joints:
+            if rig.names[joint] and every[rig.names[joint]] > 1:
+                yield "names", joint, f"{every[rig.names[joint]]} joints have this name"

@@ -1,0 +1,85 @@
+"""check --profile: what an engine asks of a character, and the command that mends it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import pytest
+from gltf_files import small
+from places import SAMPLES
+from program import cli
+
+import rigtri
+from rigtri.verification.checks import check
+from rigtri.verification.checks.findings import Findings
+from rigtri.verification.checks.profile_check import PROFILE_RULES, PROFILES, check_profile
+
+
+def found(path: Path, profile: str) -> set[str]:
+    return {item.id for item in check(path, profile=profile) if item.id.startswith("profile.")}  # type: ignore[arg-type]
+
+
+def of_rig(rig: rigtri.Rig, profile: str) -> set[str]:
+    findings = Findings(PROFILE_RULES)
+    check_profile(rig, profile, findings)  # type: ignore[arg-type]
+    return {item.id for item in findings.all()}
+
+
+def test_every_rule_names_its_source_and_a_command() -> None:
+    for rule in PROFILE_RULES.values():
+        assert "Source: " in rule.meaning
+        assert "rigtri " in rule.remedy
+
+
+def test_a_character_that_is_mended_fits(tmp_path: Path) -> None:
+    """Each finding's own remedy takes it away."""
+    posed, rooted = tmp_path / "posed.glb", tmp_path / "rooted.glb"
+    cli("set-rest", SAMPLES / "biped.glb", "-o", posed, "--pose", "apose", code=0)
+    assert found(posed, "unity") == found(posed, "vrm") == found(posed, "godot") == {"profile.pose"}
+    cli("set-rest", posed, "-o", tmp_path / "tpose.glb", "--pose", "tpose", code=0)
+    assert found(tmp_path / "tpose.glb", "unity") == set()
+    assert found(posed, "unreal") == {"profile.root"}
+    cli("add-root", posed, "-o", rooted, code=0)
+    assert found(rooted, "unreal") == set()
+    assert found(rooted, "three") == found(rooted, "webgl") == set()
+
+
+def test_what_is_no_body_makes_no_humanoid(tmp_path: Path) -> None:
+    path = small(4).glb(tmp_path / "in.glb")
+    assert found(path, "unity") == {"profile.character"}
+    assert found(path, "three") <= {"profile.names-altered"}
+
+
+def test_scales_names_influences_and_bones_are_found() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    root = int(np.flatnonzero(rig.is_joint)[0])
+    scale = rig.scale.copy()
+    scale[root] = 0.01
+    assert "profile.scale" in of_rig(replace(rig, scale=scale), "unreal")
+    names = list(rig.names)
+    names[rig.find("toe_L")], names[rig.find("hand_R")] = "foot.L", "head"
+    assert "profile.names-altered" in of_rig(replace(rig, names=tuple(names)), "three")
+    assert "profile.names" in of_rig(replace(rig, names=tuple(names)), "unity")
+    (mesh, *_) = (mesh for mesh in rig.meshes if mesh.skin is not None)
+    wide = np.full((len(mesh.points), 6), 1 / 6)
+    crowded = replace(mesh, joints=np.tile(np.arange(6), (len(mesh.points), 1)), weights=wide)
+    content = replace(rig.content, read_meshes=lambda: [crowded])
+    assert "profile.influences" in of_rig(replace(rig, content=content), "three")
+    assert "profile.influences" not in of_rig(replace(rig, content=content), "unreal")
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_profile_costs_little(profile: str) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    start = perf_counter()
+    of_rig(rig, profile)
+    assert perf_counter() - start < 2.0
+
+
+def test_findings_of_a_profile_can_be_ignored() -> None:
+    ran = cli("check", SAMPLES / "biped.usda", "--profile", "unreal", "--ignore", "profile.*", "--json")
+    assert "profile." not in ran.stdout
+    assert "profile.root" in cli("check", "--list", "--profile", "unreal").stdout
