@@ -35,11 +35,11 @@ TURN = from_axis_angle([0.0, 0.0, 1.0], np.pi / 2)
 TIMES = np.array([0.0, 6.0])
 
 
-def rigged(tmp_path: Path, source: Path = SAMPLES / "biped.usda") -> Path:
+def rigged(tmp_path: Path, source: Path = SAMPLES / "biped.usda", *more: str) -> Path:
     out = tmp_path / f"rigged{source.suffix}"
     if source.parent == SAMPLES:
         return rigged_file(source.name, out)
-    cli("add-controls", source, "-o", out, "--whole-character", code=0)
+    cli("add-controls", source, "-o", out, "--whole-character", *more, code=0)
     return out
 
 
@@ -100,7 +100,7 @@ def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None],
     stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(SAMPLES / "biped.usda")))
     still(stage)
     stage.Export(str(tmp_path / "still.usda"))
-    home = rigged(tmp_path, tmp_path / "still.usda")
+    home = rigged(tmp_path, tmp_path / "still.usda", "--frame", "joint")
     edited = keyed(home, tmp_path / "edited.usda", "chest_ctl")
     before, out = read(home).rig, tmp_path / "out.usda"
     cli("bake", edited, "-o", out, "--to", "joints", code=0)

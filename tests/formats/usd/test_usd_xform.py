@@ -8,12 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from pxr import Usd, UsdGeom
+from places import SAMPLES
+from program import cli
+from pxr import Gf, Usd, UsdGeom
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
 
 from rigtri.errors import FileError, NameNotFoundError
+from rigtri.evaluation import sampling
 from rigtri.frames.reframe import reframe
-from rigtri.maths.quaternions import IDENTITY, conjugate, unit
+from rigtri.maths.quaternions import IDENTITY, conjugate, multiply, unit
 from rigtri.verification.compare.compare import self_check
 
 LEG = """#usda 1.0
@@ -126,8 +129,82 @@ def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Pat
     assert result.passes(1e-9), result.describe()
 
 
+def driven(folder: Path, stack: str) -> Path:
+    """A prim that moves by a stack of ops, below one that does; and one beside them that could follow."""
+    stage = Usd.Stage.CreateNew(str(folder / "in.usda"))
+    UsdGeom.Xform.Define(stage, "/rig")
+    places = {"/rig/upper": (0, 1, 0), "/rig/upper/lower": (2, 0, 0), "/rig/child": (3, 2, 1)}
+    for path, place in places.items():
+        xform = UsdGeom.Xform.Define(stage, path)
+        moves = path != "/rig/child"
+        if stack == "transform" and moves:
+            op = xform.AddTransformOp()
+            for time in (0, 10):
+                turn = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(0, 0, 1), 10.0 + 4.0 * time))
+                op.Set(turn * Gf.Matrix4d().SetTranslate(Gf.Vec3d(*place)), time)
+            continue
+        xform.AddTranslateOp().Set(Gf.Vec3d(*place))
+        kinds = ("RotateZ", "RotateY", "RotateX") if stack == "split" else ("RotateXYZ",)
+        for number, kind in enumerate(kinds):
+            op = getattr(xform, f"Add{kind}Op")()
+            for time in (0, 10) if moves else (0,):
+                value = 5.0 * (number + 1) + 6.0 * time
+                op.Set(value if stack == "split" else Gf.Vec3f(value, value - 10.0, 3.0 * time), time)
+        if stack == "scale" and moves:
+            op = xform.AddScaleOp()
+            for time in (0, 10):
+                op.Set(Gf.Vec3f(1.0 + 0.1 * time), time)
+    stage.Save()
+    return folder / "in.usda"
+
+
+@pytest.mark.parametrize("stack", ["euler", "split", "scale", "transform"])
+def test_drivers_of_any_ops_are_evaluated_as_usd_plays_them(stack: str, tmp_path: Path) -> None:
+    source, ruled, baked = driven(tmp_path, stack), tmp_path / "ruled.usda", tmp_path / "baked.usda"
+    root = ("--root", "/rig")
+    follow = ("--type", "point", "--child", "child", "--driver", "lower")
+    cli("constrain", source, "-o", ruled, *root, *follow, code=0)
+    cli("bake", ruled, "-o", baked, *root, "--between", "1e-5", code=0)
+    one, two = (Usd.Stage.Open(str(path)) for path in (source, baked))
+
+    def place(stage: Usd.Stage, path: str, time: float) -> np.ndarray:
+        world = UsdGeom.XformCache(time).GetLocalToWorldTransform(stage.GetPrimAtPath(path))
+        return np.array(world)[3, :3]
+
+    offset = place(one, "/rig/child", 0) - place(one, "/rig/upper/lower", 0)
+    for time in np.linspace(0.0, 10.0, 23):
+        followed = place(one, "/rig/upper/lower", time) + offset
+        assert np.abs(place(two, "/rig/child", time) - followed).max() < 1e-4
+    cli("orient-joints", source, "-o", tmp_path / "turned.usda", *root, code=0)
+
+
+def test_new_controls_have_ops_to_key_and_euler_keys_of_an_animator_are_baked(tmp_path: Path) -> None:
+    rigged, baked = tmp_path / "rigged.usda", tmp_path / "baked.usda"
+    options = ("--joints", "neck", "--joints", "head", "--frame", "joint")
+    cli("add-controls", SAMPLES / "biped.usda", "-o", rigged, *options, code=0)
+    stage = Usd.Stage.Open(str(rigged))
+    (control,) = (prim for prim in stage.Traverse() if prim.GetName() == "head_ctl")
+    order = ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]
+    assert list(control.GetAttribute("xformOpOrder").Get()) == order
+    for time, angles in ((0, (0, 0, 0)), (12, (40, 30, 20))):
+        control.GetAttribute("xformOp:rotateXYZ").Set(Gf.Vec3d(*angles), time)
+    stage.Save()
+    cli("bake", rigged, "-o", baked, "--to", "joints", "--between", "1e-5", code=0)
+    rig = read(baked).rig
+    (track,) = (t for t in rig.clips[0].tracks if rig.names[t.node] == "head" and t.path == "rotation")
+    for time, share in ((12.0, 1.0), (6.0, 0.5)):
+        angles = zip(np.eye(3), (40, 30, 20), strict=True)
+        x, y, z = (Gf.Rotation(Gf.Vec3d(*axis), share * angle) for axis, angle in angles)
+        q = (x * y * z).GetQuat()
+        expected = multiply(rig.rotation[track.node], np.array([*q.GetImaginary(), q.GetReal()]))
+        found = sampling.sample(track, [time])[0]
+        assert min(np.abs(found - expected).max(), np.abs(found + expected).max()) < 2e-4
+
+
 def test_ops_that_no_track_can_represent_are_noticed_and_stay(tmp_path: Path) -> None:
-    document = read(save(tmp_path, SMOOTH), root="/Rig")
+    order = '["xformOp:translate", "xformOp:{}", "xformOp:{}"]'
+    sheared = LEG.replace(order.format("rotateXYZ", "scale"), order.format("scale", "rotateXYZ"))
+    document = read(save(tmp_path, sheared), root="/Rig")
     assert [notice.code for notice in document.warnings] == ["reset-stack", "animated-xform"]
     assert not document.rig.clips
 

@@ -24,6 +24,8 @@ OP_TYPES: Mapping[Path, Any] = {
     "rotation": Sdf.ValueTypeNames.Quatd,
     "scale": Sdf.ValueTypeNames.Double3,
 }
+# The rotation of a control that nobody has turned: what animators key.
+EULER = "xformOp:rotateXYZ"
 _VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
 _QUATERNIONS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
 # Two rotations that differ by less are one that went through a few products.
@@ -65,12 +67,29 @@ def _unit_rotations(rotations: Floats) -> Floats:
     return np.where(off[:, np.newaxis], unit(rotations), rotations)
 
 
-def set_transform(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> list[Setting]:
-    """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks."""
+def set_transform(
+    path: Any, local: Floats, tracks: Sequence[Track] = (), *, to_key: bool = False
+) -> list[Setting]:
+    """Edits that put a prim at a local matrix by translate, orient and scale ops, and move it by tracks.
+
+    to_key: there are all three, for an animator to key; the rotation is Euler angles where it is still zero.
+    """
     rows = dict(zip(OPS, decompose(local), strict=True))
     moved = {track.path: track for track in tracks}
-    order = {path: name for path, name in OPS.items() if path in moved or name in transform_ops(local)}
-    edits = [
+    stands = {*transform_ops(local), *(OPS[path] for path in moved)}
+    order = {path: name for path, name in OPS.items() if to_key or name in stands}
+    if to_key and order["rotation"] not in stands:
+        order["rotation"], double3 = EULER, OP_TYPES["scale"]
+        still = set_value(path, EULER, double3, op_value(double3, np.zeros(3)), alone=True)
+        names = set_tokens(path, "xformOpOrder", list(order.values()))
+        return [*_ops(path, rows, moved, {p: o for p, o in order.items() if o != EULER}), still, names]
+    return [*_ops(path, rows, moved, order), set_tokens(path, "xformOpOrder", list(order.values()))]
+
+
+def _ops(
+    path: Any, rows: Mapping[Path, Floats], moved: Mapping[Path, Track], order: Mapping[Path, str]
+) -> list[Setting]:
+    return [
         set_value(
             path,
             name,
@@ -81,4 +100,3 @@ def set_transform(path: Any, local: Floats, tracks: Sequence[Track] = ()) -> lis
         )
         for prop, name in order.items()
     ]
-    return [*edits, set_tokens(path, "xformOpOrder", list(order.values()))]

@@ -24,7 +24,7 @@ from rigtri.formats.usd.opinions.edits import (
 )
 from rigtri.formats.usd.opinions.reference_edits import portable, reference_edits
 from rigtri.formats.usd.opinions.skeleton_edits import set_joints
-from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, set_transform
+from rigtri.formats.usd.opinions.xform_edits import EULER, SAME_ROTATION, set_transform
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.control_shape_reader import NAME
 from rigtri.formats.usd.reading.joint_tokens import child_token
@@ -86,6 +86,10 @@ def _tracks(rig: Rig, node: int) -> list[Track]:
     return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
 
 
+def _is_control(rig: Rig, node: int) -> bool:
+    return rig.type_of(node) == "control"
+
+
 def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     """The attribute of a control that a pose reader drives: the x translation of its value node."""
     metadata = rig.metadata.get(node, {})
@@ -115,9 +119,9 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
             found += _define_curves(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
             refuse(why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",)))
-            stands = set_transform(path, rig.local[node], _tracks(rig, node))
+            stands = set_transform(path, rig.local[node], _tracks(rig, node), to_key=_is_control(rig, node))
             used = {edit.name for edit in stands}
-            idle = [name for name in OPS.values() if name not in used]
+            idle = [name for name in (*OPS.values(), EULER) if name not in used]
             prim = source.stage.GetPrimAtPath(path)
             found += [*stands, *(remove_properties(path, name) for name in idle if prim.HasAttribute(name))]
             record = rig.record(node)
@@ -223,7 +227,9 @@ class _Additions:
         # 1e-16 of a position is the noise of this product, not a place.
         local = np.where(np.abs(local) < 1e-15 * max(1.0, float(np.abs(local).max())), 0.0, local)
         metadata = self.rig.metadata.get(node, {})
-        found = [define(path, "Xform"), *set_transform(path, local, _tracks(self.rig, node))]
+        to_key = _is_control(self.rig, node)
+        stands = set_transform(path, local, _tracks(self.rig, node), to_key=to_key)
+        found = [define(path, "Xform"), *stands]
         found += set_attributes(path, attributes_of(portable(self.rig, metadata)))
         if "attribute" in metadata:
             control = self.rig.find(str(metadata["control"]), "node")

@@ -27,7 +27,13 @@ from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
 from rigtri.formats.usd.reading.source import Source
-from rigtri.formats.usd.reading.xform_hierarchy import XFORMS, read_transform, rooted, xform_tracks
+from rigtri.formats.usd.reading.xform_hierarchy import (
+    XFORMS,
+    read_transform,
+    rooted,
+    sampled_tracks,
+    xform_tracks,
+)
 from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axes, to_axes, unit
 from rigtri.maths.trigonometry import Floats
@@ -106,12 +112,14 @@ class _Reader:
 
     def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, list[Track]]:
         """The keys of rigtri's prims as they are in their ops; what is mirrored goes by its matrices."""
-        stands = {
-            node: read_transform(prims[node], node, self.interpolation)
-            for node in self.nodes.own
-            if node in prims and not rig.has_matrix[node] and (rig.scale[node] > 0).all()
-        }
-        return {node: stand[1] for node, stand in stands.items() if stand is not None}
+        found: dict[int, list[Track]] = {}
+        for node in self.nodes.own:
+            if node in prims and (rig.has_matrix[node] or (rig.scale[node] > 0).all()):
+                plain = not rig.has_matrix[node]
+                stand = read_transform(prims[node], node, self.interpolation) if plain else None
+                tracks = sampled_tracks(prims[node], node, self.interpolation) if stand is None else stand[1]
+                found |= {} if tracks is None else {node: tracks}
+        return found
 
     def _group_parent(self, rig: Rig) -> int:
         """The top-level prim that holds the first skeleton, where our Scope can stand below it."""

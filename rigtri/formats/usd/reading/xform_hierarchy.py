@@ -1,25 +1,27 @@
 """Plain Xform hierarchies as rigs: prims that stand in for joints, and tracks that move them.
 
-An animated prim becomes tracks where translate, orient and scale ops hold all of it.
-Other stacks (Euler angles, matrices, pivots) interpolate in ways that no track
-has; such prims are measured as they stand, and reoriented all the same.
+An animated prim becomes tracks of its translate, orient and scale ops where these hold all of it.
+Other stacks (Euler angles, matrices, pivots) interpolate in ways that no track has; they become tracks with
+keys as near to each other as that takes, which are evaluated and not written.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom, Vt
 
 from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.maths.matrices import SKEW, decompose, inverse, skew
-from rigtri.maths.quaternions import IDENTITY, multiply, rotate
+from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
@@ -41,6 +43,9 @@ NOTHING: Mapping[Path, Floats] = {"translation": np.zeros(3), "rotation": IDENTI
 # The clip of all prims that move, still without tracks.
 XFORMS = Clip("xforms", (), ("xforms", ""))
 _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
+# Between keys a track may be off its prim by so much, in radians and as a share of where it goes: an interval
+# is halved until it is nearer, and at most so often.
+_ON_WAY, _HALVINGS = 1e-5, 9
 # Scale components that differ by less are one number that was rounded to float32.
 _UNIFORM = 1e-6
 
@@ -71,6 +76,8 @@ def _animated(
         if not UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
             continue
         stand = read_transform(prim, node, interpolation)
+        if stand is None and (sampled := sampled_tracks(prim, node, interpolation)) is not None:
+            stand = dict(zip(PATHS, decompose(rig.local[node]), strict=True)), sampled
         if stand is None:
             text = f"<{prim.GetPath()}> moves by ops that no track can hold; only its rest is measured."
             warnings.append(Notice("animated-xform", text))
@@ -122,8 +129,9 @@ def _notice_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> No
 
 
 def pseudo_skin(rig: Rig, root: int) -> Skin:
-    """The prims at and below ``root`` as joints, bound where they stand at rest."""
-    joints = [node for node in rig.below(root) if kind(rig.keys[node]) == "prim"]
+    """The prims at and below ``root`` as joints, bound as they are at rest; what rigtri added is none."""
+    added = {node for group in rig.nodes_of("group") for node in rig.below(group)}
+    joints = [node for node in rig.below(root) if kind(rig.keys[node]) == "prim" and node not in added]
     return Skin(
         name=rig.names[root],
         joints=np.array(joints, dtype=np.int64),
@@ -192,6 +200,47 @@ def read_transform(
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
         return None
     return rest, tracks
+
+
+def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
+    """The tracks of a prim with any ops, by its matrices; None where these are flat or sheared."""
+    xformable = UsdGeom.Xformable(prim)
+
+    def parts_at(times: list[float]) -> tuple[Floats, ...] | None:
+        local = np.array([xformable.GetLocalTransformation(t) for t in times], dtype=np.float64)
+        if not np.isfinite(local).all() or (skew(local) > SKEW).any():
+            return None
+        found = decompose(local)
+        return found if np.isfinite(found[1]).all() else None
+
+    times = [float(time) for time in xformable.GetTimeSamples()]
+    found = parts_at(times)
+    for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
+        between = [(a + b) / 2.0 for a, b in pairwise(times)]
+        there = parts_at(between)
+        if found is None or there is None:
+            return None
+        tracks = _tracks(node, interpolation, times, found)
+        off = np.max([_off(t.path, sample(t, between), now) for t, now in zip(tracks, there, strict=True)], 0)
+        new = np.flatnonzero(off > _ON_WAY)
+        if not len(new):
+            break
+        order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
+        times = np.array([*times, *(between[k] for k in new)])[order].tolist()
+        found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, there, strict=True))
+    return None if found is None else _tracks(node, interpolation, times, found)
+
+
+def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
+    at = np.array(times)
+    return [Track(node, path, way, at, each) for path, each in zip(PATHS, values, strict=True)]
+
+
+def _off(path: Path, one: Floats, other: Floats) -> Floats:
+    """By how much values, (k, c), differ, (k,): rotations in radians, others as shares of the largest."""
+    if path == "rotation":
+        return np.asarray(angle_between(one, other))
+    return np.asarray(np.abs(one - other).max(axis=1) / max(1.0, float(np.abs(other).max())))
 
 
 def _folded(path: Path, values: Floats, outer: Floats, inner: Floats) -> Floats:
