@@ -80,7 +80,7 @@ class Rig(NodeNames):
     source: RigSource | None = None
 
     def __repr__(self) -> str:
-        counts = (len(self), int(self.is_joint.sum()), len(self.skins), len(self.clips))
+        counts = (len(self), int(np.count_nonzero(self.is_joint)), len(self.skins), len(self.clips))
         return "<Rig: {} nodes, {} joints, {} skins, {} clips>".format(*counts)
 
     @property

@@ -127,7 +127,8 @@ class _Groups:
         first = np.searchsorted(self._keys, keys, side="left")
         count = np.searchsorted(self._keys, keys, side="right") - first
         before = np.cumsum(count) - count
-        return np.asarray(self._values[np.arange(int(count.sum())) + np.repeat(first - before, count)])
+        ahead = np.repeat(first - before, count)
+        return np.asarray(self._values[np.arange(len(ahead)) + ahead])
 
 
 def _seen(points: Floats, place: Floats, normal: Floats) -> tuple[Floats, Floats]:

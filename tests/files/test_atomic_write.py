@@ -418,7 +418,7 @@ def test_a_reader_that_goes_away_ends_the_program_quietly(samples: Path) -> None
         assert process.stdout is not None
         assert process.stderr is not None
         process.stdout.close()
-        assert process.wait() == 1
+        assert process.wait() == 3
         assert b"Traceback" not in process.stderr.read()
 
 

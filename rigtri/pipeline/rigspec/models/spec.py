@@ -58,6 +58,11 @@ class SpecModel(BaseModel):
     override: Literal["", "layer", "stage"] = Field(
         "", description="USD: write only opinions over the file, as a bare layer or with it as sublayer."
     )
+    edit_target: str = Field(
+        "",
+        alias="edit-target",
+        description="USD: the layer that gets the opinions, root or a sublayer, which becomes the output.",
+    )
     resources: Literal["copy", "relink"] = Field(
         "copy", description="A .gltf in another folder takes its files along, or points back."
     )
