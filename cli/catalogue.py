@@ -19,6 +19,7 @@ GROUPS = {
         "freeze": "Put scale and rotation above joints into the joints; nothing that can be seen moves.",
         "rename-joints": "Give joints the names of another scheme: Mixamo, Unreal, Unity, VRM, Rigify ...",
         "set-rest": "Give joints another rest pose, T-pose or A-pose too; every clip plays as before.",
+        "conform": "Give a character the standard skeleton of Unreal, Unity, Godot, VRM or Mixamo.",
         "add-root": "Put a root joint on the ground above a character's joints.",
         "add-socket": "Put a node on a joint that something can be attached to.",
         "root-motion": "Move motion over the ground from the hips to the root, or take it out.",

@@ -157,6 +157,7 @@ def _side_files(values: dict[str, Any]) -> dict[str, Path]:
     from pathlib import Path
 
     flags = {"--report": "report_path", "--save-frames": "save_frames", "--save-map": "save_map"}
+    flags |= {"--save-spec": "save_spec"}
     flags |= {"--spec-out": "spec_out", "--picture": "picture"}
     found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
     if values.get("sidecar") and values["output"] is not None:

@@ -28,6 +28,7 @@ _WHERE = {
     "add_root": "rigtri.operations.add_root",
     "add_socket": "rigtri.operations.add_socket",
     "root_motion": "rigtri.operations.root_motion",
+    "conform": "rigtri.operations.conform",
     "set_rest": "rigtri.operations.set_rest",
     "prune_joints": "rigtri.operations.prune_joints",
     "rename_joints": "rigtri.operations.rename_joints",
@@ -84,6 +85,7 @@ __all__ = [
     "bake",
     "build",
     "check",
+    "conform",
     "constrain",
     "describe",
     "diff",
@@ -144,6 +146,7 @@ if TYPE_CHECKING:
     from rigtri.operations.add_socket import add_socket as add_socket
     from rigtri.operations.add_twist.twist import add_twist as add_twist
     from rigtri.operations.bake.bake import bake as bake
+    from rigtri.operations.conform import conform as conform
     from rigtri.operations.constrain.constrain import constrain as constrain
     from rigtri.operations.freeze import freeze as freeze
     from rigtri.operations.limit_weights import limit_weights as limit_weights

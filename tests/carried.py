@@ -183,6 +183,9 @@ EDITS: dict[str, Edit] = {
     "add-root": Edit(rigtri.add_root),
     "add-socket": Edit(lambda rig: rigtri.add_socket(rig, name="weapon", on=_limb(rig)[2])),
     "root-motion": Edit(lambda rig: rigtri.root_motion(rigtri.add_root(rig))),
+    "conform": Edit(
+        lambda rig: rigtri.rename_joints(rigtri.conform(rig, to="mixamo"), to="bones"), reposes=True
+    ),
     "prune-joints": Edit(rigtri.prune_joints),
     "merge-joints": Edit(lambda rig: rigtri.merge_joints(rig, max_joints=1000)),
     "limit-weights": Edit(rigtri.limit_weights),

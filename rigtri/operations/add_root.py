@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.operations.add_socket import with_joint
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
@@ -33,8 +35,9 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     in USD, where all joints would get other paths.
     """
     top = rig.find(options.above) if options.above is not None else _top(rig)
-    if any(rig.names[node] == options.name for node in rig.path_to_root(top) if rig.is_joint[node]):
-        return rig
+    for node in rig.path_to_root(top):
+        if rig.names[node] == options.name:
+            return rig if rig.is_joint[node] else _made_joint(rig, node, top, report)
     if options.name in rig.names:
         raise UsageError(f"--name {options.name}: another node is called so")
     if rig.rules.sized_binding:
@@ -43,6 +46,27 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
             "skeleton is exported from, or convert to glTF"
         )
     return _with_root(rig, top, options.name, report)
+
+
+def _made_joint(rig: Rig, root: int, top: int, report: Report) -> Rig:
+    """The rig with a node above the top joint as a joint of its skins."""
+    if rig.rules.sized_binding:
+        raise UsageError(f"add-root: '{rig.title(root)}' is a prim above the skeleton, and no joint of it")
+    report.joints.append(joint_record(rig, root, "added"))
+    return replace(rig, skins=_joined(rig.skins, rig, top, root, rig.world[root]))
+
+
+def _joined(skins: Sequence[Skin], rig: Rig, top: int, root: int, world: Floats) -> tuple[Skin, ...]:
+    """The skins that have the top joint with the root as their last; rig: where the top joint stands."""
+    found = []
+    for old, skin in zip(rig.skins, skins, strict=True):
+        if top in old.joints:
+            row = old.joints.tolist().index(top)
+            # Where the top joint is bound, the root stands to it as at rest.
+            first = multiply(old.inverse_bind[row], inverse(multiply(world, inverse(rig.world[top]))))
+            skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
+        found.append(skin)
+    return tuple(found)
 
 
 def _top(rig: Rig) -> int:
@@ -78,22 +102,13 @@ def _with_root(rig: Rig, top: int, name: str, report: Report) -> Rig:
         return _below_root(track, position, back) if track.node == child else track
 
     moved = tuple(replace(clip, tracks=tuple(map(seen, clip.tracks))) for clip in grown.clips)
-    skins = []
-    for old, skin in zip(rig.skins, grown.skins, strict=True):
-        if top in old.joints:
-            row = old.joints.tolist().index(top)
-            # Where the top joint is bound, the root stands to it as at rest.
-            bind = multiply(_world(position, still[1], above), inverse(rig.world[top]))
-            first = multiply(old.inverse_bind[row], inverse(bind))
-            skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
-        skins.append(skin)
     made = replace(
         grown,
         translation=translation,
         rotation=rotation,
         matrix=matrix,
         clips=moved,
-        skins=tuple(skins),
+        skins=_joined(grown.skins, rig, top, root, _world(position, still[1], above)),
     )
     report.joints.append(joint_record(made, root, "added"))
     return made

@@ -19,6 +19,7 @@ OPERATIONS = {
     "add-root": "add_root",
     "add-socket": "add_socket",
     "root-motion": "root_motion",
+    "conform": "conform",
     "orient-joints": "orient_joints.orient",
     "make-limb": "make_limb",
     "add-twist": "add_twist.twist",

@@ -86,7 +86,9 @@ def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, st
     inside -= {node for glob in options.exclude for node in rig.match(glob)}
     inside -= {rig.find(joint) for joint in options.name}
     bones = [part for part in _bones(rig) if part.joint in inside]
-    unsure = [f"{rig.title(part.joint)} as {part.bone}" for part in bones if part.confidence < CONFIDENT]
+    # A joint that has its name already needs no more evidence.
+    new = [part for part in bones if rig.names[part.joint] != written.get(part.bone)]
+    unsure = [f"{rig.title(part.joint)} as {part.bone}" for part in new if part.confidence < CONFIDENT]
     if unsure:
         raise GeometryError(
             f"It is not sure what these joints are: {listed(unsure, 6)}. Name each with --name JOINT=NAME, "

@@ -12,6 +12,7 @@ from rigtri.evaluation.active_controls import NOTHING, size_of
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.maths.matrices import local, multiply
+from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
@@ -25,6 +26,9 @@ from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
 
+# Radians, and shares of the size and scale: a rest pose that differs by less is the one that is there.
+SAME = 1e-5
+
 
 @operation(SetRestOptions)
 def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
@@ -34,7 +38,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     no body is known, where joints may have no rotations (VRM 0.x), and where VRM constraints or springs count
     from the rest pose; UsageError and NameNotFoundError for moments that there are not.
     """
-    parts = _target(rig, options, report)
+    parts = {node: part for node, part in _target(rig, options, report).items() if _differs(rig, node, part)}
     least = np.full(len(rig), 0.1 * NOTHING * size_of(rig))
     taken, moved = at_rest(rig, parts, least)
     _refuse(rig, moved)
@@ -70,6 +74,16 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
         return found
     cache = pose_of(rig, PoseOptions(at=options.pose), report)
     return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
+
+
+def _differs(rig: Rig, node: int, part: Parts) -> bool:
+    """Whether a joint stands elsewhere by more than float32 and a chain of products leave."""
+    was = to_parts(rig.normalised_local[node])
+    place = float(np.abs(was.translation - part.translation).max())
+    size = float(np.abs(was.scale - part.scale).max())
+    turn = float(angle_between(was.rotation, part.rotation)[0])
+    far = max(size_of(rig), float(np.abs(was.translation).max()))
+    return place > SAME * far or turn > SAME or size > SAME * float(np.abs(was.scale).max())
 
 
 def _bind(rig: Rig) -> Floats:

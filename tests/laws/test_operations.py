@@ -54,6 +54,7 @@ CASES = {
     "add-root": Case("", strips=False, usd=False),
     "add-socket": Case("--name weapon --on hand_L --at 0,1,0", strips=False),
     "root-motion": Case("", source=_rooted, keeps_looks=False, strips=False, usd=False),
+    "conform": Case("--to unreal", keeps_looks=False, strips=False, renames=True),
     "prune-joints": Case("", strips=False),
     "merge-joints": Case("--still", strips=False),
     "limit-weights": Case("", strips=False),

@@ -1,0 +1,55 @@
+"""Give a character of IN the standard skeleton of an engine: scale, rest pose, root, axes and names.
+
+The steps are freeze, set-rest, add-root, orient-joints and rename-joints; --save-spec writes them as a rig
+spec, to change and to build again. Every clip looks as before. Characters that conform to one skeleton
+differ in the lengths of their bones, so that they share clips.
+
+\b
+Examples:
+    rigtri conform hero.glb -o out.glb --to unreal
+    rigtri conform hero.vrm -o out.vrm --to vrm --save-spec conform.yaml
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rigtri.operations.options.conform import ConformOptions
+from rigtri.report import Report
+
+from .edit_command import edit_command
+from .help_format import Option
+
+
+def _save_spec(values: dict[str, Any], report: Report) -> None:
+    from rigtri.files.staged_output import write_text
+
+    if values["save_spec"]:
+        lines = ["version: 1", "steps:"]
+        for entry in (entry for entry in report.added if entry["type"] == "step"):
+            options = {k: v for k, v in entry.items() if k not in ("type", "node", "new", "do")}
+            words = "".join(f", {key}: {json.dumps(value)}" for key, value in options.items())
+            lines.append(f"  - {{do: {entry['do']}{words}}}")
+        write_text(Path(values["save_spec"]), "\n".join(lines) + "\n")
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line or a few."""
+    steps = [entry["do"] for entry in report.added if entry["type"] == "step"]
+    return f"conforms: {', '.join(steps)}"
+
+
+_MORE = [
+    Option(
+        ["--save-spec"],
+        metavar="FILE.yaml",
+        type=click.Path(dir_okay=False),
+        help="Write the steps as a rig spec, for rigtri build.",
+        group="output",
+    )
+]
+command = edit_command("conform", ConformOptions, summary, __doc__, more=_MORE, besides=_save_spec)
