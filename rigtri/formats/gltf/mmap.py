@@ -17,6 +17,8 @@ from rigtri.errors import FileError
 
 # Smaller files are read: a mapped file dies with the process that truncates it.
 MAP_FROM = 16 * 1024 * 1024
+# Windows lets no file be replaced while it is mapped, and edits in place replace their source.
+MAPS = os.name != "nt"
 # So much is copied at a time; of what the kernel cannot copy, that much is in memory.
 CHUNK = 1 << 25
 # The kernel copies faster in few large steps; a step of all would delay an interrupt.
@@ -53,7 +55,7 @@ def load(path: Path) -> memoryview:
     """The bytes of a file, mapped instead of read where it is large. FileError where there is none."""
     try:
         with path.open("rb", buffering=0) as file:
-            if os.fstat(file.fileno()).st_size < MAP_FROM:
+            if not MAPS or os.fstat(file.fileno()).st_size < MAP_FROM:
                 return memoryview(file.read())
             return memoryview(Mapped(file.fileno()))
     except (OSError, ValueError) as error:

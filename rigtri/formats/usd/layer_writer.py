@@ -12,6 +12,7 @@ from typing import Any
 from pxr import Sdf, Usd
 
 from rigtri.errors import FileError, UsageError
+from rigtri.files.relative_path import relative_path
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition import edit_target, layers
@@ -147,8 +148,8 @@ class Output:
         """The source as a relative asset path of the output."""
         if self.options.to_stream:
             return f"./{self.source.path.name}"
-        path = os.path.relpath(self.source.path.resolve(), target.parent.resolve()).replace(os.sep, "/")
-        return path if path.startswith("../") else f"./{path}"
+        path = relative_path(self.source.path.resolve(), target.parent.resolve())
+        return path if path.startswith("../") or os.path.isabs(path) else f"./{path}"
 
     def _encoded(self, layer: Any, encoding: str, content: bytes, notices: list[Notice]) -> bytes:
         """An edited copy of the layer as a file; a text stays as it is in all that was not edited."""

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rigtri.errors import FileError
+from rigtri.files.relative_path import relative_path
 from rigtri.pipeline.batch import urls
 
 # What stands for a file that is not there.
@@ -64,11 +65,7 @@ def seen_from(folder: str, path: str) -> str:
     """A path as a manifest in ``folder`` has it: relative with forward slashes, whole elsewhere."""
     if urls.is_url(path):
         return path
-    whole = os.path.abspath(path)
-    try:
-        return os.path.relpath(whole, folder).replace(os.sep, "/")
-    except ValueError:
-        return whole
+    return relative_path(os.path.abspath(path), folder)
 
 
 def no_file(path: str) -> str:

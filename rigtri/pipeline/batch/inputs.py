@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.files.relative_path import relative_path
 from rigtri.files.text_files import text_of
 from rigtri.pipeline.batch import job_files, urls
 from rigtri.pipeline.batch.job_files import Fits, Input
@@ -259,13 +260,16 @@ def _relative(source: str, base: Path | str) -> str:
     if urls.is_url(source) != urls.is_url(base):
         raise UsageError(f"--base {base} is no folder that {source} can lie in")
     if urls.is_url(source):
-        return os.path.relpath(source, base)
-    return os.path.relpath(os.path.abspath(source), os.path.abspath(base))
+        return relative_path(source, base)
+    found = relative_path(os.path.abspath(source), os.path.abspath(base))
+    if os.path.isabs(found):
+        raise UsageError(f"{source} lies on another drive than --base {base}")
+    return found
 
 
 def _below(item: Input, base: Path | str) -> Input:
     relative = _relative(item.source, base)
-    if relative.split(os.sep)[0] == os.pardir and item.output is None:
+    if relative.split("/")[0] == os.pardir and item.output is None:
         raise UsageError(f"{item.source} does not lie below --base {base}")
     return replace(item, base=str(base))
 
@@ -282,7 +286,7 @@ def _placed(item: Input, out_dir: Path | str | None, layers: bool) -> str:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
     relative = _relative(item.source, item.base or ".")
     if isinstance(out_dir, str):
-        return urls.join(out_dir, relative.replace(os.sep, "/"))
+        return urls.join(out_dir, relative)
     target = out_dir / relative
     if layers and target.suffix.lower() == ".usdz":
         target = target.with_suffix(".usda")

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rigtri.errors import UsageError
+from rigtri.files.relative_path import relative_path
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.inputs import Entry
 
@@ -42,15 +43,8 @@ class Shard:
 
 
 def _place(target: str, folder: str) -> int:
-    try:
-        name = (
-            target
-            if urls.is_url(target)
-            else os.path.relpath(os.path.abspath(target), os.path.abspath(folder))
-        )
-    except ValueError:  # another drive
-        name = os.path.abspath(target)
-    return int.from_bytes(hashlib.sha256(os.fsencode(name.replace(os.sep, "/"))).digest()[:8], "big")
+    name = target if urls.is_url(target) else relative_path(os.path.abspath(target), os.path.abspath(folder))
+    return int.from_bytes(hashlib.sha256(os.fsencode(name)).digest()[:8], "big")
 
 
 def parse(text: str) -> Shard:

@@ -14,6 +14,7 @@ from typing import Any
 from pxr import Sdf, Tf
 
 from rigtri.errors import FileError
+from rigtri.files.relative_path import relative_path
 from rigtri.formats import ReadOptions
 from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition import layers
@@ -90,10 +91,7 @@ def _seen_from(path: Path, identifier: str) -> str:
         inner = f"[{inner}"
     if inner and Path(outer).resolve() == path.resolve():
         return inner.strip("[]")
-    try:
-        return os.path.relpath(Path(outer).resolve(), path.parent.resolve()).replace(os.sep, "/") + inner
-    except ValueError:
-        return identifier  # on another drive
+    return relative_path(Path(outer).resolve(), path.parent.resolve()) + inner
 
 
 def _composed(stages: Sequence[Any], paths: tuple[Path, Path], tolerance: float) -> Iterator[Change]:

@@ -13,6 +13,7 @@ from pxr import Sdf, Usd, UsdUtils
 
 from rigtri.errors import FileError
 from rigtri.files import temp_dirs
+from rigtri.files.relative_path import relative_path
 from rigtri.formats.usd.composition.variable_expressions import evaluated, is_one, prefixed, variables_of
 
 Rename = Callable[[str], str]
@@ -101,14 +102,14 @@ def from_folder(source: Path, target: Path, layer: Any) -> Rename | None:
     source, target = source.resolve(), target.resolve()
     if source == target:
         return None
-    way = _dotted(os.path.relpath(source, target))
+    way = _dotted(relative_path(source, target))
 
     def expressed(path: str) -> str:
         if found := prefixed(path, f"{way}/"):
             return found
         raise _FixedError(path)
 
-    return _renaming(source, lambda path: _dotted(os.path.relpath(source / path, target)), expressed, layer)
+    return _renaming(source, lambda path: _dotted(relative_path(source / path, target)), expressed, layer)
 
 
 def anchored(folder: Path, layer: Any) -> Rename:
@@ -131,7 +132,7 @@ class _FixedError(Exception):
 
 def _dotted(path: str) -> str:
     path = path.replace(os.sep, "/")
-    return path if path == ".." or path.startswith("../") else f"./{path}"
+    return path if path == ".." or path.startswith("../") or os.path.isabs(path) else f"./{path}"
 
 
 def _renaming(source: Path, moved: Rename, expressed: Rename, layer: Any) -> Rename:
