@@ -32,7 +32,7 @@ from rigtri.model.skin import Skin
 R = TypeVar("R", bound=Record)
 
 # The child that shows the lines of a control in formats that keep what is drawn apart.
-_DRAWING = "shape"
+DRAWING = "shape"
 # Of its largest number: what float32 leaves of a matrix of translation, rotation and scale.
 _EXACT = 1e-6
 
@@ -186,7 +186,9 @@ class Rig(NodeNames):
             child
             for node in made
             for child in self.children[node]
-            if self.names[child] == _DRAWING and self.attachment[child] == child and not self.children[child]
+            if self.names[child].endswith(DRAWING)
+            and self.attachment[child] == child
+            and not self.children[child]
         )
         # A skeleton that holds none but joints of ours is a prim between them and the group.
         between = (

@@ -10,6 +10,7 @@ import numpy as np
 
 from rigtri.maths.similarity_fit import OTHER_SHAPE, fit_similarity
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 
 
@@ -26,8 +27,11 @@ class Pairs:
 
 
 def pairs(rig: Rig, other: Rig) -> Pairs:
-    """Nodes of two rigs that have one name: exactly, else as USD spells it; joints go before other nodes."""
-    found: dict[int, int] = {}
+    """Nodes of two rigs that have one name: exactly, else as USD spells it; joints go before other nodes.
+
+    Controls and poles that a DCC has given the names of their curves, by what is stored on them.
+    """
+    found = _by_records(rig, other)
     unclear: dict[str, None] = {}
     for spell in (str, as_usd):
         ours, theirs = _spelled(rig, spell), _spelled(other, spell)
@@ -43,6 +47,26 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
                 unclear[rig.names[left[0]]] = None
     placed = _by_place(rig, other, found)
     return Pairs(found | placed, tuple(unclear), tuple(placed))
+
+
+def _by_records(rig: Rig, other: Rig) -> dict[int, int]:
+    """Controls of one name as rigtri gave it, and poles of one limb, that have another name now."""
+    found = {}
+    for kind in (ControlRecord, PoleVectorRecord):
+        ours, theirs = _described(rig, kind), _described(other, kind)
+        for what, nodes in ours.items():
+            there = theirs.get(what, [])
+            if len(nodes) == len(there) == 1 and rig.names[nodes[0]] != other.names[there[0]]:
+                found[nodes[0]] = there[0]
+    return {a: b for a, b in found.items() if rig.names[a] not in other.names}
+
+
+def _described(rig: Rig, kind: type[ControlRecord] | type[PoleVectorRecord]) -> dict[object, list[int]]:
+    found: dict[object, list[int]] = {}
+    for node, record in rig.records(kind).items():
+        what = record.chain if isinstance(record, PoleVectorRecord) else (record.kind, record.named)
+        found.setdefault(what, []).append(node)
+    return found
 
 
 def why_apart(rig: Rig, other: Rig) -> str:

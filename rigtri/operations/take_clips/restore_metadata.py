@@ -28,7 +28,7 @@ from rigtri.operations.take_clips.ik_switches import (
     switches,
 )
 from rigtri.operations.take_clips.messages import list_names
-from rigtri.operations.take_clips.node_matching import pairs
+from rigtri.operations.take_clips.node_matching import Pairs, pairs
 from rigtri.operations.take_clips.unkeyed_poses import key_unkeyed_poses
 from rigtri.report import Report
 
@@ -62,6 +62,7 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
             else "No node of the file of --rig is in this file; were they made of one another?"
         )
     if missing:
+        _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])
         names = list_names(described.names[node] for node in missing)
         report.warn("not-in-this-file", f"{names} of the file of --rig are not in this file")
     _warn_other_metadata(rig, found, report)
@@ -83,6 +84,18 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     whole = key_unkeyed_poses(whole, rested, described, both.of, report)
     whole = drop_switched_off_ik_keys(whole, switched, timelines(whole), report)
     return hold_switched_on_ik(whole, switched, timelines(whole))
+
+
+def _refuse_lost_keys(rig: Rig, both: Pairs, ours: Collection[int], missing: list[str]) -> None:
+    """GeometryError where nodes among controls have keys and could be some that are missing."""
+    keyed = {track.node for clip in rig.clips for track in clip.tracks}.difference(both.of.values())
+    strange = [node for node in sorted(keyed) if int(rig.parents[node]) in ours and not rig.is_joint[node]]
+    if strange:
+        raise GeometryError(
+            f"{list_names(rig.names[node] for node in strange)} of this file have keys, and are none of the "
+            f"file of --rig, of which {list_names(missing)} are not here: keys would be lost. Give them the "
+            "names that they have there"
+        )
 
 
 def _warn_other_metadata(rig: Rig, found: Mapping[int, Mapping[str, Any]], report: Report) -> None:

@@ -26,7 +26,7 @@ from rigtri.formats.usd.opinions.reference_edits import portable, reference_edit
 from rigtri.formats.usd.opinions.skeleton_edits import set_joints
 from rigtri.formats.usd.opinions.xform_edits import EULER, SAME_ROTATION, set_transform
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
-from rigtri.formats.usd.reading.control_shape_reader import NAME
+from rigtri.formats.usd.reading.control_shape_reader import curves_name, curves_of
 from rigtri.formats.usd.reading.joint_tokens import child_token
 from rigtri.formats.usd.reading.metadata_attributes import TWIN, api_name, attributes_of, joint_attributes
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -116,7 +116,9 @@ def _updates(source: Source, rig: Rig, keyed: Collection[int]) -> list[Edit]:
         if not sets_transform(before, rig, node):
             continue
         if node in rig.pending.shapes:
-            found += _define_curves(Sdf.Path(path).AppendChild(NAME), rig.pending.shapes[node])
+            known = curves_of(source.stage.GetPrimAtPath(path))
+            name = known.GetName() if known else curves_name(before.names[node])
+            found += _define_curves(Sdf.Path(path).AppendChild(name), rig.pending.shapes[node])
         if node in keyed or (before.local[node] != rig.local[node]).any():
             refuse(why_locked(source.stage.GetPrimAtPath(path), ("xformOpOrder",)))
             stands = set_transform(path, rig.local[node], _tracks(rig, node), to_key=_is_control(rig, node))
@@ -235,7 +237,7 @@ class _Additions:
             control = self.rig.find(str(metadata["control"]), "node")
             found += _values(self.rig, node, self.paths.get(control) or self.rig.labels[control])
         if node in self.rig.pending.shapes:
-            found += _define_curves(path.AppendChild(NAME), self.rig.pending.shapes[node])
+            found += _define_curves(path.AppendChild(curves_name(path.name)), self.rig.pending.shapes[node])
         return [*found, apply_schema(path, api_name(metadata["type"]))] if "type" in metadata else found
 
     def _parent(self, node: int) -> tuple[Any, Any]:

@@ -13,17 +13,30 @@ from pxr import UsdGeom
 
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.model.control_shapes import Lines, Shape
+from rigtri.model.rig import DRAWING
 
-# The name of the curves below the prim of a control.
-NAME = "shape"
+
+def curves_of(prim: Any) -> Any:
+    """The BasisCurves below the prim of a control; None where it has none."""
+    curves = (
+        child
+        for child in prim.GetChildren()
+        if child.GetTypeName() == "BasisCurves" and child.GetName().endswith(DRAWING)
+    )
+    return next(curves, None) if prim else None
+
+
+def curves_name(control: str) -> str:
+    """What new curves of a control are called: Blender gives a control with nothing else their name."""
+    return f"{control}_{DRAWING}"
 
 
 def read_lines(stage: Any, key: Hashable) -> Lines | None:
     """The lines of the curves of rigtri below the prim of a key; None where there is anything else."""
     if kind(key) != "prim":
         return None
-    prim = stage.GetPrimAtPath(parts(key)[1]).GetChild(NAME)
-    if not prim or prim.GetTypeName() != "BasisCurves" or UsdGeom.Xformable(prim).GetOrderedXformOps():
+    prim = curves_of(stage.GetPrimAtPath(parts(key)[1]))
+    if prim is None or UsdGeom.Xformable(prim).GetOrderedXformOps():
         return None
     curves = UsdGeom.BasisCurves(prim)
     colors: Any = curves.GetDisplayColorAttr().Get() or ()

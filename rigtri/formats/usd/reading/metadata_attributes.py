@@ -16,7 +16,7 @@ from contextlib import suppress
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from pxr import Gf, Sdf, Tf, Vt
+from pxr import Gf, Sdf, Tf, Usd, Vt
 
 from rigtri.model import metadata as records
 from rigtri.model.metadata import RECORDS, REFERENCES, Place, Stored
@@ -56,7 +56,7 @@ def read_prim(prim: Any) -> dict[str, Any]:
     """
     metadata: dict[str, Any] = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace("rigtri"):
-        value = attribute.Get() if hasattr(attribute, "Get") else None
+        value = _value(attribute) if hasattr(attribute, "Get") else None
         if value is not None and attribute.GetName() not in JOINT_NOTES:
             *spaces, key = attribute.GetName().split(":")[1:]
             if spaces and spaces[-1] in REFERENCES and key == INDICES[1:]:
@@ -67,7 +67,26 @@ def read_prim(prim: Any) -> dict[str, Any]:
                     place[space] = {}
                 place = place[space]
             place[key] = _plain(value)
-    return {key: _unpacked(value) for key, value in metadata.items()}
+    return {**_twins(prim, metadata), **{key: _unpacked(value) for key, value in metadata.items()}}
+
+
+def _twins(prim: Any, metadata: Metadata) -> dict[str, list[str]]:
+    """Lists of names that only their readable twins still have: Blender imports no arrays of tokens."""
+    kind = metadata.get("type")
+    record = RECORDS.get(kind) if isinstance(kind, str) else None
+    found = {}
+    for key, annotation in () if record is None else records.kinds(record).items():
+        twin = prim.GetAttribute(f"{TWIN}rigtri_{key}")
+        text = _value(twin) if annotation == records.Names and key not in metadata and twin else None
+        if isinstance(text, str):
+            found[key] = text.split(", ")
+    return found
+
+
+def _value(attribute: Any) -> Any:
+    """The value of an attribute, of samples alone the first: Blender keys all of what is animated."""
+    value = attribute.Get()
+    return attribute.Get(Usd.TimeCode.EarliestTime()) if value is None else value
 
 
 def read_joints(skeleton: Any) -> dict[str, dict[str, Any]]:

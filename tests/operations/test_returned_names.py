@@ -1,0 +1,85 @@
+"""Controls that come back from a DCC under other names: no key of an animator is lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from program import cli
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from rigtri.formats import read
+
+
+def returned(rig: Path, out: Path, *, names: dict[str, str], stored: bool) -> Path:
+    """What Blender writes: other names, no relationships or lists, and of what is animated all keyed."""
+    stage = Usd.Stage.Open(str(rig))
+    layer = stage.Flatten()
+    with Sdf.ChangeBlock():
+        for prim in stage.TraverseAll():
+            spec = layer.GetPrimAtPath(prim.GetPath())
+            for item in list(spec.properties) if spec else ():
+                is_list = isinstance(item, Sdf.AttributeSpec) and str(item.typeName) == "token[]"
+                if "rigtri" in item.name and (
+                    not stored or is_list or isinstance(item, Sdf.RelationshipSpec)
+                ):
+                    spec.RemoveProperty(item)
+    edited = Usd.Stage.Open(layer)
+    for prim in list(edited.TraverseAll()):
+        if prim.GetName() in names:
+            op = UsdGeom.Xformable(prim).GetOrderedXformOps()[0]
+            for time, x in ((0, 0.0), (12, 0.05)):
+                op.Set(Gf.Vec3d(x, 0, 0), time)
+            for attribute in prim.GetAuthoredAttributes():
+                if "rigtri" in attribute.GetName():
+                    value = attribute.Get()
+                    attribute.Clear()
+                    attribute.Set(value, 0)
+    for prim in list(edited.TraverseAll()):
+        if prim.GetName() in names:
+            layer.GetPrimAtPath(prim.GetPath()).name = names[prim.GetName()]
+            break
+    layer.Export(str(out))
+    return out
+
+
+@pytest.fixture
+def rig(samples: Path, tmp_path: Path) -> Path:
+    out = tmp_path / "rig.usda"
+    cli("add-controls", samples / "biped.usda", "-o", out, "--whole-character", code=0)
+    return out
+
+
+@pytest.mark.parametrize("control", ["hand_L_ik_ctl", "forearm_L_pole", "chest_ctl"])
+@pytest.mark.parametrize("command", ["bake", "take-clips"])
+def test_a_control_of_another_name_is_found_by_its_metadata(
+    command: str, control: str, rig: Path, tmp_path: Path
+) -> None:
+    back = returned(rig, tmp_path / "back.usda", names={control: "shape_004"}, stored=True)
+    out = tmp_path / "out.usda"
+    words = {
+        "bake": ["bake", back, "--rig", rig, "--to", "joints"],
+        "take-clips": ["take-clips", rig, "--from", back],
+    }
+    printed = cli(*words[command], "-o", out, code=0).output
+    assert "not in this file" not in printed
+    if command == "bake":
+        assert "keys for" in printed
+    else:
+        found = read(out).rig
+        assert found.find(control) in {t.node for clip in found.clips for t in clip.tracks}
+
+
+def test_keys_of_nodes_that_nobody_knows_are_an_error(rig: Path, tmp_path: Path) -> None:
+    back = returned(rig, tmp_path / "back.usda", names={"hand_L_ik_ctl": "shape_004"}, stored=False)
+    words = ["bake", back, "--rig", rig, "--to", "joints", "-o", tmp_path / "out.usda"]
+    printed = cli(*words, code=5).output
+    assert "'shape_004' of this file have keys" in printed
+    assert "'hand_L_ik_ctl'" in printed
+
+
+def test_the_curve_of_a_control_has_its_name(rig: Path) -> None:
+    stage = Usd.Stage.Open(str(rig))
+    curves = [prim for prim in stage.Traverse() if prim.IsA(UsdGeom.BasisCurves)]
+    assert curves
+    assert all(prim.GetName() == f"{prim.GetParent().GetName()}_shape" for prim in curves)
