@@ -16,8 +16,8 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
 from rigtri.evaluation.twist_joints import with_stored_rest
-from rigtri.maths.matrices import compose
-from rigtri.maths.quaternions import angle_between, unit
+from rigtri.maths.matrices import compose, decompose
+from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
@@ -160,11 +160,10 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
         moved.append(node)
         plain = not rig.has_matrix[node]
         if not plain:
-            own = compose(rig.translation[node], unit(rig.rotation[node]), rig.scale[node])
             matrix[node] = compose(*now)[0]
-            # A joint of USD has its parts beside its matrix, for clips that drive only some of them.
-            plain = np.abs(own - rig.matrix[node]).max() <= 1e-3 * np.abs(own).max()
-            far = turned = grown = True
+            if rig.rules.raw_quaternions:
+                # A joint of USD has the parts of its matrix, for clips that drive only some of them.
+                translation[node], rotation[node], scale[node] = decompose(matrix[node])
         if plain:
             translation[node] = now.translation[0] if far else translation[node]
             rotation[node] = now.rotation[0] if turned else rotation[node]

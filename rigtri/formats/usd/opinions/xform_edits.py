@@ -30,8 +30,8 @@ _VECTORS = {"double3": Gf.Vec3d, "float3": Gf.Vec3f, "half3": Gf.Vec3h}
 _QUATERNIONS = {"quatd": (Gf.Quatd, Gf.Vec3d), "quatf": (Gf.Quatf, Gf.Vec3f), "quath": (Gf.Quath, Gf.Vec3h)}
 # Two rotations that differ by less are one that went through a few products.
 SAME_ROTATION = 1e-12
-# What a division in float64 leaves of a length of 1.
-_ROUNDED = 1e-15
+# What a division in float64, and what float32, leaves of a length of 1.
+_ROUNDED, _FLOAT32 = 1e-15, 1e-6
 
 
 def op_value(type_name: Any, row: Floats) -> Any:
@@ -59,12 +59,13 @@ def op_samples(track: Track | None, type_name: Any) -> dict[float, Any]:
 
 
 def _unit_rotations(rotations: Floats) -> Floats:
-    """Rotations, (k, 4), that are unit; those that were keep their bits.
+    """Rotations, (k, 4), that are unit; those that were keep their bits, and those that never were.
 
     USD takes the angle from w alone: in a small rotation, what float32 has rounded off a unit w is much.
     """
-    off = np.abs(norm(rotations) - 1.0) > _ROUNDED
-    return np.where(off[:, np.newaxis], unit(rotations), rotations)
+    off = np.abs(norm(rotations) - 1.0)
+    rounded = (off > _ROUNDED) & (off <= _FLOAT32)
+    return np.where(rounded[:, np.newaxis], unit(rotations), rotations)
 
 
 def set_transform(

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.opinions.edits import set_matrices
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import inverse
+from rigtri.model.rig import Rig
 
 
 def write_skeletons(edit: UsdEdit) -> None:
     """Write the matrices of joints that differ. FileError where a skeleton cannot be edited."""
     source, rig, moved = edit.source, edit.rig, edit.changes.moved
     for old, new in zip(source.rig.skins, rig.skins, strict=False):  # new ones come last
+        if kind(old.key) == "library" and moved[old.joints].any() and not _keyed(source.rig, rig, old.joints):
+            raise FileError(
+                f"<{parts(old.key)[1]}>: there is no Skeleton that could hold another rest pose, only an "
+                "animation. Edit the file that has the skeleton"
+            )
         if kind(old.key) != "skeleton":
             continue
         path = parts(old.key)[1]
@@ -30,3 +38,13 @@ def write_skeletons(edit: UsdEdit) -> None:
             refuse(skeleton.locked)
             rest = np.where(posed[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             edit.values.append(set_matrices(path, "restTransforms", rest))
+
+
+def _keyed(before: Rig, after: Rig, joints: Integers) -> bool:
+    """Whether joints have other keys than before."""
+    inside = set(joints.tolist())
+    was, now = (
+        [track for clip in rig.clips for track in clip.tracks if track.node in inside]
+        for rig in (before, after)
+    )
+    return len(was) != len(now) or any(a is not b for a, b in zip(was, now, strict=True))
