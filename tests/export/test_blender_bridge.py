@@ -285,6 +285,38 @@ def test_one_edit_in_blender_comes_home_by_the_documented_commands(
                 assert apart <= BAKED * size, (name, clip.name, rig.names[joint], float(apart / size))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["godot_enemy.glb", "gdquest_mannequiny-0.3.0.glb", "raylib_robot.glb"])
+def test_what_nobody_edits_in_blender_comes_home_as_it_was(name: str, tmp_path: Path) -> None:
+    """All clips of a real character: nothing is taken by take-clips, and bake --rig gives the same motion."""
+    path = next((path for path in asset_files(".glb") if path.name == name), None)
+    if path is None:
+        pytest.skip(NO_ASSETS)
+    rigged, animate, edited, home, final, game = (
+        str(tmp_path / f"{word}.glb") for word in ("rigged", "animate", "edited", "home", "final", "game")
+    )
+    cli("add-controls", path, "-o", rigged, "--whole-character", "-q", code=0)
+    cli("bake", rigged, "-o", animate, "--to", "controls", "-q", code=0)
+    cli("export-blender", animate, "-o", tmp_path / "setup.py", "-q", code=0)
+    job = {"script": str(tmp_path / "setup.py"), "target": edited, "clip": "", "keys": {}}
+    blender_trip(job, folder=tmp_path)
+    told = cli("take-clips", animate, "--from", edited, "-o", home, code=0).stderr
+    assert "nothing was transferred" in told
+    assert "warning" not in told
+    cli("bake", edited, "--rig", animate, "-o", final, "-q", code=0)
+    cli("bake", animate, "-o", game, "--to", "joints", "-q", code=0)
+    ours, theirs = read(Path(game)).rig, read(Path(final)).rig
+    for clip in ours.clips:
+        other = theirs.clip(clip.name)
+        start, end = (edge(track.times[k] for track in clip.tracks) for edge, k in ((min, 0), (max, -1)))
+        times = np.linspace(float(start), float(end), 97)
+        assert max(float(track.times[-1]) for track in other.tracks) == pytest.approx(float(end))
+        one, two = (PoseCache(rig, sample_parts(rig, c, times)) for rig, c in ((ours, clip), (theirs, other)))
+        for joint in np.flatnonzero(ours.is_joint).tolist():
+            places = one.world(joint)[:, 3, :3] - two.world(theirs.find(ours.names[joint]))[:, 3, :3]
+            assert np.abs(places).max() <= BAKED * size_of(ours), (clip.name, ours.names[joint])
+
+
 # What an animator gives keys to, and the IK ends whose IK is off; nothing else has keys.
 TAKES: dict[str, dict[str, Any]] = {
     "hips": {"keys": {"hips_ctl": {"by": [0.0, 0.02, -0.05], "turn": 20}}},

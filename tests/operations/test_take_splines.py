@@ -104,3 +104,18 @@ def test_a_key_that_was_moved_is_an_edit_whatever_became_of_tangents() -> None:
     moved = PLACES.copy()
     moved[8, 0] += 0.01
     assert take_clips(rig, from_=playing(RIG, spline(1, "translation", moved, natural(moved)))) is not rig
+
+
+def test_two_keys_within_a_hundredth_of_a_frame_are_one_after_blender() -> None:
+    """At the time of the first, with the value of the second; farther apart they are two."""
+    frame = 1 / 24
+    for gap, edited in ((0.005, False), (0.05, True)):
+        times = np.array([0.0, 1.4 * frame, (1.4 + gap) * frame, 3 * frame, 10 * frame])
+        values = np.zeros((5, 3))
+        values[:, 0] = [0.0, 0.5, 1.0, 1.0, 0.0]
+        ours = playing(RIG, Track(1, "translation", "LINEAR", times, values))
+        one = Track(1, "translation", "LINEAR", np.delete(times, 2), np.delete(values, 1, axis=0))
+        frames = np.arange(11) * frame
+        theirs = playing(RIG, Track(1, "translation", "LINEAR", frames, sample(one, frames)))
+        (now,) = take_clips(ours, from_=theirs).clips[0].tracks
+        assert np.array_equal(now.values, values) != edited

@@ -900,7 +900,7 @@ def candidates(given: str | None) -> list[Path]:
 
 
 def bring(given: str | None) -> None:
-    """Import the file, so that bones rest where its joints do."""
+    """Import the file with the importer's own settings: bones rest in the bind pose, which comes home so."""
     places = candidates(given)
     found = next((place for place in places if place.is_file()), None)
     if found is None:
@@ -909,9 +909,7 @@ def bring(given: str | None) -> None:
             "import it first, or say where it lies: -- --file PATH"
         )
     if RIG["gltf"]:
-        bpy.ops.import_scene.gltf(
-            filepath=str(found), guess_original_bind_pose=False, disable_bone_shape=True
-        )
+        bpy.ops.import_scene.gltf(filepath=str(found), disable_bone_shape=True)
     else:
         bpy.ops.wm.usd_import(filepath=str(found), import_guide=True)
 

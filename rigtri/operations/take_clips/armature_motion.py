@@ -18,31 +18,26 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
-# Of the largest number of a bind pose; less went through another program's float32.
+# Of the largest number of a matrix; less went through another program's float32.
 _SAME = 1e-4
 
 
 def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) -> Rig:
-    """The rig with its armatures and bind poses where ``described`` has them, with a notice.
+    """The rig with its armatures where ``described`` has them, and bind poses along with them, with a notice.
 
-    of: the nodes of ``rig`` by those of ``described``. What a clip moves, and what has no parent, stays.
+    of: the nodes of ``rig`` by those of ``described``. What a clip moves stays, and so does all of another
+    world, where the axes of nodes are others.
     """
-    theirs, ours = bind_poses(described), bind_poses(rig)
     keyed = {track.node for clip in rig.clips for track in clip.tracks}
+    if tuple(rig.rules.up) != tuple(described.rules.up):
+        return rig
     moves: dict[int, Floats] = {}
-    for joint, place in theirs.items():
-        node = of.get(joint, -1)
-        above = int(rig.parents[node]) if node in ours else -1
-        if (
-            above < 0
-            or above in keyed
-            or rig.is_joint[above]
-            or tuple(rig.rules.up) != tuple(described.rules.up)
-        ):
-            continue
-        back = multiply(inverse(ours[node]), place)
-        if np.abs(multiply(ours[node], back) - ours[node]).max() > _SAME * max(1.0, np.abs(place).max()):
-            moves.setdefault(above, back)
+    for theirs, node in of.items():
+        holds = {int(rig.parents[joint]) for joint in np.flatnonzero(rig.is_joint).tolist()}
+        if node in holds and not rig.is_joint[node] and keyed.isdisjoint(rig.path_to_root(node)):
+            here, there = rig.world[node], described.world[theirs]
+            if np.abs(here - there).max() > _SAME * max(1.0, float(np.abs(there).max())):
+                moves[node] = multiply(inverse(here), there)
     if not moves:
         return rig
     names = list_names(rig.title(node) for node in moves)
