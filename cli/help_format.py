@@ -40,8 +40,9 @@ class Option(click.Option):
         values: Mapping[str, str] = MappingProxyType({}),
         **about: Any,
     ) -> None:
-        if isinstance(about.get("type"), click.Choice):
-            about["type"] = click.Choice(about["type"].choices, case_sensitive=False)
+        kind = about.get("type")
+        if isinstance(kind, click.Choice) and all(str(word).islower() for word in kind.choices):
+            about["type"] = click.Choice(kind.choices, case_sensitive=False)
         if values and not about.get("metavar"):
             name = str(declared[0][0]).lstrip("-").upper()
             about["metavar"] = name if len(name) <= SHORT else "RULE"

@@ -120,6 +120,12 @@ def test_values_may_be_written_in_capitals(samples: Path, tmp_path: Path) -> Non
     )
 
 
+def test_capitals_count_where_choices_differ_by_them(samples: Path, tmp_path: Path) -> None:
+    line = ("rename-joints", samples / "biped.glb", "-n", "--to", "vrm", "--side-style")
+    assert "'LEFT' is not one of 'Left', 'left'" in cli(*line, "LEFT", code=2).stderr
+    assert "[Left|left|" in run("rename-joints", "--help").stdout
+
+
 def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Path) -> None:
     hero = samples / "biped.glb"
     assert completed("rigtri", "orient-joints", hero, "--joints", "upper") == ["upper_arm_L", "upper_arm_R"]
