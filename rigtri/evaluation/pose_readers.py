@@ -53,7 +53,8 @@ class Target:
 class PoseReader:
     """A pose reader. axis: of the driver, (3,). rest: the driver's rotation in the frame at rest.
 
-    inner, outer: of a cone, in radians: 1 within inner, 0 from outer on, straight between.
+    signed: a dot reader's weights go down to −1. inner, outer: of a cone, in radians: 1 within inner, 0
+    from outer on, straight between.
     """
 
     kind: Kind
@@ -64,6 +65,7 @@ class PoseReader:
     kernel: Kernel = "linear"
     mode: Mode = "swing"
     rest: Floats | None = None
+    signed: bool = False
 
     @staticmethod
     def of_record(record: PoseReaderRecord) -> PoseReader:
@@ -85,11 +87,12 @@ class PoseReader:
             kernel=record.kernel or "linear",
             mode=record.mode or "swing",
             rest=numbers(record.rest),
+            signed=record.signed,
         )
 
 
 def weights(reader: PoseReader, driver: Floats, frame: Floats, nodes: Mapping[str, Floats]) -> Floats:
-    """The weight of each target, (f, t), from 0 to 1; 0 where the driver has no axes.
+    """The weight of each target, (f, t), from 0 (signed: −1) to 1; 0 where the driver has no axes.
 
     driver, frame: world matrices, (f, 4, 4). nodes: those that targets name, by address.
     """
@@ -123,7 +126,7 @@ def _pointed(
             raise ValueError(f"target '{target.name}' has no direction for a {reader.kind} reader")
         towards = rotate(from_axes(orthonormal_axes(frame)), normalise(direction))
     if reader.kind == "dot":
-        return np.clip(dot(normalise(points), towards), 0.0, 1.0)
+        return np.clip(dot(normalise(points), towards), -1.0 if reader.signed else 0.0, 1.0)
     off = angle(points, towards)
     return np.clip((reader.outer - off) / (reader.outer - reader.inner), 0.0, 1.0)
 

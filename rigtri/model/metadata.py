@@ -269,6 +269,7 @@ class PoseReaderRecord(Record):
     frame: str
     axis: Triple
     reader: ReaderKind
+    signed: bool = False
     inner: float | None = None
     outer: float | None = None
     kernel: Kernel | None = None

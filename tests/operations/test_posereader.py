@@ -455,3 +455,32 @@ def test_a_reader_that_drives_a_morph_no_longer_gives_its_keys_back(tmp_path: Pa
         old, new = (next(t for t in c.tracks if t.path == "weights") for c in (was, now))
         assert np.array_equal(old.times, new.times)
         assert_allclose(new.values, old.values, atol=1e-7)
+
+
+def test_the_axis_is_along_the_bone_unless_another_is_named(samples: Path) -> None:
+    rig = read(samples / "biped.glb").rig
+    built = add_posereader(rig, driver="forearm_L", target=("up=0,1,0",), name="reader")
+    (record,) = built.records(PoseReaderRecord).values()
+    bone = rig.world[rig.find("hand_L"), 3, :3] - rig.world[rig.find("forearm_L"), 3, :3]
+    pointed = np.array(record.axis) @ rig.world[rig.find("forearm_L"), :3, :3]
+    assert_allclose(pointed, bone / np.linalg.norm(bone), atol=1e-6)
+
+
+def test_a_signed_reader_is_the_cosine_on_both_sides_and_a_target_met_at_rest_is_warned_of(
+    samples: Path,
+) -> None:
+    rig = read(samples / "biped.glb").rig
+    x, y, z = (-rig.world[rig.find("forearm_L"), 0, :3]).tolist()
+    for signed, expected in ((True, -1.0), (False, 0.0)):
+        report = Report()
+        options = AddPosereaderOptions(
+            driver="forearm_L", axis=(1, 0, 0), target=(Goal("back", direction=(x, y, z)),), signed=signed
+        )
+        built = add_posereader(rig, options=options, report=report)
+        (entry,) = report.added
+        assert abs(entry["rest"]["back"] - expected) < 1e-6
+        assert ("target-at-rest" in {notice.code for notice in report.warnings}) == signed
+        (note,) = (note for note in built.metadata.values() if note["type"] == "poseReader")
+        validator("node").validate(dict(note))
+    with pytest.raises(UsageError, match="is for --reader dot"):
+        add_posereader(rig, driver="forearm_L", target=("0,1,0",), reader="cone", signed=True)

@@ -10,6 +10,7 @@ import numpy as np
 from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.pose_readers import PoseReader, same_poses
 from rigtri.evaluation.timelines import Timeline, merged_weights, put_tracks
+from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -29,13 +30,18 @@ from rigtri.operations.add_posereader import replaced_keys
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
 from rigtri.operations.add_posereader.targets import ReaderFrame, morph_drives, named_goals
 from rigtri.operations.add_rivet.rebind import rebind_rivets
+from rigtri.operations.aim_targets import Rules, aim_targets, limb_children
 from rigtri.operations.declaration import check
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
 from rigtri.operations.options.add_posereader import Goal as Goal
 from rigtri.operations.rigtri_nodes import add, find, group, refuse_taken, with_record
+from rigtri.recognition.limbs import with_recognised
 from rigtri.report import Report
+
+# A target with so much weight at rest is met there.
+MET = 0.99
 
 
 @operation(AddPosereaderOptions)
@@ -104,7 +110,9 @@ class _Builder:
         self.driver = rig.find(options.driver)
         self.frame = self._frame()
         self.seen = ReaderFrame(rig, self.driver, self.frame, report)
-        self.axis = normalise(np.array(options.axis, dtype=np.float64))
+        axis = along_bone(rig, self.driver) if options.axis is None else np.array(options.axis, np.float64)
+        self.axis = normalise(axis)
+        self.is_new = record is None
         self.record = record or self._new_record()
         self.reader = PoseReader.of_record(self.record)
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
@@ -195,6 +203,7 @@ class _Builder:
             frame=rig.address(self.frame) if self.frame >= 0 else "",
             axis=_triple(self.axis),
             reader=options.reader,
+            signed=options.signed,
             inner=options.inner if cone else None,
             outer=options.outer if cone else None,
             kernel=options.kernel if rbf else None,
@@ -287,6 +296,13 @@ class _Builder:
 
     def _record(self, node: int, counts: Mapping[str, int]) -> None:
         rest = self.motion.weights_at_rest(self.reader)
+        for goal, weight in zip(self.goals, rest.tolist(), strict=True):
+            if self.is_new and abs(weight) >= MET and goal.pose != "rest":
+                self.report.warn(
+                    "target-at-rest",
+                    f"Target '{goal.name}' of '{self.name}' has the weight {weight:.2g} at rest already, so "
+                    "what it drives is there without any motion: name another direction or pose, or --axis",
+                )
         self.report.added.append(
             {
                 "node": self.rig.names[node],
@@ -299,6 +315,16 @@ class _Builder:
                 "keys": dict(counts),
             }
         )
+
+
+def along_bone(rig: Rig, joint: int) -> Floats:
+    """The direction of a joint's bone in its own axes, (3,); x where it has none."""
+    tree = skeleton(rig, plain=True)
+    if joint not in tree.above:
+        return np.array([1.0, 0.0, 0.0])
+    rules = Rules(limb_child=limb_children(tree, with_recognised(rig, ())))
+    direction = aim_targets(tree, reference(tree, "nodes"), [joint], rules)[joint].direction
+    return np.array([1.0, 0.0, 0.0]) if direction is None else direction
 
 
 def _triple(values: Floats) -> Triple:

@@ -21,7 +21,7 @@ from rigtri.operations.declaration import (
 )
 
 # Options that only one kind of reader has.
-ONLY_OF = {"cone": ("inner", "outer"), "rbf": ("kernel", "mode")}
+ONLY_OF = {"dot": ("signed",), "cone": ("inner", "outer"), "rbf": ("kernel", "mode")}
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class AddPosereaderOptions(OneCharacter):
     """
 
     driver: Node = option(metavar="JOINT", help="The joint whose pose is read.", group="what")
-    axis: Direction = option(
-        (1.0, 0.0, 0.0), help="The axis of the driver whose direction is read. [x]", group="what"
+    axis: Direction | None = option(
+        None, help="The axis of the driver whose direction is read. [along the bone]", group="what"
     )
     frame: str = option(
         "", metavar="NODE|world", help="The space in which the driver is read. [its parent]", group="what"
@@ -76,6 +76,7 @@ class AddPosereaderOptions(OneCharacter):
         },
         group="how",
     )
+    signed: bool = option(False, help="dot: negative weights, down to −1, where the axis points away.")
     inner: Number = option(0.0, help="Cone: 1 up to here (degrees).")
     outer: Number = option(90.0, help="Cone: 0 from here (degrees).")
     kernel: Literal["linear", "gaussian"] = option("linear", help="rbf: how a pose fades out.")
