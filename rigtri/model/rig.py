@@ -133,9 +133,9 @@ class Rig(NodeNames):
         Nor are controls of a skin that draws nothing: an armature of controls, as Blender exports it.
         """
         mask = np.zeros(len(self), dtype=bool)
-        for skin in sorted(self.skins, key=lambda skin: skin.drawn):
+        for skin in sorted(self.skins, key=lambda skin: skin.drawn is not False):
             mask[skin.joints] = True
-            if not skin.drawn:
+            if skin.drawn is False:
                 mask[self.nodes_of("control", "offset", "poleVector")] = False
         mask[list(self.holders)] = False
         return mask

@@ -20,8 +20,9 @@ class Skin:
     joints: node indices, (m,). inverse_bind: (m, 4, 4). ``stored`` is False when
     the file has no matrices and these are the identity its format prescribes.
     ``weigh`` says which joints move any point, (m,) bool; it reads the meshes,
-    so it is called only when needed. drawn: something is drawn with it, whether or
-    not its points can be read. key: None for a skin that is new.
+    so it is called only when needed. drawn: whether something is drawn with it, its
+    points readable or not; None where nobody has looked (USD, new skins). key: None for a skin
+    that is new.
     """
 
     name: str
@@ -30,7 +31,7 @@ class Skin:
     stored: bool = True
     weigh: Callable[[], Booleans] | None = None
     key: Hashable = None
-    drawn: bool = False
+    drawn: bool | None = None
 
     def __repr__(self) -> str:
         return f"<Skin {self.name!r}: {len(self.joints)} joints>"

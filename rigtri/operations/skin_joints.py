@@ -61,7 +61,7 @@ def beside(rig: Rig, joint: int) -> tuple[int, int]:
     skins = [skin for skin in rig.skins if _row(skin, joint) is not None]
     if not skins:
         raise UsageError(f"--as joint: '{rig.title(joint)}' is no joint of a skin that another could join")
-    if not any(skin.drawn for skin in skins):
+    if all(skin.drawn is False for skin in skins):
         raise UsageError(
             f"--as joint: the skin of '{rig.title(joint)}' draws nothing, so a control in it would be taken "
             "for a bone of an exporter's armature; take locators"

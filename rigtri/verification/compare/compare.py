@@ -174,7 +174,7 @@ def _mesh_probes(
     probes: list[Probe] = [mesh_points(mine, theirs, a, b) for a, b in pairs]
     # Skins whose points nobody can read (Draco), by the places of their joints.
     read = {mesh.skin for mesh in meshes}
-    hidden = [k not in read and (skin.drawn or not meshes) for k, skin in enumerate(mine.skins)]
+    hidden = [k not in read and (skin.drawn is True or not meshes) for k, skin in enumerate(mine.skins)]
     unseen = replace(m, skin=np.where(hidden, m.skin, -1))
     probes += skin_corners(mine, theirs, unseen, [], np.ones(len(mine), dtype=bool))
     return probes, lost
