@@ -148,7 +148,7 @@ class _Job:
         if target is not None:
             report, titles = Report(), {"title": "after", "title_against": "before"}
             svg = draw(rig, against=before, options=DrawOptions(), report=report, **titles)
-            output_file.write_picture(svg, target, report)
+            output_file.write_picture(svg, target)
 
     def summary(self, report: Report) -> str:
         """What was recognised, and what each step has done."""

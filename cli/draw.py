@@ -131,7 +131,7 @@ def command(source: str, output: str, **values: Any) -> None:
         for document in documents:  # meshes are read, and found unreadable, while they are drawn
             report.extend(document.warnings)
         lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
-    output_file.write_picture(svg, output, report)
+    output_file.write_picture(svg, output)
     if values["as_json"]:
         sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
         warnings = [notice.as_json() for notice in report.warnings]

@@ -66,7 +66,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         output_file.check_picture(output, points[:1], values)
     found = _explained(points, values)
     if output is not None:
-        output_file.write_picture(picture(found, view=values["view"]), output, report)
+        output_file.write_picture(picture(found, view=values["view"]), output)
     if values["as_json"]:
         print_json(found.as_json())
     elif output != "-" and not values["quiet"]:

@@ -79,12 +79,12 @@ def write_output(content: bytes, output: str) -> None:
         write_bytes(Path(output), content)
 
 
-def write_picture(svg: str, output: str, report: Report) -> None:
+def write_picture(svg: str, output: str) -> None:
     """Write a picture in the format that its name says, or SVG to standard output."""
     if Path(output).suffix.lower() == ".png":
         from rigtri.export.drawing.png import png
 
-        write_output(png(svg, report), output)
+        write_output(png(svg), output)
     else:
         write_output(svg.encode("utf-8"), output)
 

@@ -1,39 +1,38 @@
-"""SVG as PNG, by resvg (the extra ``rigtri[png]``)."""
+"""SVG as PNG, by resvg, with the font that Pillow brings (the extra ``rigtri[png]``)."""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from rigtri.errors import UsageError
-from rigtri.report import Report
-
-# A letter alone: where no font is found it leaves nothing.
-_LETTER = '<svg xmlns="http://www.w3.org/2000/svg" width="16" height="16">{}</svg>'
-_FOUND = '<text y="12" font-family="sans-serif">M</text>'
 
 
 def check_installed() -> None:
     """UsageError where there is nothing to make PNG with."""
-    if find_spec("resvg_py") is None:
+    if find_spec("resvg_py") is None or find_spec("PIL") is None:
         raise UsageError(
-            "PNG pictures need resvg; install it with: pip install 'rigtri[png]' (SVG needs nothing)"
+            "PNG pictures need resvg and Pillow; install them with: pip install 'rigtri[png]' "
+            "(SVG needs nothing)"
         )
 
 
-def png(svg: str, report: Report | None = None) -> bytes:
-    """The picture as PNG in its own size and light colours.
+def png(svg: str) -> bytes:
+    """The picture as PNG in its own size and light colours. Raises UsageError as `check_installed`.
 
-    Raises UsageError where resvg is not installed; a warning of the report where no font is.
+    Words have Pillow's font, the same on every machine; letters that it lacks are of a font of the machine.
     """
     check_installed()
     import resvg_py
+    from PIL import ImageFont
 
-    if report is not None and "<text" in svg:
-        drawn, empty = (resvg_py.svg_to_bytes(svg_string=_LETTER.format(text)) for text in (_FOUND, ""))
-        if drawn == empty:
-            report.warn(
-                "no-font",
-                "There is no font here, so the picture has no words; install one (Debian: apt-get install "
-                "fonts-dejavu-core), or write SVG",
-            )
-    return bytes(resvg_py.svg_to_bytes(svg_string=svg))
+    font = ImageFont.load_default(size=12)
+    if not isinstance(font, ImageFont.FreeTypeFont):
+        raise UsageError("This Pillow has no FreeType, so a PNG picture would have no words; write SVG")
+    family, _ = font.getname()
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "font.ttf")
+        path.write_bytes(font.font_bytes)
+        made = resvg_py.svg_to_bytes(svg_string=svg, font_files=[str(path)], sans_serif_family=family)
+    return bytes(made)
