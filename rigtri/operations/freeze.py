@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
-from rigtri.frames.nonuniform_scale import ScaleTable
+from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
 from rigtri.frames.rescale import convert, rescale
@@ -124,7 +124,9 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
     total = np.ones(len(rig))
     for node, parent in enumerate(rig.parents.tolist()):
         total[node] = (total[parent] if parent >= 0 else 1.0) * (own[node] if counts[node] else 1.0)
-    size = np.where(inside & (np.abs(total - 1.0) > ONE), 1.0 / total, 1.0)
+    off = np.abs(total - 1.0) * inside
+    # Where nobody has scaled anything there is noise of exporters, which is left alone.
+    size = np.where(off > ONE, 1.0 / total, 1.0) if off.max(initial=0.0) > SAME_SCALE else np.ones(len(rig))
     _refuse_built(rig, size)
     for node in np.flatnonzero(size != 1.0).tolist():
         report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
