@@ -124,11 +124,16 @@ def _of_names(rig: Rig, like: Rig, joints: list[int]) -> dict[int, Parts]:
 
 def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
     """The clip with a key of the old rest pose for what it does not move."""
-    driven = {(track.node, track.path) for track in clip.tracks}
+    # Samples and defaults of a USD animation are two clips, and play at once.
+    together = [
+        each for each in rig.clips if each is clip or (_home(clip) is not None and _home(each) == _home(clip))
+    ]
+    driven = {(track.node, track.path) for each in together for track in each.tracks}
     fresh: list[Track] = []
     times = next((track.times[:1] for track in clip.tracks if len(track.times)), None)
-    # What a stage holds without time is its rest pose, where no samples say otherwise.
-    if times is None or clip.idle or (isinstance(clip.key, tuple) and clip.key[0] == "default"):
+    # Of a stage only samples of joints: what it holds without time is its rest pose, and prims are no joints.
+    other = isinstance(clip.key, tuple) and clip.key[0] != "samples"
+    if times is None or clip.idle or other:
         return clip
     for node in moved:
         for path in PATHS:
@@ -136,6 +141,11 @@ def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
             if (node, path) not in driven and (was != now).any():
                 fresh.append(Track(node, path, "STEP", times, was[np.newaxis]))
     return replace(clip, tracks=(*clip.tracks, *fresh)) if fresh else clip
+
+
+def _home(clip: Clip) -> object:
+    """The animation of a stage that a clip is of; None in other formats."""
+    return clip.key[1:] if isinstance(clip.key, tuple) else None
 
 
 def _refuse(rig: Rig, moved: list[int]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,17 @@ def test_a_root_stands_on_the_ground_and_nothing_moves(rooted: Path) -> None:
     assert verify(read(SAMPLES / "biped.glb"), read(rooted)).deviation < 1e-6
     for number in range(len(before.clips)):
         assert np.allclose(places(before, "hand_L", number), places(after, "hand_L", number), atol=1e-4)
+
+
+def test_the_pivot_of_a_skin_is_above_its_new_root(tmp_path: Path) -> None:
+    gltf = json.loads((SAMPLES / "biped.gltf").read_text())
+    hips = next(k for k, node in enumerate(gltf["nodes"]) if node["name"] == "hips")
+    gltf["skins"][0]["skeleton"] = hips
+    (tmp_path / "in.gltf").write_text(json.dumps(gltf))
+    (tmp_path / "biped.bin").write_bytes((SAMPLES / "biped.bin").read_bytes())
+    cli("add-root", tmp_path / "in.gltf", "-o", tmp_path / "out.gltf", code=0)
+    made = json.loads((tmp_path / "out.gltf").read_text())
+    assert made["nodes"][made["skins"][0]["skeleton"]]["name"] == "root"
 
 
 def test_a_second_root_is_not_added(rooted: Path) -> None:

@@ -149,11 +149,20 @@ class ClipWriter:
         """New joints behind the last, so that the indices of meshes keep their meaning."""
         count = len(before.joints)
         self._draft.edit("skins", number, "joints").extend(self._nodes(skin.joints[count:]))
+        self._lift_pivot(number, skin.joints[count:].tolist())
         spreads = self._rig.pending.weight_redistributions
         weighted = any(self._rig.skins[spread.skin] is skin for spread in spreads)
         if before.stored or weighted or not np.array_equal(skin.inverse_bind[:count], before.inverse_bind):
             like = self._draft.gltf["skins"][number].get("inverseBindMatrices")
             self._draft.edit("skins", number)["inverseBindMatrices"] = self._matrices(skin, like)
+
+    def _lift_pivot(self, number: int, joints: Sequence[int]) -> None:
+        """Let the pivot of a skin, which must be above all joints, be a new joint that is above it."""
+        pivot = self._draft.gltf["skins"][number].get("skeleton")
+        if pivot in self._index:
+            above = self._rig.path_to_root(self._index.index(pivot))[1:]
+            if tops := [joint for joint in joints if joint in above]:
+                self._draft.edit("skins", number)["skeleton"] = self._index[tops[0]]
 
     def _add_skin(self, skin: Skin) -> None:
         added: dict[str, Any] = {"name": skin.name} if skin.name else {}

@@ -139,11 +139,12 @@ def self_check(
     return replace(result, boxed=() if detail == "boxes" else boxed)
 
 
-def motion_between(before: Source, after: Source) -> Motion:
+def motion_between(before: Source, after: Source, *, axes: bool = True) -> Motion:
     """How far joints, meshes and nodes of one file are from where they are in another, with keys alike.
 
     The corners of what each joint moves, as in `self_check`, and the axes of nodes that show nothing; what is
     the same to the bit is not evaluated. Not the lenses of cameras, nor what rigtri itself has added.
+    axes: also those of nodes that show nothing; not where joints get others.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     found = match(mine, theirs, by_key=True)
@@ -152,7 +153,7 @@ def motion_between(before: Source, after: Source) -> Motion:
     moving = changed_nodes(mine, theirs, found)
     probes: list[Probe] = [
         *_box_probes(mine, theirs, found, meshes, moving),
-        *rotations(mine, found, meshes, moving, sizes),
+        *(rotations(mine, found, meshes, moving, sizes) if axes else ()),
         origins(mine, found, moving),
     ]
     result = measure(*side_by_side(mine, theirs, found), probes, sizes)

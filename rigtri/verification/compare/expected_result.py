@@ -237,7 +237,7 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
     known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
     metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
     was = PosedView(source, replace(rig, keys=keys, metadata=metadata), made, keys, range(len(rig)))
-    found = motion_between(was, made)
+    found = motion_between(was, made, axes=not expected.keeps_clips)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
     if not others:
         return found
