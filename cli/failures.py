@@ -150,7 +150,7 @@ def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:
         raise error  # it shows the help
     message = " ".join(plain(error.format_message()).split())
     name = ctx.invoked_subcommand  # errors of the parser do not know it
-    page = "rigtri --help" if name is None else f"rigtri help {name}"
+    page = "rigtri --help" if name in (None, "help") else f"rigtri help {name}"
     stop = "" if message.endswith((".", "?", "!", ")")) else "."
     echo_message(f"rigtri: {message}{stop} Help: {page}")
     print_json_error(ctx, "usage", message, error.exit_code)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from difflib import get_close_matches
 from functools import partial
 from types import MappingProxyType
 from typing import Any
@@ -26,6 +27,22 @@ SHORT = 11
 WHOLE = "rigtri.cli.help_format"
 
 
+class _Choice(click.Choice):  # type: ignore[type-arg]
+    """One of some words, in capitals too unless they differ by them; a wrong one gets a suggestion."""
+
+    def __init__(self, words: list[str]) -> None:
+        super().__init__(words, case_sensitive=not all(word.islower() for word in words))
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as error:
+            word, known = str(value).lower(), [str(each) for each in self.choices]
+            close = [each for each in known if each.startswith(word)] or get_close_matches(word, known, n=1)
+            hint = f" Did you mean '{close[0]}'?" if close else ""
+            raise click.BadParameter(f"{error.message}{hint}", ctx, param) from None
+
+
 class Option(click.Option):
     """An option that knows where it stands in help.
 
@@ -40,9 +57,8 @@ class Option(click.Option):
         values: Mapping[str, str] = MappingProxyType({}),
         **about: Any,
     ) -> None:
-        kind = about.get("type")
-        if isinstance(kind, click.Choice) and all(str(word).islower() for word in kind.choices):
-            about["type"] = click.Choice(kind.choices, case_sensitive=False)
+        if isinstance(about.get("type"), click.Choice):
+            about["type"] = _Choice(list(about["type"].choices))
         if values and not about.get("metavar"):
             name = str(declared[0][0]).lstrip("-").upper()
             about["metavar"] = name if len(name) <= SHORT else "RULE"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from difflib import get_close_matches
 from importlib.resources import files
 from typing import Any
 
@@ -44,7 +45,8 @@ def command(name: str, as_json: bool) -> None:
     """
     known = _known()
     if name not in known:
-        raise UsageError(f"'{name}' is not a valid schema: use {', '.join(known)}")
+        meant = "".join(f"did you mean '{close}'? " for close in get_close_matches(name, known, n=1))
+        raise UsageError(f"'{name}' is not a valid schema: {meant}Use {', '.join(known)}")
     click.echo(_whole(name), nl=False)
 
 

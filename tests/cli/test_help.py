@@ -94,6 +94,27 @@ def test_a_command_that_is_none_names_what_may_be_meant(word: str, meant: str) -
         assert f"No such command '{word}'. Did you mean {meant}?" in cli(*line, code=2).stderr
 
 
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (
+            "orient-joints a.glb -o b.glb --preset Unreal",
+            "Did you mean 'unreal-editor'? Help: rigtri help orient-joints",
+        ),
+        ("orient-joints a.glb -o b.glb --end Tipp", "Did you mean 'tip'?"),
+        ("schema verfy", "did you mean 'verify'? Use batch"),
+        ("help frobnicate", "No such command 'frobnicate'. Help: rigtri --help"),
+    ],
+)
+def test_a_value_that_is_none_gets_a_suggestion(line: str, told: str) -> None:
+    assert told in cli(*line.split(), code=2).stderr
+
+
+def test_a_rule_of_branch_that_is_none_is_not_called_a_joint(samples: Path, tmp_path: Path) -> None:
+    line = ("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb", "--branch", "frist")
+    assert "No rule of --branch, nor joint, is named 'frist'" in cli(*line, code=4).stderr
+
+
 def test_an_option_without_its_value_names_the_page_of_its_command() -> None:
     assert cli("bake", "a.glb", "-o", "b.glb", "--to", code=2).stderr.endswith("Help: rigtri help bake\n")
 

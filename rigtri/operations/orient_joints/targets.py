@@ -122,7 +122,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         known = trunk_children(tree, characters) | chain_ends(tree, ref, bodies) | known
     rules = Rules(
         options.branch_rule,
-        tuple(rig.find(name) for name in options.branch_to),
+        tuple(rig.find(name, "rule of --branch, nor joint,") for name in options.branch_to),
         options.end,
         aim_at,
         known,
