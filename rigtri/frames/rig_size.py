@@ -54,6 +54,8 @@ def _by_character(rig: Rig, meshes: Sequence[Mesh], whole: float) -> Floats:
         some = np.zeros(len(rig), dtype=bool)
         some[nodes] = True
         mine = [mesh for mesh in meshes if some[placing_node(rig, mesh)]]
+        if mine and len(mine) == len(meshes):
+            continue  # the only one: its size is that of the whole
         low, high = _box(rig, mine, world)
         if not (low <= high).all():
             places = world[nodes, 3, :3]
