@@ -316,3 +316,25 @@ def test_locators_are_read_in_the_pose_that_is_named(samples: Path) -> None:
     assert np.abs(found["walk@0.5"] - found["nodes"]).max() > 0.01
     with pytest.raises(UsageError, match="--pose is for locators"):
         MakeLimbOptions(points=((0, 0, 0), (1, 1, 0), (2, 0, 0)), pose="bind").check(())
+
+
+def test_a_limb_beside_a_plain_hierarchy_of_usd_stays_readable_with_its_root(
+    samples: Path, tmp_path: Path
+) -> None:
+    """Before, the skeleton of the new limb made --root of the same hierarchy an error."""
+    out, root = tmp_path / "out.usda", ("--root", "/arm")
+    points = ("--points", "0,0,0", "0,1,0.1", "0,2,0")
+    cli(
+        "make-limb",
+        samples / "arm.usda",
+        "-o",
+        out,
+        *points,
+        "--name",
+        "leg",
+        "--side",
+        "left",
+        *root,
+        code=0,
+    )
+    assert "leg_1_L" in cli("inspect", out, *root, code=0).stdout

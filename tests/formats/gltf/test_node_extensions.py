@@ -19,6 +19,7 @@ FREE = [
     (BODY, {"motion": {"mass": 1, "isKinematic": True}}),
     ("OMI_physics_body", {"motion": {"type": "dynamic", "mass": 1}}),
     ("OMI_physics_body", {"type": "kinematic"}),
+    ("OMI_personality", {"agent": "cat", "personality": "cheerful"}),
     ("OMI_link", {"uri": "https://example.org"}),
     ("KHR_node_visibility", {"visible": False}),
 ]
@@ -28,6 +29,11 @@ FROZEN = [
     (BODY, {"collider": {"geometry": {"shape": 0}}}, "holds 'collider' in its axes"),
     ("OMI_physics_body", {"trigger": {"shape": 0}}, "holds 'trigger' in its axes"),
     ("OMI_physics_shape", {"shape": 0}, "holds 'shape' in its axes"),
+    ("OMI_seat", {"back": [0, 0, 0]}, "holds 'back' in its axes"),
+    ("OMI_physics_gravity", {"type": "directional", "gravity": 9.8}, "holds 'type' in its axes"),
+    ("OMI_physics_joint", {"constraints": [0]}, "holds 'constraints' in its axes"),
+    ("KHR_audio", {"emitter": 0}, "holds 'emitter' in its axes"),
+    ("MSFT_audio_emitter", {"emitters": [0]}, "holds 'emitters' in its axes"),
     ("EXT_unheard_of", {}, "may hold directions in its axes; rigtri does not know it"),
 ]
 

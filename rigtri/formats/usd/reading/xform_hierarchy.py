@@ -107,7 +107,8 @@ def find_root(rig: Rig, root: str) -> int:
 def _refuse_skeletons(stage: Any, root: str) -> None:
     """UsageError for a Skeleton at or below the root: its joints are the ones to reorient."""
     for prim in Usd.PrimRange(stage.GetPrimAtPath(root), Usd.TraverseInstanceProxies()):
-        if prim.GetTypeName() == "Skeleton":
+        # One below a group of rigtri's holds limbs that make-limb has made.
+        if prim.GetTypeName() == "Skeleton" and not prim.GetParent().HasAttribute("rigtri:type"):
             raise UsageError(
                 f"--root {root}: there is a skeleton, <{prim.GetPath()}>. --root is for plain "
                 "hierarchies: leave it out, or name a prim without a skeleton below it."
