@@ -1,6 +1,6 @@
 """One character of a rig that has several: what an operation sees that is to edit it alone.
 
-A character is what skins with common joints move (`frames.rig_size.characters`) and what hangs on them. The
+A character is what skins with common joints move (`model.characters`) and what hangs on them. The
 joints of the others are no joints meanwhile, so that names mean the one at hand; and what rigtri has built
 for them is not seen.
 """
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import NameNotFoundError
-from rigtri.frames.rig_size import characters
+from rigtri.model.characters import characters
 from rigtri.model.metadata import references
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise

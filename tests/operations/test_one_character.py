@@ -12,7 +12,7 @@ import pytest
 from program import cli
 
 from rigtri.formats import read
-from rigtri.frames.rig_size import characters
+from rigtri.model.characters import characters
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 

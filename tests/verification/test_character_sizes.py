@@ -12,7 +12,8 @@ import pytest
 from program import cli
 from rigs import rig_of
 
-from rigtri.frames.rig_size import FAR, characters, sizes_of
+from rigtri.frames.rig_size import FAR, sizes_of
+from rigtri.model.characters import characters
 from rigtri.model.skin import Skin
 
 GROUND = """def Mesh "Ground" {
