@@ -176,6 +176,12 @@ def _renamed_and_back(rig: Rig) -> Rig:
     return rigtri.rename_joints(renamed, map=names_json(report), inverse=True)
 
 
+def _conformed_and_back(rig: Rig) -> Rig:
+    """With the names and the rest pose that the samples have: motion is compared by both."""
+    renamed = rigtri.rename_joints(rigtri.conform(rig, to="mixamo"), to="bones")
+    return rigtri.set_rest(renamed, pose="bind")
+
+
 EDITS: dict[str, Edit] = {
     "freeze": Edit(rigtri.freeze),
     "rename-joints": Edit(_renamed_and_back),
@@ -183,9 +189,7 @@ EDITS: dict[str, Edit] = {
     "add-root": Edit(rigtri.add_root),
     "add-socket": Edit(lambda rig: rigtri.add_socket(rig, name="weapon", on=_limb(rig)[2])),
     "root-motion": Edit(lambda rig: rigtri.root_motion(rigtri.add_root(rig))),
-    "conform": Edit(
-        lambda rig: rigtri.rename_joints(rigtri.conform(rig, to="mixamo"), to="bones"), reposes=True
-    ),
+    "conform": Edit(_conformed_and_back),
     "prune-joints": Edit(rigtri.prune_joints),
     "merge-joints": Edit(lambda rig: rigtri.merge_joints(rig, max_joints=1000)),
     "limit-weights": Edit(rigtri.limit_weights),

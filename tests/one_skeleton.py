@@ -1,4 +1,4 @@
-"""What the commands of docs/one-skeleton.md do to real files: deviation, a second run, new errors of validators.
+"""What the commands of docs/one-skeleton.md do to real files: deviation, a second run, validators.
 
     python -m one_skeleton FOLDER            # in the folder tests; FOLDER has glTF, VRM and USD files
     python -m one_skeleton FOLDER --write    # replaces the table of docs/one-skeleton.md
