@@ -17,7 +17,7 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 
 # As shares of the limb: a target nearer than this to the root gives no direction, and a pole nearer than
 # this to the line to the target no side: files hold float32, some nodes deep.
-NOWHERE, ON_LINE = 1e-7, 1e-5
+NOWHERE, ON_LINE = 1e-6, 1e-5
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
 BEYOND, _NEWTON = 5.0, 12
 

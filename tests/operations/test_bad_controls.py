@@ -46,7 +46,7 @@ def asked(rig: Rig, *keys: tuple[int, TrackPath, Any]) -> Rig:
 
 def place(rig: Rig, node: int, world: Floats) -> Floats:
     """A place in the world as a translation of a node."""
-    return transform_points(world, inverse(rig.world[rig.parents[node]]))
+    return transform_points(world, inverse(rig.normalised_world[rig.parents[node]]))
 
 
 def limb(name: str) -> tuple[Rig, int, int, Floats, Floats]:
@@ -57,7 +57,7 @@ def limb(name: str) -> tuple[Rig, int, int, Floats, Floats]:
         for n, note in rig.metadata.items()
         if note.get("type") == "poleVector" and "forearm_L" in rig.names[n]
     )
-    root, hand = (rig.world[rig.find(joint), 3, :3] for joint in (ARM[0], ARM[2]))
+    root, hand = (rig.normalised_world[rig.find(joint), 3, :3] for joint in (ARM[0], ARM[2]))
     return rig, end, pole, root, hand
 
 
@@ -195,7 +195,7 @@ def test_bake_reports_when_a_trouble_is_worst_and_strict_makes_it_an_error(name:
 
     def asking(rig: Rig, report: Report) -> Rig:
         rig = add_controls(rig, options=AddControlsOptions(whole_character=True))
-        end, root = control(rig, "hand_L", "ik"), rig.world[rig.find(ARM[0]), 3, :3]
+        end, root = control(rig, "hand_L", "ik"), rig.normalised_world[rig.find(ARM[0]), 3, :3]
         far = np.array([place(rig, end, root + np.array([0.0, 0.0, z])) for z in (0.1, 0.3, 50.0, 0.3)])
         first, *others = rig.clips
         keys = Track(end, "translation", "LINEAR", np.array([0.0, 1.0, 2.0, 3.0]), far)
@@ -396,6 +396,6 @@ def test_a_mirrored_control_of_other_axes_than_its_joint_s_mirrors_along_its_own
     told = ("control-scale",) if scale[0] * scale[1] * scale[2] < 0 else ()
     found = evaluated(posed, *told).world(joint)[0]
     turn = np.array([[0.28, 0.96, 0.0], [-0.96, 0.28, 0.0], [0.0, 0.0, 1.0]])
-    stand = rig.world[int(rig.parents[node]), :3, :3]
-    expected = rig.world[joint, :3, :3] @ stand.T @ np.diag(scale) @ turn @ stand
+    stand = rig.normalised_world[int(rig.parents[node]), :3, :3]
+    expected = rig.normalised_world[joint, :3, :3] @ stand.T @ np.diag(scale) @ turn @ stand
     np.testing.assert_allclose(found[:3, :3], expected, atol=1e-6)
