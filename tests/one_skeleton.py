@@ -4,7 +4,7 @@
     python -m one_skeleton FOLDER --write    # replaces the table of docs/one-skeleton.md
 
 A cell is the largest movement of a vertex, as a share of the size, in all clips; of set-rest and conform,
-which change the rest pose, the largest in clips alone. ``=`` a second run gives the same bytes, ``~`` it gives
+which change the rest pose, the largest in clips alone. ``=`` a second run gives the same bytes, ``~``
 others; ``-`` nothing was to do; a number in brackets is the exit code of a refusal. With RIGTRI_VALIDATOR the
 Khronos validator looks for new errors, of which the number follows behind ``!``; OpenUSD's own always does.
 """
