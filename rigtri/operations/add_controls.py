@@ -136,12 +136,12 @@ class _Builder:
         self.rig, holder = group(self.rig)
         self.above_controls = self.rig.with_ancestors([holder])
         self.new = NewNodes(self.rig)
-        if options.root_control or options.whole_character:
-            self._root()
         joints = self._joints()
-        self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
         known = self.rig.records(ControlRecord).items()
         self.fk = {one.joint: node for node, one in reversed(known) if one.kind == "fk"}
+        if options.root_control or (options.whole_character and self._root_carries(joints)):
+            self._root()
+        self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
         for joint in joints:
             address = self.rig.address(joint)
             self.controls[joint] = self._control(joint, "fk", self.fk.get(address), {"joint": address})
@@ -176,6 +176,19 @@ class _Builder:
                 found = [joint for joint in found if joint not in idle]
         missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
         return sorted({*found, *missing}) if missing else found
+
+    def _root_carries(self, joints: list[int]) -> bool:
+        """Whether a root control would carry all limbs: IK moves a limb from the node above it, so only
+        where a control moves that."""
+        moved = {*map(self.rig.address, joints), *self.fk}
+        for limb in self.limbs:
+            above = self.rig.with_ancestors([limb.start]) - {limb.start}
+            if moved.isdisjoint(map(self.rig.address, above)):
+                title = self.rig.title(limb.start)
+                text = f"No root control: no joint above '{title}' has a control, so IK leaves it where it is"
+                self.report.warn("no-root-control", text, joint=title)
+                return False
+        return True
 
     def _root(self) -> None:
         """The control over all: below the first root joint, as low as the lowest joint, along the world."""

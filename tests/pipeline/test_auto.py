@@ -18,6 +18,7 @@ from second_opinions import validator
 from rigtri import auto, read
 from rigtri.errors import FileError
 from rigtri.formats import read as document
+from rigtri.formats.document import ReadOptions
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
@@ -220,6 +221,19 @@ def test_reading_options_stand_in_the_spec(tmp_path: Path, name: str, root: str)
     run("auto", source, "-o", out, "--root", root)
     run("build", source, "--spec", out.with_suffix(".rig.yaml"), "-o", again)
     assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "root"), [("arm.usda", "/arm"), ("arm.usda", "/arm/shoulder"), ("arm.gltf", "shoulder")]
+)
+def test_a_limb_that_hangs_on_no_joint_is_built_without_a_root_control(
+    tmp_path: Path, name: str, root: str
+) -> None:
+    out = tmp_path / name
+    result = run("auto", SAMPLES / name, "-o", out, "--root", root)
+    assert "No root control: no joint above 'shoulder' has a control" in result.stderr
+    built = kinds(document(out, ReadOptions(root=root)).rig)
+    assert [built.count(f"control {kind}") for kind in ("root", "fk", "ik")] == [0, 3, 1]
 
 
 @pytest.mark.parametrize("name", ["gltf/khronos_CesiumMan_Binary.glb", "usd/usdwg_RiggedFigure.usdz"])
