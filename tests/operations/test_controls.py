@@ -258,7 +258,7 @@ def test_lines_that_a_user_has_edited_stay_and_are_named(samples: Path, tmp_path
     redone(samples / "biped.usda", one)
     layer = Sdf.Layer.FindOrOpen(str(one))
     path = read(one).rig.labels[controls(read(one).rig)["hand_L"]]
-    points = layer.GetAttributeAtPath(f"{path}/shape.points")
+    points = layer.GetAttributeAtPath(f"{path}/hand_L_ctl_shape.points")
     points.default = [3 * point for point in points.default]
     layer.Save()
     was = lines(read(one).rig, "hand_L").segments
