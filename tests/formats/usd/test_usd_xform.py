@@ -129,6 +129,16 @@ def test_animated_translate_and_orient_are_tracks_before_and_after(tmp_path: Pat
     assert result.passes(1e-9), result.describe()
 
 
+def test_one_sample_of_an_op_that_a_track_stands_for_is_a_key_and_survives_a_bake(tmp_path: Path) -> None:
+    one, two, three = (tmp_path / f"{name}.usda" for name in ("rigged", "keyed", "baked"))
+    cli("auto", SAMPLES / "arm.usda", "-o", one, "--root", "/arm", code=0)
+    cli("bake", one, "-o", two, "--root", "/arm", "--to", "controls", code=0)
+    cli("bake", two, "-o", three, "--root", "/arm", "--to", "joints", code=0)
+    rig = read(three, root="/arm").rig
+    (keys,) = (len(track.times) for track in rig.clips[0].tracks if track.node == rig.find("wrist"))
+    assert keys == 1
+
+
 def driven(folder: Path, stack: str) -> Path:
     """A prim that moves by a stack of ops, below one that does; and one beside them that could follow."""
     stage = Usd.Stage.CreateNew(str(folder / "in.usda"))

@@ -73,9 +73,13 @@ def _animated(
     tracks: list[Track] = []
     for node in joints:
         prim = stage.GetPrimAtPath(rig.labels[node])
-        if not UsdGeom.Xformable(prim).TransformMightBeTimeVarying():
+        xformable = UsdGeom.Xformable(prim)
+        if not xformable.GetTimeSamples():
             continue
         stand = read_transform(prim, node, interpolation)
+        # One sample is a key of an op that a track stands for; of others it is but where the prim stands.
+        if stand is None and not xformable.TransformMightBeTimeVarying():
+            continue
         if stand is None and (sampled := sampled_tracks(prim, node, interpolation)) is not None:
             stand = dict(zip(PATHS, decompose(rig.local[node]), strict=True)), sampled
         if stand is None:
