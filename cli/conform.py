@@ -1,6 +1,6 @@
 """Give a character of IN the standard skeleton of an engine: scale, rest pose, root, axes and names.
 
-The steps are freeze, set-rest, add-root, orient-joints and rename-joints; --save-spec writes them as a rig
+The steps are freeze, rename-joints, set-rest, add-root and orient-joints; --save-spec writes them as a rig
 spec, to change and to build again. Every clip looks as before. Characters that conform to one skeleton
 differ in the lengths of their bones, so that they share clips.
 

@@ -15,12 +15,15 @@ from rigtri.errors import GeometryError
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, between, conjugate, from_axes, multiply, rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Character
 
 _FINGERS = ("Index", "Middle", "Ring", "Little")
 _PARTS = ("Proximal", "Intermediate", "Distal")
+# Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made
+# characters are not quite even, and those that face one way get the very same pose.
+ASKEW = 0.02
 # How far arms of an A-pose are below the horizontal: 45°.
 _DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5))}
 
@@ -44,10 +47,12 @@ def posed(
         raise GeometryError("No arms or legs are known surely enough. See why: rigtri recognise FILE")
     body = _Body(rig, world, bones)
     up = np.array(character.up if any(character.up) else rig.rules.up)
-    left = np.array(character.normal)
-    ahead = np.array(facing) if facing is not None else np.array(character.facing)
+    left = _left(world, bones, character, up)
+    ahead = np.array(facing if facing is not None else character.facing)
     if not any(left) or not any(ahead):
         raise GeometryError("Nothing says where this body faces: give the direction with --facing")
+    if facing is None:
+        ahead = normalise(perpendicular(ahead, left))
     down = _DOWN[pose]
     for side, out in (("left", left), ("right", -left)):
         arm = normalise(out * np.sqrt(1.0 - down * down) - up * down)
@@ -63,6 +68,21 @@ def posed(
             body.point(side + bone, side + end, -up)
         body.point_ahead(side + "Foot", side + "Toes", ahead, up)
     return body.rotations()
+
+
+def _left(world: Floats, bones: Mapping[str, int], character: Character, up: Floats) -> Floats:
+    """Where a body has its left, level, unit, (3,): by where its limbs begin, which no name changes."""
+    total = np.zeros(3)
+    for bone in ("UpperLeg", "UpperArm"):
+        if {"left" + bone, "right" + bone} <= bones.keys():
+            left, right = (world[bones[side + bone], 3, :3] for side in ("left", "right"))
+            total = total + normalise(left - right)
+    total = perpendicular(total, up)
+    if not length(total) > 0.5:
+        return np.array(character.normal)
+    total = normalise(total)
+    axis = np.where(np.abs(total) > 0.5, np.sign(total), 0.0)
+    return axis if length(total - axis) < ASKEW else total
 
 
 class _Body:

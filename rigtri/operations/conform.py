@@ -20,7 +20,7 @@ from rigtri.operations.registry import operation as function_of
 from rigtri.report import Report
 
 Steps = tuple[tuple[str, Mapping[str, Any]], ...]
-# What each skeleton takes, in this order: what it is like at rest before its axes, and its names last.
+# What each skeleton takes, in this order: what it is like at rest before its axes.
 _STEPS: Mapping[str, Steps] = {
     "unreal": (
         ("set-rest", {"pose": "apose"}),
@@ -45,14 +45,15 @@ def steps_of(options: ConformOptions) -> Steps:
         (name, {**values, **(facing if name in ("set-rest", "orient-joints") else {})})
         for name, values in _STEPS[options.to]
     ]
-    return (("freeze", {}), *own, ("rename-joints", {"to": options.to}))
+    # Names before all that is recognised: a second run reads the same names, and finds the same body.
+    return (("freeze", {}), ("rename-joints", {"to": options.to}), *own)
 
 
 @operation(ConformOptions)
 def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     """The rig with the standard skeleton of an engine; every clip looks as before.
 
-    Raises as the steps do (`steps_of`): freeze, set-rest, add-root, orient-joints, rename-joints. In USD,
+    Raises as the steps do (`steps_of`): freeze, rename-joints, set-rest, add-root, orient-joints. In USD,
     where a root would rename all joints, it is left out with a warning.
     """
     for name, values in steps_of(options):

@@ -160,11 +160,14 @@ def skinned(stage: Any, time: Any) -> dict[str, Floats]:
     return found
 
 
-def deviation(before: Path, after: Path) -> float:
-    """How far skinned points of two files are apart by UsdSkel, as a share of the size."""
+def deviation(before: Path, after: Path, *, at_rest: bool = True) -> float:
+    """How far skinned points of two files are apart by UsdSkel, as a share of the size.
+
+    at_rest: also without time, where a skeleton shows its rest pose.
+    """
     one, other = Usd.Stage.Open(str(before)), Usd.Stage.Open(str(after))
     worst, size = 0.0, 0.0
-    for time in moments(one):
+    for time in moments(one)[0 if at_rest else 1 :]:
         first, second = skinned(one, time), skinned(other, time)
         assert first.keys() == second.keys()
         for path, points in first.items():

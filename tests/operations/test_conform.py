@@ -6,14 +6,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import SAMPLES
+from places import SAMPLES, real_files
 from program import cli
+from usd_files import deviation
 
 import rigtri
 from rigtri.maths.quaternions import angle_between, normalise
+from rigtri.maths.vectors import length
 from rigtri.verification.checks import check
 
 TARGETS = ("unreal", "unity", "godot", "vrm", "mixamo")
+# One whose sides are not quite even, and one that stands below a scale and a rotation.
+REAL = ("khronos_CesiumMan_Binary.glb", "blender_godot_player.usda")
+SCALED = """def SkelRoot "figure"
+    {
+        double3 xformOp:rotateXYZ = (-90, 0, 0)
+        double3 xformOp:scale = (0.3, 0.3, 0.3)
+        uniform token[] xformOpOrder = ["xformOp:rotateXYZ", "xformOp:scale"]"""
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -23,6 +32,28 @@ def test_a_second_time_changes_no_byte(target: str, suffix: str, tmp_path: Path)
     cli("conform", SAMPLES / f"biped{suffix}", "-o", out, "--to", target, code=0)
     cli("conform", out, "-o", again, "--to", target, code=0)
     assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("path", [path for path in real_files() if getattr(path, "name", "") in REAL])
+def test_real_characters_look_as_before_and_stay(path: Path, target: str, tmp_path: Path) -> None:
+    out, again = tmp_path / f"out{path.suffix}", tmp_path / f"again{path.suffix}"
+    cli("conform", path, "-o", out, "--to", target, code=0)
+    cli("conform", out, "-o", again, "--to", target, code=0)
+    assert again.read_bytes() == out.read_bytes()
+    if path.suffix == ".usda":
+        assert deviation(path, out, at_rest=False) < 1e-5
+
+
+def test_a_scaled_skeleton_takes_another_rest_pose_in_the_same_edit(tmp_path: Path) -> None:
+    """Points are bound in another size and joints rest elsewhere: clips show the same, by UsdSkel itself."""
+    path, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    text = (SAMPLES / "biped.usda").read_text("utf-8")
+    path.write_text(text.replace('def SkelRoot "figure"\n    {', SCALED, 1), "utf-8")
+    cli("conform", path, "-o", out, "--to", "vrm", code=0)
+    assert deviation(path, out, at_rest=False) < 1e-5
+    rig = rigtri.read(out)
+    assert abs(length(rig.world[rig.is_joint, :3, :3]) - 1.0).max() < 1e-6
 
 
 @pytest.mark.parametrize("target", ["unreal", "unity", "godot", "vrm"])

@@ -8,7 +8,7 @@ must look as in the source; what it does declare is taken out of the comparison,
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
 from rigtri.frames.rescale import convert
 from rigtri.frames.rig_size import size_of
+from rigtri.maths.matrices import multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
@@ -110,13 +111,16 @@ class PosedView(DocumentView):
         return self._placed(self.document.outlines(closely=closely))
 
     def _placed(self, meshes: Sequence[Mesh]) -> list[Mesh]:
-        """Meshes at the nodes of the rig, with the morph weights that it has at rest."""
+        """Meshes at the nodes of the rig, with its morph weights at rest, bound in its sizes."""
         found = []
         for mesh in meshes:
             node = self.position[mesh.node]
             weights = self.rig.pending.morph_weights.get(node, mesh.morph_weights)
             if node != mesh.node or weights is not mesh.morph_weights:
                 mesh = replace(mesh, node=node, morph_weights=weights)
+            size = self.rig.pending.bind_sizes.get(mesh.skin) if mesh.skin is not None else None
+            if size is not None:
+                mesh = replace(mesh, bind=multiply(mesh.bind, np.diag([size, size, size, 1.0])))
             found.append(mesh)
         return found
 
@@ -236,6 +240,7 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
     # What the result knows as rigtri's is not compared where the source, exported, lacks the metadata.
     known = {made.rig.keys[node]: made.rig.metadata[node] for node in made.rig.own & made.rig.metadata.keys()}
     metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
+    rig = _bound_in(rig, expected.rig.pending.bind_sizes)
     was = PosedView(source, replace(rig, keys=keys, metadata=metadata), made, keys, range(len(rig)))
     found = motion_between(was, made, axes=not expected.keeps_clips)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
@@ -244,6 +249,15 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
     size = size_of(was.rig, was.outlines())
     movement = morph_movement(was, made, others)
     return replace(found, morphs={name: far / size for name, far in movement.items() if far > 0})
+
+
+def _bound_in(rig: Rig, sizes: Mapping[int, float]) -> Rig:
+    """The rig with the points of skins bound in other sizes, by number; nothing moves."""
+    skins = list(rig.skins)
+    for number, size in sizes.items():
+        smaller = np.diag([1.0 / size] * 3 + [1.0])
+        skins[number] = replace(skins[number], inverse_bind=multiply(smaller, skins[number].inverse_bind))
+    return replace(rig, skins=tuple(skins), pending=replace(rig.pending, bind_sizes=sizes))
 
 
 def _other_weights(before: Rig, after: Rig) -> set[Hashable]:
