@@ -36,6 +36,25 @@ def _axis_turns() -> Floats:
 AXIS_TURNS = _axis_turns()
 
 
+# Another rotation of the 24 than the identity is taken where it leaves less than this of what the identity
+# leaves: joints in other poses are a little nearer to some other rotation by chance.
+_CLEARLY = 0.5
+
+
+def nearest_axis_turn(turns: Floats) -> Floats:
+    """The one of the 24 rotations, (3, 3), that most of ``turns``, (k, 3, 3), are nearest to.
+
+    By the median of angles: joints may be in any pose. The identity, unless another is clearly nearer.
+    """
+    if not len(turns):
+        return np.asarray(AXIS_TURNS[0])
+    products = (turns[:, np.newaxis] * AXIS_TURNS).reshape(len(turns), len(AXIS_TURNS), 9)
+    # 3 - trace, which grows with the angle.
+    off = np.median(3.0 - products.cumsum(axis=-1)[..., -1], axis=0)
+    best = int(off.argmin())
+    return np.asarray(AXIS_TURNS[best if off[best] < _CLEARLY * off[0] else 0])
+
+
 @dataclass(frozen=True, eq=False)
 class Similarity:
     """A similarity transform, (4, 4); residual: what is left between the points, as a share of their size."""
@@ -45,15 +64,22 @@ class Similarity:
 
 
 def fit_similarity(
-    theirs: Floats, ours: Floats, *, about_origin: bool, ratio: float | None = None
+    theirs: Floats,
+    ours: Floats,
+    *,
+    about_origin: bool,
+    ratio: float | None = None,
+    turn: Floats | None = None,
 ) -> Similarity:
     """The transform that takes points ``theirs``, (k, 3), onto ``ours``, (k, 3).
 
     The identity where it fits, else one of the 24 rotations that take axes onto axes, or, where none of
     these does, one by three points. about_origin: the origin stays where it is. ratio: the scale, where it
-    is known; it is 1 where it is nearly that, without it and about the origin up to `ONE_UNIT`.
+    is known; it is 1 where it is nearly that, without it and about the origin up to `ONE_UNIT`. turn: the
+    rotation, (3, 3), where it is known.
     """
-    middle = np.zeros((2, 3)) if about_origin else np.array([_mean(theirs), _mean(ours)])
+    # What lies aside as a whole is turned as it is, not as it lies.
+    middle = np.array([_mean(theirs), _mean(ours)]) if len(ours) > 1 else np.zeros((2, 3))
     a, b = theirs - middle[0], ours - middle[1]
     sizes = [_spread(a), _spread(b)]
     near = ONE_UNIT if about_origin and ratio is None else 1.0 + SAME_SIZE
@@ -62,20 +88,23 @@ def fit_similarity(
     if 1.0 / near <= ratio <= near:
         ratio = 1.0
     size = sizes[1] or 1.0
-    best, least = AXIS_TURNS[0], np.inf
-    for axes in AXIS_TURNS:
+    best, least, first = AXIS_TURNS[0], np.inf, np.inf
+    for number, axes in enumerate(AXIS_TURNS if turn is None else [turn]):
         turned = transform_points(a * ratio, from_frame(axes, np.zeros(3)))
         off = _spread(turned - b) / size
         # Of equals the first, which is the identity: points on a line define no rotation about it.
-        if off < 0.99 * least - SAME_PLACE:
+        clearly = _CLEARLY if about_origin and least == first else 0.99
+        if off < clearly * least - SAME_PLACE:
             best, least = axes, off
+        first = least if number == 0 else first
     if least > OTHER_SHAPE and not about_origin:
         axes = _three_point_turn(a, b)
         off = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
         if off < 0.1 * least:
             best, least = axes, off
     matrix = from_frame(best * ratio, np.zeros(3))
-    matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)
+    if not about_origin:
+        matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)
     if np.abs(matrix[3, :3]).max() <= SAME_PLACE * size:
         matrix[3, :3] = 0.0
     return Similarity(matrix, float(least))

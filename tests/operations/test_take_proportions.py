@@ -7,13 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rigs import chain
 from taken_clips import notices, places, rig_of
 
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import inverse
+from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
-from rigtri.model.animation import Path, Track
+from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
@@ -164,3 +166,89 @@ def test_joints_with_another_parent_and_another_length_are_refused() -> None:
     edited = replace(edited, parents=parents, translation=translation)
     with pytest.raises(GeometryError, match="'head' has another parent and another length"):
         take_clips(rig, from_=edited)
+
+
+def aside(rig: Rig, by: Floats) -> Rig:
+    """The rig and where it is bound, at another place of the world, with the keys that it has."""
+    translation = rig.translation.copy()
+    translation[rig.parents < 0] += by
+    made = replace(rig, translation=translation)
+    skins = (replace(skin, inverse_bind=inverse(made.world[skin.joints])) for skin in rig.skins)
+    return replace(made, skins=tuple(skins))
+
+
+def posed(rig: Rig, seed: int, most: float) -> Rig:
+    """The rig resting in another pose than that in which it is bound."""
+    random = np.random.default_rng(seed)
+    rotation = rig.rotation.copy()
+    for node in np.flatnonzero(rig.is_joint).tolist():
+        turn = from_axis_angle(random.normal(size=3), random.uniform(-most, most))
+        rotation[node] = multiply(rotation[node], turn)
+    return replace(rig, rotation=rotation)
+
+
+@pytest.mark.parametrize("by", [(5.0, 0.0, 0.0), (0.0, 0.0, 5.0), (3.0, 0.0, -2.0)])
+def test_a_character_that_stands_aside_is_not_turned(by: tuple[float, float, float]) -> None:
+    rig = rig_of()
+    taken = take_clips(rig, from_=aside(rig, np.array(by)))
+    there = bones(rig)
+    for name, found in bones(taken).items():
+        np.testing.assert_allclose(found, there[name], atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_both_files_may_rest_in_poses_of_their_own(seed: int) -> None:
+    rig = held(rig_of(), "rotation")
+    ours, theirs = posed(rig, seed, 0.7), posed(rig, seed + 100, 0.7)
+    assert take_clips(ours, from_=theirs).clips == ours.clips
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [(0.0, 0.3), (0.4, 0.1)])
+def test_a_root_that_is_bound_elsewhere_leaves_feet_on_the_ground(ours: float, theirs: float) -> None:
+    def walker(root: float) -> Rig:
+        rig = chain((0, root, 0), (0, 1, 0), (0.1, 0.5, 0.05), (0.1, 0, 0), (0.1, 0, 0.2))
+        swing = np.array([[0, 0, 0, 1.0], [np.sin(0.2), 0, 0, np.cos(0.2)]])
+        times, still = np.array([0.0, 1.0]), np.tile(rig.translation[0], (2, 1))
+        tracks = Track(0, "translation", "LINEAR", times, still), Track(2, "rotation", "LINEAR", times, swing)
+        return replace(rig, clips=(Clip("walk", tracks, 0),))
+
+    rig, edited = walker(ours), walker(theirs)
+    twice = replace(edited.clips[0].tracks[1], values=edited.clips[0].tracks[1].values[::-1])
+    edited = replace(edited, clips=(Clip("walk", (edited.clips[0].tracks[0], twice), 0),))
+    taken = take_clips(rig, from_=edited)
+    assert taken is not rig
+    for time, found in zip(TIMES, places(taken, "walk", TIMES)["d"], strict=True):
+        np.testing.assert_allclose(found, places(edited, "walk", np.array([time]))["d"][0], atol=1e-6)
+
+
+def test_joints_that_stretch_a_little_are_compared_all_the_same() -> None:
+    rig = held(rig_of())
+    other = body(rig, {})
+    names = list(other.names)
+    for one, two in (("thigh_L", "upper_arm_L"), ("shin_L", "forearm_L")):
+        a, b = names.index(one), names.index(two)
+        names[a], names[b] = names[b], names[a]
+    clips = tuple(
+        replace(
+            clip,
+            tracks=tuple(
+                replace(t, values=t.values * np.linspace(1.0, 1.02, len(t.values))[:, np.newaxis])
+                if t.path == "translation"
+                else t
+                for t in clip.tracks
+            ),
+        )
+        for clip in other.clips
+    )
+    with pytest.raises(GeometryError, match="point elsewhere"):
+        take_clips(rig, from_=replace(other, names=tuple(names), clips=clips))
+
+
+def test_joints_that_are_rolled_without_a_skin_are_told() -> None:
+    rig = held(rig_of())
+    rotation, head = rig.rotation.copy(), rig.find("head")
+    rotation[head] = multiply(from_axis_angle([0.0, 1.0, 0.0], 1.0), rotation[head])
+    report = Report()
+    take_clips(rig, from_=replace(rig, rotation=rotation, skins=()), report=report)
+    (told,) = (notice.text for notice in report.warnings if notice.code == "unsure-axes")
+    assert "head: 57.3°" in told

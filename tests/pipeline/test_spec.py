@@ -48,6 +48,7 @@ LEAST: dict[str, dict[str, Any]] = {
     "take-clips": {"from": "a.glb"},
     "snap": {"to": "ik", "at": "rest", "all-limbs": True},
     "add-socket": {"name": "grip", "on": "a"},
+    "conform": {"to": "unreal"},
 }
 # What all of a command's options have in common is said once in a spec, for the whole file, or is for
 # the command line alone: what is printed, and what is written beside OUT.
@@ -79,6 +80,7 @@ SHARED = [
 NOT_FOR_SPECS = {
     "orient-joints": {"save_frames"},
     "rename-joints": {"save_map"},
+    "conform": {"save_spec"},
     "pose": {"matrices", "joints", "joint_orient", "rotate_order"},  # of what is printed
     "make-limb": {"up_axis", "meters_per_unit"},  # of new files
     "mirror": {"check", "tolerance_distance", "tolerance_degrees"},  # --check writes nothing

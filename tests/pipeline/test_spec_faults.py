@@ -503,4 +503,4 @@ def test_a_variable_that_names_another_one_is_reported_where_it_is_used(tmp_path
 
 def test_an_option_that_is_like_none_is_reported_with_those_that_there_are(tmp_path: Path) -> None:
     (said,) = faults(write(tmp_path, "steps: [{do: strip, zzz: 1}]")).values()
-    assert "there is no option 'zzz'. There are optional, do, splits, discard-motion." in said
+    assert "there is no option 'zzz'. There are optional, do, splits, discard-motion, character." in said

@@ -9,6 +9,7 @@ from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.passes.add_joints import add_joints
 from rigtri.formats.usd.passes.find_changes import find_changes
 from rigtri.formats.usd.passes.key_xforms import key_xforms
+from rigtri.formats.usd.passes.limit_weights import limit_weights
 from rigtri.formats.usd.passes.remove_joints import remove_joints
 from rigtri.formats.usd.passes.rename_joints import rename_joints
 from rigtri.formats.usd.passes.reorient_xforms import reorient_xforms
@@ -24,7 +25,7 @@ from rigtri.formats.usd.passes.write_blend_weights import write_blend_weights
 from rigtri.formats.usd.passes.write_joint_metadata import write_joint_metadata
 from rigtri.formats.usd.passes.write_rigtri_prims import write_rigtri_prims
 from rigtri.formats.usd.passes.write_skeletons import write_skeletons
-from rigtri.formats.usd.passes.write_skin_weights import limit_weights, write_skin_weights
+from rigtri.formats.usd.passes.write_skin_weights import write_skin_weights
 from rigtri.formats.usd.reading.source import Source
 from rigtri.model.rig import Rig
 

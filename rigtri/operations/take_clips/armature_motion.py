@@ -48,17 +48,6 @@ def put_back(rig: Rig, described: Rig, of: Mapping[int, int], report: Report) ->
     return _bound(rig, moves)
 
 
-def bind_poses(rig: Rig) -> dict[int, Floats]:
-    """Where joints stand in their skins' bind poses, (4, 4) each."""
-    found: dict[int, Floats] = {}
-    for skin in rig.skins:
-        if skin.stored:
-            for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True):
-                if np.isfinite(matrix).all():
-                    found.setdefault(joint, matrix)
-    return found
-
-
 def _placed(rig: Rig, node: int, world: Floats) -> Rig:
     """The rig with a node at a place in the world."""
     above = int(rig.parents[node])

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from rigtri.evaluation.active_controls import size_of
-from rigtri.maths.matrices import determinant, inverse, multiply, nearest_rotation
+from rigtri.maths.matrices import determinant, from_frame, inverse, multiply, nearest_rotation
 from rigtri.maths.matrices import skew as skewed
 from rigtri.maths.similarity_fit import (
     AXIS_TURNS,
@@ -24,6 +24,7 @@ from rigtri.maths.similarity_fit import (
     SAME_SIZE,
     SAME_TURN,
     fit_similarity,
+    nearest_axis_turn,
 )
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -46,6 +47,39 @@ def _median(ours: Floats, theirs: Floats) -> float | None:
     return float(np.median(ours[fit] / theirs[fit])) if fit.any() else None
 
 
+def bind_poses(rig: Rig) -> dict[int, Floats]:
+    """Where joints stand in their skins' bind poses, (4, 4) each."""
+    found: dict[int, Floats] = {}
+    for skin in rig.skins:
+        if skin.stored:
+            for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True):
+                if np.isfinite(matrix).all():
+                    found.setdefault(joint, matrix)
+    return found
+
+
+def placed(rig: Rig) -> Floats:
+    """How the world sees bind poses turned, one of the 24 rotations, (3, 3).
+
+    As what stands above the topmost joints turns them, or not at all, whichever these are nearer to at rest:
+    some programs bind below that node, others in the world. What is posed below the topmost tells nothing.
+    """
+    binds = bind_poses(rig)
+    tops = [n for n in binds if not binds.keys() & set(rig.path_to_root(n)[1:])]
+    tops = [n for n in tops if np.isfinite(rig.world[n]).all() and rig.parents[n] >= 0]
+    if not tops:
+        return np.eye(3)
+    above = nearest_axis_turn(nearest_rotation(rig.world[rig.parents[tops[:1]]]))
+    bound = from_frame(nearest_rotation([binds[n] for n in tops]), np.zeros(3))
+    rest = nearest_rotation(rig.world[tops])
+    # Traces of how far each candidate is from what is seen: the larger, the nearer.
+    near = [
+        float((multiply(bound, from_frame(turn, np.zeros(3)))[:, :3, :3] * rest).ravel().cumsum()[-1])
+        for turn in (np.eye(3), above)
+    ]
+    return above if near[1] > near[0] else np.eye(3)
+
+
 class Counterparts:
     """The pairs of two rigs with their C and G. moving: nodes of the other that any of its clips moves.
 
@@ -60,6 +94,7 @@ class Counterparts:
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
+        self._bind_turns: list[Floats] = []  # of EDITED's bind poses to RIG's, (3, 3), for pairs of skins
         self._bound = self._from_binds()
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}
         self._between: dict[int, Floats] = {}
@@ -89,7 +124,22 @@ class Counterparts:
         ours = self.rig.world[still, 3, :3]
         theirs = self.other.world[[self.of[n] for n in still], 3, :3]
         fit = np.isfinite(ours).all(axis=1) & np.isfinite(theirs).all(axis=1)
-        return fit_similarity(theirs[fit], ours[fit], about_origin=True, ratio=self._ratio).matrix
+        points = theirs[fit], ours[fit]
+        return fit_similarity(*points, about_origin=True, ratio=self._ratio, turn=self._turned).matrix
+
+    @cached_property
+    def _turned(self) -> Floats | None:
+        """The rotation of G, (3, 3), from bind poses, so that either file may rest in any pose; None without.
+
+        EDITED's world as its bind pose sees it, EDITED's bind pose as RIG's, and that as RIG's world.
+        """
+        if not self._bind_turns:
+            return None
+        places = [placed(rig) for rig in (self.other, self.rig)]
+        theirs, between, ours = (
+            from_frame(each, np.zeros(3)) for each in (places[0], self._bind_turns[0], places[1])
+        )
+        return np.asarray(multiply(multiply(inverse(theirs), between), ours)[:3, :3])
 
     @cached_property
     def _ratio(self) -> float | None:
@@ -148,6 +198,7 @@ class Counterparts:
             # No size fits all of them; that of most bones keeps most lengths.
             fit = fit_similarity(*points, about_origin=False, ratio=self._bind_ratio(both, ours, bind))
         self.proportions = max(self.proportions, fit.residual)
+        self._bind_turns.append(nearest_axis_turn(nearest_rotation(fit.matrix)[np.newaxis]))
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
         # A joint that lies elsewhere turns about its own place: what other lengths do to translations
         # is said in `rigtri.operations.take_clips.proportions`.

@@ -21,11 +21,10 @@ from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, SAME_SIZE, fit_similarity
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, dot, length
+from rigtri.maths.vectors import angle, cross, dot, length, normalise
 from rigtri.model.animation import Path, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.armature_motion import bind_poses
-from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.axis_mapping import Counterparts, bind_poses
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
@@ -34,9 +33,11 @@ from rigtri.report import Report
 MOST_DEGREES = 5.0
 # Of the size; shorter bones have no direction and no length that counts.
 SHORT = 1e-2
-# Of its length: a joint that moves by more against the joint above is no end of a bone, such as the target
-# of an IK.
-_SLIDES = 1e-2
+# Of its size: keys that differ by more are not one value.
+_VARIES = 1e-2
+# The sine of `MOST_DEGREES`: a joint that wanders farther from its mean direction, seen from the joint above,
+# is no end of a bone, such as the target of an IK. A bone that stretches, or shakes a little, is one.
+_WANDERS = 0.087
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +76,10 @@ class Proportions:
         return _scaled(size, bone.ours - size * bone.theirs)
 
     def ratio(self, node: int) -> float:
-        """How long the bone of a joint is in RIG for one in EDITED."""
+        """How long the bone of a joint is in RIG for one in EDITED; above the legs, how long these are."""
         bone = self.bones[node]
+        if node in self._leg[1]:
+            return self.body
         ours, theirs = (float(length(offset)) for offset in (bone.ours, bone.theirs))
         if min(ours, theirs) * bone.unit <= SHORT * self.both.size:
             return self.body
@@ -92,20 +95,26 @@ class Proportions:
     @cached_property
     def body(self) -> float:
         """How long RIG's legs, from the lowest joint up to the highest above it, are for one in EDITED."""
-        if not self.bones:
-            return 1.0
-        up, places = np.array(self.both.rig.rules.up), self._reference[:, 3, :3]
-        heights = np.where(np.isfinite(places).all(axis=1), dot(places, up), np.inf)
-        path = [min(self.bones, key=lambda n: float(heights[n]))]
-        while path[-1] in self.bones:
-            path.append(self.both.line(path[-1])[2])
-        leg = [self.bones[n] for n in path[: int(np.argmax(heights[path]))]]
+        leg = [self.bones[n] for n in self._leg[0]]
         leg = [bone for bone in leg if bone.bound or not bone.slides]
         ours = sum(float(length(bone.ours)) * bone.unit for bone in leg)
         theirs = sum(float(length(bone.theirs)) * bone.unit for bone in leg)
         if min(ours, theirs) <= SHORT * self.both.size or abs(ours / theirs - 1.0) <= SAME_SIZE:
             return 1.0
         return ours / theirs
+
+    @cached_property
+    def _leg(self) -> tuple[list[int], list[int]]:
+        """The joints from the lowest in RIG's bind pose up to the highest above it; and those from there."""
+        if not self.bones:
+            return [], []
+        up, places = np.array(self.both.rig.rules.up), self._reference[:, 3, :3]
+        heights = np.where(np.isfinite(places).all(axis=1), dot(places, up), np.inf)
+        path = [min(self.bones, key=lambda n: float(heights[n]))]
+        while path[-1] in self.bones:
+            path.append(self.both.line(path[-1])[2])
+        top = int(np.argmax(heights[path]))
+        return path[:top], path[top:]
 
     @cached_property
     def _reference(self) -> Floats:
@@ -125,20 +134,20 @@ class Proportions:
 
     @cached_property
     def _carriers(self) -> set[int]:
-        return set(self.carriers) if self.body != 1.0 else set()
+        return set(self.carriers)
 
     def _carried(self, node: int) -> Floats | None:
         """The place of what carries the body, scaled with the legs: beside where both stand at rest or bound.
 
-        Where the two rest in other poses, nothing says which places correspond: about the origin.
+        Where the two rest in other poses, nothing says which places correspond: about the origin. Legs of
+        one length leave what carries them where EDITED has it, unless the files bind it at other places.
         """
         both = self.both
         if both.rig.is_joint[node]:
-            rested = self._rest_alike or (
-                _stands_bound(both.rig, node) and _stands_bound(both.other, both.of[node])
-            )
+            rested = _stands_bound(both.rig, node) and _stands_bound(both.other, both.of[node])
+            rested = rested or (self._rest_alike and self.body != 1.0)
         else:
-            rested = both.of[node] not in self._varying
+            rested = both.of[node] not in self._varying and self.body != 1.0
         if not rested:
             return _scaled(self.body, np.zeros(3))
         above = both.line(node)[2]
@@ -148,6 +157,9 @@ class Proportions:
             theirs = multiply(theirs, inverse(both.other.world[both.of[above]]))
         seen = transform_points(theirs[3, :3], inverse(both.turns[above]) if above >= 0 else both.space)
         offset = ours - self.body * seen
+        unit = float(length(both.rig.world[above, 0, :3])) if above >= 0 else 1.0
+        if self.body == 1.0 and not float(length(offset)) * unit > OTHER_SHAPE * both.size:
+            return None
         return _scaled(self.body, offset if np.isfinite(offset).all() else np.zeros(3))
 
     @cached_property
@@ -206,7 +218,7 @@ def _bones(both: Counterparts) -> dict[int, Bone]:
     rig, held = both.rig, keys(both.other, "translation")
     other = _as_keyed(both.other, held)
     ours, theirs = bind_poses(rig), bind_poses(other)
-    sliding = varying(keys(rig, "translation")), varying(held)
+    sliding = _wandering(keys(rig, "translation")), _wandering(held)
     found = {}
     for node in sorted(both.of):
         between, own, above = both.line(node)
@@ -244,8 +256,20 @@ def varying(keys: Mapping[int, Floats]) -> set[int]:
     return {
         node
         for node, values in keys.items()
-        if float(np.ptp(values, axis=0).max()) > _SLIDES * float(length(values).max())
+        if float(np.ptp(values, axis=0).max()) > _VARIES * float(length(values).max())
     }
+
+
+def _wandering(keys: Mapping[int, Floats]) -> set[int]:
+    """The nodes whose keys, (k, 3), do not lie in one direction."""
+    found = set()
+    for node, values in keys.items():
+        size = length(values)
+        mean = normalise(values.cumsum(axis=0)[-1])
+        beside = length(cross(values, mean))
+        if not (beside <= _WANDERS * size).all() or not (dot(values, mean) >= 0).all():
+            found.add(node)
+    return found & varying(keys)
 
 
 def _as_keyed(rig: Rig, keys: Mapping[int, Floats]) -> Rig:

@@ -44,7 +44,7 @@ from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
-from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
+from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton, warn_unsure_axes
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
@@ -86,6 +86,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     bodies = Proportions(both)
     refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
     warn_differences(both, report)
+    warn_unsure_axes(both, report)
     warn_lengths(bodies, report)
     taken_all, changed = set[str](), set[str]()
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
