@@ -396,6 +396,10 @@ GLTF: dict[str, list[Make]] = {
     "gltf.animation.times-negative": [times([-1, 1], min=[-1], max=[1])],
     "gltf.animation.times-without-bounds": [times([0, 1])],
     "gltf.animation.value-nan": [output([[0, 0, 0, 1], [0, 0, np.inf, 1]])],
+    "clips.far": [
+        spoiled(lambda g, b: _keyed(g, "output", b.accessor([[0, 1, 0], [0, 3e38, 0]]), "translation")),
+        spoiled(lambda g, b: _keyed(g, "output", b.accessor([[1, 1, 1], [1e9, 1e9, 1e9]]), "scale")),
+    ],
     "gltf.animation.rotation-zero": [output([[0, 0, 0, 1], [0, 0, 0, 0]])],
     "gltf.animation.rotation-not-unit": [output([[0, 0, 0, 1], [0, 0, 0, 1.01]])],
     "gltf.animation.rotation-flips": [spoiled(_spline)],

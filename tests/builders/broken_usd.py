@@ -128,6 +128,7 @@ MIRROR = "((-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
 LOST = "((nan, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))"
 HUGE = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1e300, 2, 0, 1))"
 PLACES = "[(0, 2, 0), (0, 0, 0), (0, 2, 1)]"
+FAR_OFF = PLACES.replace("2, 1", "3e38, 1")
 TILTED = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 2))"
 
 
@@ -262,6 +263,9 @@ USD: dict[str, list[Make]] = {
     "usd.anim.length": [moving(scales="half3[] scales = [(1, 1, 1)]")],
     "usd.anim.value-nan": [
         moving(translations="float3[] translations = [(nan, 0, 0), (0, 0, 0), (0, 2, 1)]")
+    ],
+    "clips.far": [
+        moving(translations=f"float3[] translations.timeSamples = {{ 1: {PLACES}, 2: {FAR_OFF} }}")
     ],
     "usd.anim.time": [
         moving(translations=f"float3[] translations.timeSamples = {{ 1: {PLACES}, {time}: {PLACES} }}")

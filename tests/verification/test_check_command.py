@@ -146,6 +146,7 @@ def as_markdown() -> str:
         "vrma": "VRM animations",
         "usd": "USD: skeletons, animations, bindings, blend shapes",
         "axes": "Axes of recognised characters, in any format",
+        "clips": "Clips, in any format",
     }
     parts = []
     for key, title in titles.items():

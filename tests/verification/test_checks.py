@@ -24,7 +24,7 @@ from wrong_values import refusal
 
 from rigtri.verification.checks import RULES, Finding, check
 
-BROKEN = GLTF | VRM | USD | AXES
+BROKEN = GLTF | VRM | USD | AXES | {"clips.far": [*GLTF["clips.far"], *USD["clips.far"]]}
 # What a mistake brings with it: the smallest file with the one has the other, too.
 ALONG = {
     "gltf.accessor.broken": {"gltf.accessor.bounds"},

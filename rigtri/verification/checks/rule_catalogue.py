@@ -45,6 +45,15 @@ _AXES = (
         "Move it, or place it again with rigtri add-polevector.",
     ),
 )
+_CLIPS = (
+    Rule(
+        "clips.far",
+        "warning",
+        "A key of a clip moves a joint or node so far, or scales it so much, that float32 has one number "
+        "left for all points: more than 2²⁴ times the size of the skeleton.",
+        "Remove the key, or export the clip anew with the program that wrote it.",
+    ),
+)
 RULES: Mapping[str, Rule] = {
     rule.id: rule
     for rule in (
@@ -53,6 +62,7 @@ RULES: Mapping[str, Rule] = {
         *read_rules("vrm"),
         *read_rules("usd"),
         *_AXES,
+        *_CLIPS,
     )
 }
 

@@ -74,6 +74,8 @@ def check(view: View) -> None:
             if first != k:
                 item.add_violation(twice_violation(view.title(channel.node), channel.path, first))
             keyed += _check_sampler(view, channel, samplers, checked_times)
+        largest = (np.abs(keys.values).max(initial=0.0) for keys in keyed)
+        view.largest_key = max(view.largest_key, *map(float, largest), 0.0)
         if not _sound(keyed):
             for keys in keyed:
                 _check_keys(view, keys)

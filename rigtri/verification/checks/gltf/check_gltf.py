@@ -13,6 +13,7 @@ from rigtri.formats.gltf.uris import absent
 from rigtri.formats.json_values import short_repr
 from rigtri.text import is_number
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
+from rigtri.verification.checks.clip_check import MAYBE_FAR, check_clips
 from rigtri.verification.checks.cycle_check import WAITING, check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.gltf import (
@@ -57,7 +58,8 @@ def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> None:
     """What only a rig shows. A file that cannot be read as one has findings of other rules."""
     waits = _waits(view)
     joints = (skin.get("joints") for skin in view.lists["skins"])
-    if not waits and not any(isinstance(each, list) and len(each) >= LEAST_JOINTS for each in joints):
+    least = 1 if view.largest_key > MAYBE_FAR else LEAST_JOINTS
+    if not waits and not any(isinstance(each, list) and len(each) >= least for each in joints):
         return
     try:
         rig = GltfDocument(view.container, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
@@ -66,6 +68,7 @@ def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> None:
     if waits:
         check_cycles(rig, "gltf.note.circle", findings)
     check_axes(rig, findings)
+    check_clips(rig, findings)
 
 
 def _opened(path: Path, findings: Findings) -> Container:

@@ -124,6 +124,7 @@ class View:
         }
         self.nodes = self.lists["nodes"]
         self.above = [-1] * len(self.nodes)
+        self.largest_key = 0.0
         self.joints: dict[int, str] = {}  # node → the skin that lists it first
         self.stretched: dict[int, list[str]] = {}  # joint → the channels that scale it unevenly
         self._broken: set[int] = set()

@@ -15,6 +15,7 @@ from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
 from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
+from rigtri.verification.checks.clip_check import check_clips
 from rigtri.verification.checks.cycle_check import check_cycles
 from rigtri.verification.checks.findings import Findings
 from rigtri.verification.checks.usd import animations, bindings, skeletons
@@ -48,7 +49,8 @@ def check_usd(
         scene.guard(prim, bindings.check_blend_shapes)
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
-    if scene.noted or any(len(tokens) >= LEAST_JOINTS for tokens in scene.tokens.values()):
+    least = 1 if scene.animations else LEAST_JOINTS
+    if scene.noted or any(len(tokens) >= least for tokens in scene.tokens.values()):
         _check_rig(path, scene, findings, allow_external=allow_external)
     if external:
         from rigtri.verification.checks.usd.usd_validation import validate
@@ -65,6 +67,7 @@ def _check_rig(path: Path, scene: Scene, findings: Findings, *, allow_external: 
     if scene.noted:
         check_cycles(rig, "usd.note.circle", findings)
     check_axes(rig, findings)
+    check_clips(rig, findings)
 
 
 def _check_package(path: Path, findings: Findings) -> None:
