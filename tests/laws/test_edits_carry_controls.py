@@ -23,6 +23,7 @@ REFUSED = {"strip": "that motion would be lost", "snap": "has no IK end|follows"
 STRAIGHT = "a limb that is straight bends by the root of what is rounded"
 OPEN = {
     ("tpose.glb", "control joints", "orient-joints"): STRAIGHT,
+    ("tpose.glb", "control joints", "conform"): STRAIGHT,
 }
 # What the fast run looks at; all others are proofs.
 FEW = ("orient-joints", "add-controls", "mirror", "take-clips, other axes", "pose", "strip")
