@@ -11,6 +11,7 @@ import scaled_limbs
 from gltf_files import glb_json
 from places import real_files
 from program import cli
+from pxr import Sdf, Usd
 from scaled_limbs import Limb
 
 import rigtri
@@ -79,6 +80,23 @@ def test_rotation_above_joints_is_none_in_the_end(tmp_path: Path) -> None:
     above = [node for node in range(len(rig)) if not rig.is_joint[node] and rig.attachment[node] < 0]
     axes = rig.world[above, :3, :3] / length(rig.world[above, :3, :3])[..., np.newaxis]
     assert abs(axes - np.eye(3)).max() < 1e-6
+
+
+@pytest.mark.parametrize(("more", "left"), [("", {}), ("int version = 5", {"Blender": {"version": 5}})])
+def test_a_root_that_holds_no_turn_is_not_noted_as_blenders_own(
+    more: str, left: dict[str, Any], tmp_path: Path
+) -> None:
+    """Blender leaves out a root with this note, and does not turn what is below it from y up to z up."""
+    path, out, other = source(tmp_path, ".usda"), tmp_path / "out.usda", tmp_path / "other.usda"
+    note = f"customData = {{ dictionary Blender = {{ bool generated = 1\n{more}\n}} }}"
+    api = 'prepend apiSchemas = ["SkelBindingAPI"]'
+    text = path.read_text("utf-8").replace(f"({api})", f"(\n{api}\n{note}\n)", 1)
+    path.write_text(text, "utf-8")
+    assert Usd.Stage.Open(str(path)).GetPrimAtPath("/Root").HasCustomDataKey("Blender:generated")
+    cli("freeze", path, "-o", out, code=0)
+    assert dict(Sdf.Layer.FindOrOpen(str(out)).GetPrimAtPath("/Root").customData) == left
+    cli("freeze", path, "-o", other, "--scale", code=0)
+    assert Usd.Stage.Open(str(other)).GetPrimAtPath("/Root").HasCustomDataKey("Blender:generated")
 
 
 def test_a_stage_is_converted_to_another_unit_and_up_axis(tmp_path: Path) -> None:

@@ -41,6 +41,9 @@ from rigtri.report import Notice
 _QUATD, _DOUBLE3 = Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Double3
 # The ops that resize a frame, beside those that rotate it.
 FRAME_SIZE, PARENT_INVERSE_SIZE = "xformOp:scale:rigtriFrame", "xformOp:scale:rigtriParentInv"
+# Blender's exporter notes so the root that it adds to turn the stage; its importer leaves out a root with the
+# note, whatever the value, and with it the turn from y up to z up.
+_NOTE = ("Blender", "generated")
 # What a rotation may leave unexplained of a matrix, as a share of its largest number.
 SAME_PLACE = 1e-9
 
@@ -68,6 +71,27 @@ def reorient_xforms(edit: UsdEdit) -> None:
             continue
         found[node] = _delta(before, rig, node, above)
         edit.values += _prim_edits(edit, node, found[node], above)
+        prim = edit.source.stage.GetPrimAtPath(rig.labels[node])
+        if (found[node].rotation != IDENTITY).any() and prim.HasCustomDataKey(":".join(_NOTE)):
+            edit.removals.append(_without_generated(prim.GetPath()))
+
+
+def _without_generated(path: Any) -> Edit:
+    """Take Blender's note off a prim that holds no conversion of axes any more."""
+
+    def change(layer: Any) -> None:
+        spec = layer.GetPrimAtPath(path)
+        if spec is None or _NOTE[0] not in spec.customData:
+            return
+        data = dict(spec.customData)
+        left = {key: value for key, value in dict(data.pop(_NOTE[0])).items() if key != _NOTE[1]}
+        data |= {_NOTE[0]: left} if left else {}
+        if data:
+            spec.customData = data
+        else:
+            spec.ClearInfo("customData")
+
+    return Edit(path, change)
 
 
 class _Frame(NamedTuple):
