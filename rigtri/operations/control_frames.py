@@ -45,6 +45,7 @@ Control = tuple[int, ControlKind]
 SAME_AXES = 2e-6
 # What a record has for axes along the world, and for those that mirror the axes of a control's twin.
 _WORLD, _MIRRORED = "world", "mirrored"
+_AXES = {sign + axis for sign in ("", "+", "-") for axis in "xyz"}
 MIRRORED = AxisStyle("", "", _MIRRORED)
 
 
@@ -202,8 +203,8 @@ def stored_style(record: OffsetRecord) -> AxisStyle | None:
     """What a control was aimed by; None where it has the axes of its joint."""
     if record.up_from in (_WORLD, _MIRRORED):
         return AxisStyle(world=True) if record.up_from == _WORLD else MIRRORED
-    if not record.aim:
-        return None
+    if not {record.aim, record.up} <= _AXES:
+        return None  # or nobody can read what
     return AxisStyle(record.aim, record.up, record.up_from, held=record.held)
 
 

@@ -128,6 +128,8 @@ BEFORE = {"clip": "walk", "mesh": "body", "morphs": [0], "interpolation": "LINEA
         {"v": 1, "type": "constraint", "kind": "aim", "child": "prop", "drivers": ["hand"]},
         {"v": 1, "type": "poleVector"},
         {"v": 1, "type": "offset"},
+        {"v": 1, "type": "offset", "kind": "fk", "joint": "leg", "aim": "x", "upFrom": "plane"},
+        {"v": 1, "type": "control", "kind": ["fk"], "joint": "leg", "color": 3},
         {"v": 1, "type": "frame", "joint": "nobody"},
         {"v": 1, "type": "control", "kind": "fk", "joint": "nobody", "chain": ["nobody"]},
         {"v": 1, "type": "twist", "joint": "gone", "to": "gone", "driver": "gone", "number": 1, "count": 1}

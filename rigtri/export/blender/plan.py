@@ -29,6 +29,8 @@ _TELLING = ("type", "kind", "joint", "chain", "child")
 # Bones of the control armature, and for each kind the channels that mean nothing: they are locked.
 CONTROLS = (ControlRecord.type, OffsetRecord.type, PoleVectorRecord.type)
 _LOCKED = {"ik": "s", "pole": "rs", "offset": "trs"}
+# What else than its own kind a record is to the script: of controls whose kind cannot be read, FK.
+_KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 
 
 @dataclass(eq=False)
@@ -92,11 +94,13 @@ class Plan:
             if self.rig.is_joint[node]:
                 continue
             above = next((k for k in self.rig.path_to_root(node)[1:] if k in numbers), -1)
-            note = self.rig.metadata[node]
-            kind = "pole" if note["type"] == PoleVectorRecord.type else note["type"]
-            kind = note.get("kind", "fk") if kind == ControlRecord.type else kind
+            note = self.rig.record(node)
+            kind = _KINDS.get(stored := self.rig.type_of(node), stored)
+            kind = note.kind if isinstance(note, ControlRecord) else kind
             numbers[node] = len(self.controls)
-            look = {"color": note.get("color", []), "size": note.get("size")}
+            look: dict[str, Any] = {"color": [], "size": None}
+            if isinstance(note, ControlRecord | PoleVectorRecord):
+                look = {"color": list(note.color or ()), "size": note.size}
             about = {"node": self.node(node), "above": numbers.get(above, -1), "kind": kind}
             self.controls.append(about | look | {"locked": _LOCKED.get(kind, "")})
         group = next((node for node in self.rig.nodes_of("group") if numbers), -1)

@@ -78,7 +78,7 @@ def _referred(gltf: dict[str, Any], section: str) -> Collection[int]:
     if section == "accessors":
         return used_accessors(gltf)
     if section == "bufferViews":
-        named = {accessor.get("bufferView") for accessor in gltf.get("accessors", [])}
+        named = (accessor.get("bufferView") for accessor in gltf.get("accessors", []))
         return used_views(gltf) | {index for index in named if type(index) is int}
     places = {place: gltf.get(place) for place in _WORDS[section][0]}
     if section == "nodes" and isinstance(extensions := places["extensions"], dict):

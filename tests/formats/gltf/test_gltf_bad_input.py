@@ -19,6 +19,7 @@ from wrong_values import WRONG, places
 from rigtri.errors import FileError
 from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.gltf.references import check_added
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
@@ -286,3 +287,10 @@ def test_every_value_of_a_rich_file_may_be_wrong(tmp_path: Path) -> None:
     fuzz(vrm_1(), tmp_path, 1)
     fuzz(vrm_0(), tmp_path, 1)
     fuzz(character(), tmp_path, 1)
+
+
+def test_an_index_that_is_no_number_leads_to_nothing_that_is_added(tmp_path: Path) -> None:
+    before = {"accessors": [{"bufferView": [1]}, {"bufferView": 0}], "bufferViews": [{}]}
+    check_added(before, {"bufferViews": [{}, {}]}, tmp_path / "a.glb")
+    with pytest.raises(FileError, match="bufferViews"):
+        check_added(before | {"accessors": [{"bufferView": 1}]}, {"bufferViews": [{}, {}]}, tmp_path / "a.glb")
