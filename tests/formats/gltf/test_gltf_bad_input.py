@@ -291,6 +291,7 @@ def test_every_value_of_a_rich_file_may_be_wrong(tmp_path: Path) -> None:
 
 def test_an_index_that_is_no_number_leads_to_nothing_that_is_added(tmp_path: Path) -> None:
     before = {"accessors": [{"bufferView": [1]}, {"bufferView": 0}], "bufferViews": [{}]}
-    check_added(before, {"bufferViews": [{}, {}]}, tmp_path / "a.glb")
+    after, path = {"bufferViews": [{}, {}]}, tmp_path / "a.glb"
+    check_added(before, after, path)
     with pytest.raises(FileError, match="bufferViews"):
-        check_added(before | {"accessors": [{"bufferView": 1}]}, {"bufferViews": [{}, {}]}, tmp_path / "a.glb")
+        check_added(before | {"accessors": [{"bufferView": 1}]}, after, path)
