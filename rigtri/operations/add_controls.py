@@ -232,9 +232,9 @@ class _Builder:
         """A control that is there already: its drawing as requested, its offset at the joint."""
         self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
-        if int(self.rig.parents[offset]) != parent:
-            self._report_kept(control)
         record = self.rig.records(OffsetRecord).get(offset)
+        if record is not None and int(self.rig.parents[offset]) != parent:
+            self._report_kept(control)
         axes, record = self.axes.of_offset(control, joint, kind, record)
         if record is not None:
             self.rig = with_record(self.rig, offset, record)
@@ -248,6 +248,10 @@ class _Builder:
     def _stand(self, control: int, place: Floats, axes: Floats) -> None:
         """Stand the offset of a control in the world; what is below the control stays where it is."""
         before, offset = self.rig, int(self.rig.parents[control])
+        if offset not in before.records(OffsetRecord):  # somebody's node, perhaps a joint
+            text = f"'{before.names[control]}' hangs on no offset any more and stays where it is"
+            self.report.warn("control-kept-in-place", f"{text}; to rebuild it, strip the file first")
+            return
         above = self.new.unposed(int(before.parents[offset]))
         local, noise = seen_from(above, place, axes)
         self.rig = self.new.stood(stand_local(before, offset, local, noise=noise))

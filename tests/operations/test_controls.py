@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from flat_options import joints_of
+from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
 from places import SAMPLES, slow
 from program import cli
@@ -184,6 +185,25 @@ def test_the_command_reports_every_control(suffix: str, samples: Path, tmp_path:
     validator("report").validate(document)
     assert {entry["kind"] for entry in document["added"]} == {"fk", "ik", "root"}
     assert len(document["limbs"]) == 4
+
+
+@pytest.mark.parametrize("command", [("add-controls", "--whole-character"), ("mirror",)])
+@pytest.mark.parametrize(("control", "new"), [("shin_R_ctl", "hips"), ("hips_root_ctl", "biped")])
+def test_a_control_that_was_put_below_another_node_leaves_that_where_it_is(
+    command: tuple[str, ...], control: str, new: str, samples: Path, tmp_path: Path
+) -> None:
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    edit(samples / "biped.glb", source, whole)
+    document, data = glb_parts(source)
+    nodes = document["nodes"]
+    index = {node.get("name"): k for k, node in enumerate(nodes)}
+    del nodes[index[f"{control}_offset"]]["children"]
+    nodes[index[new]]["children"].append(index[control])
+    source.write_bytes(glb_bytes(document, data))
+    arguments: list[Any] = [command[0], source, "-o", out, *command[1:]]
+    result = cli(*arguments, code=0)
+    if "root" not in control or command[0] != "mirror":  # mirror leaves alone what is on neither side
+        assert f"'{control}' hangs on no offset any more" in result.stderr
 
 
 def test_controls_made_before_those_above_them_stay_where_they_are_and_report_it(
