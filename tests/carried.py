@@ -265,6 +265,7 @@ def _apart(before: Rig, after: Rig, edit: Edit, source: Rig) -> float:
     both = [(k, there[name]) for name, k in here.items() if name in there and name not in without]
     # Controls and offsets are where an edit needs them; what moves by them is compared.
     loose = set(before.nodes_of("control", "offset", "poleVector", "group"))
+    loose |= {k for node in loose for k in before.children[node] if k in before.own - before.metadata.keys()}
     both = [(a, b) for a, b in both if a not in loose]
     mine, theirs = map(list, zip(*both, strict=True))
     points = before.world[before.is_joint, 3, :3]

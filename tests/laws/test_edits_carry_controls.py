@@ -14,11 +14,17 @@ from carried import EDITS, SAME_MOTION, THINGS, carried, source_of
 from places import SAMPLES, slow
 
 import rigtri
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.operations.registry import OPERATIONS
 
 # What cannot be carried, and what says so.
-REFUSED = {"strip": "that motion would be lost", "snap": "has no IK end|follows"}
+NO_ROOT = "a USD joint is named by its path"
+REFUSED = {
+    "strip": "that motion would be lost",
+    "snap": "has no IK end|follows",
+    "add-root": NO_ROOT,
+    "root-motion": NO_ROOT,
+}
 # What moves more than it may, as docs/carrying.md says.
 STRAIGHT = "a limb that is straight bends by the root of what is rounded"
 OPEN = {
@@ -38,7 +44,7 @@ def _hold(path: Path, thing: str, edit: str, folder: Path) -> None:
     source = source_of(path, thing, folder)
     try:
         found = carried(source, edit, folder)
-    except GeometryError as error:
+    except (GeometryError, UsageError) as error:
         if not re.search(REFUSED.get(edit, "nothing"), str(error)):
             raise
     else:
