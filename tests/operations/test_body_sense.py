@@ -9,7 +9,7 @@ import pytest
 from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
 
-from rigtri import add_polevector, orient_joints, read
+from rigtri import add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -279,3 +279,31 @@ def test_axes_along_the_world_need_no_body() -> None:
     report = Report()
     orient_joints(posed_body(Pose(elbow=-4.0, knee=-4.0)).rig, preset="vrm", report=report)
     assert [notice.code for notice in report.warnings if notice.code == "bends-otherwise"] == []
+
+
+@pytest.mark.parametrize("droop", [-0.1, 0.0, 0.1])
+def test_a_wing_has_one_hinge_along_its_whole_length_on_both_sides(droop: float) -> None:
+    """Its curve lies in the plane of the body's own hinge, some bones on either side of it."""
+    rig = posed_body(Pose()).rig
+    x, y = np.array([0.1, 0.3, 0.52, 0.75, 0.97]), np.array([0.0, 0.1, 0.155, 0.155, 0.1])
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        points = np.array([0.0, 1.3, -0.1]) + np.stack([sign * x, y - droop * x, -0.25 * x], axis=1)
+        rig = make_limb(
+            rig,
+            points=tuple(map(tuple, points.tolist())),
+            name="wing",
+            side=side,
+            parent="mixamorig:Spine2",
+            as_="joint",
+            planar=True,
+        )
+    # As any file has such joints: nothing is stored on them, and they have weight.
+    every = np.ones(len(rig.skins[0].joints), dtype=bool)
+    skin = replace(rig.skins[0], weigh=lambda: every)
+    out = orient_joints(replace(rig, metadata={}, skins=(skin,)))
+    left, right = (
+        np.array([out.world[out.find(f"wing_{k}_{side}"), 1, :3] for k in range(1, 5)]) for side in "LR"
+    )
+    assert (left @ left[0] > 0.99).all()
+    # A hinge is seen in the mirror of the sides as a direction about which things turn.
+    assert np.abs(right - left * [1.0, -1.0, -1.0]).max() < 1e-6

@@ -159,20 +159,28 @@ def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body]) -> N
 
 
 def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int], body: Body | None) -> None:
-    """One plane for a chain that is no limb (tail, ear, hair), on the side on which the body's would be."""
+    """One plane and side for a chain that is no limb (tail, ear, wing, hair): where the body's would be.
+
+    The whole chain's direction decides, as bones of a curve may lie on both sides of the body's hinge. A
+    plane across that hinge keeps the side on which the chain itself bends.
+    """
     if body is None or not body.unsure.isdisjoint(chain):
+        return
+    bones = targets.bone[list(chain)]
+    bones = bones[np.isfinite(bones).all(axis=1)]
+    if not len(bones):
+        return
+    hinge = body.default(normalise(bones.cumsum(axis=0)[-1]))
+    if not np.isfinite(hinge).all():
         return
     normals = planes.normals
     shown = all(normals.step[joint] for joint in chain) and float(normals.sine[chain[0]]) >= BENT_SINE
-    for joint in chain:
-        hinge = body.default(targets.bone[joint])
-        if not np.isfinite(hinge).all():
-            continue
-        if not shown:
-            normals.set([joint], hinge, 5, "lateral axis of the body", BODY_SINE)
+    if not shown:
+        normals.set(chain, hinge, 5, "lateral axis of the body", BODY_SINE)
+        for joint in chain:
             planes.straight.pop(joint, None)
-        elif dot(normals.vector[joint], hinge) < 0:
-            normals.vector[joint] = -normals.vector[joint]
+    elif dot(normals.vector[chain[0]], hinge) < -BODY_SINE:
+        normals.vector[chain] = -normals.vector[chain]
 
 
 def _set_bend(normals: UpDirections, joints: Sequence[int], found: Bend) -> None:
