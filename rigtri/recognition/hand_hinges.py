@@ -79,7 +79,8 @@ def hand_hinges(
     palm = hand.palm(natural, is_left=is_left, guessed=all(k.evidence[0] == BY_PLACE for k in four))
     if palm is None:
         return
-    for joint in (*wrist, *(joint for finger in four for joint in finger.joints)):
+    # A further finger closes with the others, whichever it is.
+    for joint in (*wrist, *(joint for finger in fingers for joint in finger.joints)):
         yield joint, palm
     if thumb:
         closing = hand.thumb_hinge(palm.direction)

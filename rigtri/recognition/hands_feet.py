@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 from rigtri.maths.scalar_vector import Vector
@@ -16,8 +16,14 @@ from rigtri.recognition.shape_analysis import MOST
 
 BY_PLACE = "by its place in the hand"
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
-_CALLED = {finger: frozenset([finger.lower()]) for finger in FINGERS}
-_CALLED |= {"Middle": frozenset(["middle", "mid"]), "Little": frozenset(["little", "pinky"])}
+# Ordinals are left out: of some the third finger is the middle one, of others the ring finger.
+_CALLED = {
+    "Thumb": frozenset(["thumb", "pouce"]),
+    "Index": frozenset(["index", "pointer", "forefinger"]),
+    "Middle": frozenset(["middle", "mid", "majeur"]),
+    "Ring": frozenset(["ring", "annulaire"]),
+    "Little": frozenset(["little", "pinky", "pinkie", "auriculaire"]),
+}
 _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: ("Proximal", "Intermediate", "Distal")}
 # Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
@@ -129,26 +135,31 @@ def _without_end(draft: Draft, chain: list[int]) -> list[int]:
 
 
 def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, sure: float) -> None:
-    """Say which finger each chain is: as its names say, else by where it stands beside the others."""
+    """Say which finger each chain is: as its names say, else by where it stands beside the others.
+
+    Where some have names, the place tells the others only if it says the same of those that have.
+    """
     bones = {node: bone for bone, node in draft.known_bones.items()}
-    left = []
+    named, left = {}, []
     for chain in chains:
         bone = next((bones[k] for k in chain if k in bones), "")
         which = next((finger for finger in FINGERS if finger in bone), "")
         which = which or finger_in_name(draft.tree.rig.names[chain[0]])
         if which:
+            named[chain[0]] = which
             _finger(draft, chain, which, side, min(sure, 0.97), NAMES)
         else:
             left.append(chain)
-    if len(left) < len(chains) or not left:
-        for chain in left:
-            _finger(draft, chain, "", side, 0.5 * sure, "hangs at the hand")
-        return
-    if len(left) == 1:
+    if len(chains) == 1 and left:
         _finger(draft, left[0], "", side, 0.95 * sure, NAMES, alone=True)
         return
-    for which, chain in _in_order(draft, hand, left):
-        _finger(draft, chain, which, side, 0.8 * sure, BY_PLACE)
+    order = _in_order(draft, hand, chains, named) if left else []
+    agree = all(named.get(chain[0], which) == which for which, chain in order)
+    for which, chain in order:
+        if chain in left and (not named or (agree and which and len(chain) > 1)):
+            _finger(draft, chain, which, side, 0.8 * sure, BY_PLACE)
+        elif chain in left:
+            _finger(draft, chain, "", side, 0.5 * sure, "hangs at the hand")
 
 
 def finger_in_name(name: str) -> str:
@@ -175,15 +186,18 @@ def _finger(
             draft.call(f"{side}{which}{part}", node)
 
 
-def _in_order(draft: Draft, hand: int, chains: list[list[int]]) -> list[tuple[str, list[int]]]:
+def _in_order(
+    draft: Draft, hand: int, chains: list[list[int]], named: Mapping[int, str]
+) -> list[tuple[str, list[int]]]:
     """Fingers from the thumb on; without a thumb, from one side of the hand to the other, and no names.
 
+    named: what names say of a chain's first joint.
     By knuckles and first bones, which a fist does not exchange: where a finger ends says nothing.
     """
     if len(chains) < 3 or len(chains) > 5:
         return [("", chain) for chain in chains]
     at = draft.tree.at
-    thumb = _thumb(draft, hand, chains)
+    thumb = next((k for k in chains if named.get(k[0]) == "Thumb"), []) or _thumb(draft, hand, chains)
     others = [chain for chain in chains if chain is not thumb]
     start, end = max(combinations(others, 2), key=lambda two: (at[two[0][0]] - at[two[1][0]]).length)
     if thumb and (at[end[0]] - at[thumb[0]]).length < (at[start[0]] - at[thumb[0]]).length:

@@ -98,6 +98,19 @@ def test_a_report_names_the_rule_that_each_joint_follows() -> None:
     assert rules["LeftShoulder"] == "facing direction of the chest"
 
 
+@pytest.mark.parametrize("unknown", [["index"], ["ring"], ["pinky"], ["index", "ring", "pinky"], ["thumb"]])
+def test_a_finger_of_unknown_name_closes_with_the_hand_whose_others_are_known(unknown: list[str]) -> None:
+    pose = Pose("unreal", arms=45.0)
+    body = posed_body(pose)
+    names = list(body.rig.names)
+    for k, word in enumerate(unknown):
+        names = [name.replace(f"{word}_", f"xq{'abc'[k]}_") for name in names]
+    assert names != list(body.rig.names)
+    (usual, out) = (orient_joints(rig) for rig in (body.rig, replace(body.rig, names=tuple(names))))
+    assert broken_laws(body, pose, out, HINGES["article"]) == []
+    np.testing.assert_allclose(out.world, usual.world, atol=1e-12)  # the thumb's, too
+
+
 HANDS = [
     Pose(hands=2.0),
     Pose("unreal", hands=2.5, arms=90.0),
