@@ -13,28 +13,21 @@ Examples:
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Any
-
-import click
 
 from rigtri.operations.options.conform import ConformOptions
 from rigtri.report import Report
 
-from .edit_command import edit_command
-from .help_format import Option
+from .edit_command import SavedFile, edit_command
 
 
-def _save_spec(values: dict[str, Any], report: Report) -> None:
-    from rigtri.files.staged_output import write_text
-
-    if values["save_spec"]:
-        lines = ["version: 1", "steps:"]
-        for entry in (entry for entry in report.added if entry["type"] == "step"):
-            options = {k: v for k, v in entry.items() if k not in ("type", "node", "new", "do")}
-            words = "".join(f", {key}: {json.dumps(value)}" for key, value in options.items())
-            lines.append(f"  - {{do: {entry['do']}{words}}}")
-        write_text(Path(values["save_spec"]), "\n".join(lines) + "\n")
+def _spec(report: Report) -> str:
+    """The steps that were taken, as a rig spec."""
+    lines = ["version: 1", "steps:"]
+    for entry in (entry for entry in report.added if entry["type"] == "step"):
+        options = {k: v for k, v in entry.items() if k not in ("type", "node", "new", "do")}
+        words = "".join(f", {key}: {json.dumps(value)}" for key, value in options.items())
+        lines.append(f"  - {{do: {entry['do']}{words}}}")
+    return "\n".join(lines) + "\n"
 
 
 def summary(report: Report) -> str:
@@ -44,12 +37,6 @@ def summary(report: Report) -> str:
 
 
 _MORE = [
-    Option(
-        ["--save-spec"],
-        metavar="FILE.yaml",
-        type=click.Path(dir_okay=False),
-        help="Write the steps as a rig spec, for rigtri build.",
-        group="output",
-    )
+    SavedFile("--save-spec", "FILE.yaml", _spec, help="Write the steps as a rig spec, for rigtri build.")
 ]
-command = edit_command("conform", ConformOptions, summary, __doc__, more=_MORE, besides=_save_spec)
+command = edit_command("conform", ConformOptions, summary, __doc__, more=_MORE)

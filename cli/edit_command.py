@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -20,26 +21,44 @@ Step = Callable[[Any, "Report"], Any]
 Decorator = Callable[[Any], Any]
 
 
+class SavedFile(Option):
+    """An option that has a command write a file besides OUT; text: what is in it, of what was done."""
+
+    def __init__(
+        self, flag: str, metavar: str, text: Callable[[Report], str], *, help: str, rare: bool = False
+    ) -> None:
+        kind = click.Path(dir_okay=False)
+        super().__init__([flag], metavar=metavar, type=kind, help=help, group="output", rare=rare)
+        self.text = text
+
+
 def edit_command(
     name: str,
     declared: type,
     summary: Callable[[Report], str],
     words: str,
     *,
-    besides: Callable[[dict[str, Any], Report], None] = lambda values, report: None,
+    more: Sequence[Option] = (),
     **about: Any,
 ) -> click.Command:
-    """The command of an operation on a file; about: as `command_of` takes it.
+    """The command of an operation on a file; more, about: as `command_of` takes them.
 
-    summary: what was done, in a line or a few. besides: writes what it writes besides OUT.
+    summary: what was done, in a line or a few.
     """
 
     def run(ctx: click.Context, values: dict[str, Any]) -> None:
         copy_ahead(ctx, values)
         step = step_of(name, declared, values)
-        run_edit(name, values, step, given_options(ctx), summary, lambda report: besides(values, report))
+        run_edit(name, values, step, given_options(ctx), summary, lambda report: save(values, report))
 
-    return command_of(name, declared, words, run, **about)
+    def save(values: dict[str, Any], report: Report) -> None:
+        from rigtri.files.staged_output import write_text
+
+        for option in more:
+            if isinstance(option, SavedFile) and values[str(option.name)]:
+                write_text(Path(values[str(option.name)]), option.text(report))
+
+    return command_of(name, declared, words, run, more=more, **about)
 
 
 def command_of(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import click
 from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.report import Report
 
+from .help_format import Option
 from .parameters import destination, read_options, refuse_given
 from .printing import print_joints, print_json, print_verification, print_warnings
 from .progress import Progress
@@ -154,15 +155,24 @@ def edit_request(values: dict[str, Any]) -> EditRequest:
 
 
 def _side_files(values: dict[str, Any]) -> dict[str, Path]:
-    from pathlib import Path
-
-    flags = {"--report": "report_path", "--save-frames": "save_frames", "--save-map": "save_map"}
-    flags |= {"--save-spec": "save_spec"}
-    flags |= {"--spec-out": "spec_out", "--picture": "picture"}
-    found = {flag: Path(values[name]) for flag, name in flags.items() if values.get(name) is not None}
+    """What the command writes beside OUT, by the options that ask for it."""
+    found = dict(_named_files(values, written=True))
     if values.get("sidecar") and values["output"] is not None:
         found["--sidecar"] = _sidecar(values)
     return found
+
+
+def _named_files(values: dict[str, Any], *, written: bool) -> Iterator[tuple[str, Path]]:
+    """The files that options of the command name beside OUT, to be written, or to be read."""
+    from pathlib import Path
+
+    for option in click.get_current_context().command.params:
+        given = values.get(str(option.name))
+        if not isinstance(option, Option) or option.name == "output" or given is None:
+            continue
+        if isinstance(option.type, click.Path) and (option.group == "output") == written:
+            for path in given if option.multiple else [given]:
+                yield max(option.opts, key=len), Path(path)
 
 
 def _sidecar(values: dict[str, Any]) -> Path:
@@ -198,19 +208,19 @@ def check_side_files(values: dict[str, Any]) -> None:
     from rigtri.files import staged_output
     from rigtri.files.atomic_write import same_file
 
-    names = {"like": "--like", "frames": "--frames", "from_": "--from", "described": "--rig"}
-    read = {"IN": values["source"], **{flag: values.get(name) for name, flag in names.items()}}
-    known = {flag: Path(given) for flag, given in read.items() if given and str(given) != "-"}
+    read = [("IN", Path(values["source"]))] if values["source"] else []
+    read += _named_files(values, written=False)
+    known = [(flag, path) for flag, path in read if str(path) != "-"]
     if destination(values) != "-":
         target = Path(destination(values))
-        for flag, path in known.items():
+        for flag, path in known:
             if flag != "IN" and same_file(target, path):
                 raise UsageError(f"{target} is the file of {flag}; it would be lost. Give another name")
-        known["OUT"] = target
+        known.append(("OUT", target))
     for flag, path in _side_files(values).items():
-        if any(same_file(path, other) for other in known.values()):
+        if any(same_file(path, other) for _, other in known):
             raise UsageError(f"{flag} {path} names a file that is needed for something else")
-        known[flag] = path
+        known.append((flag, path))
         path = staged_output.destination(path)
         if path.exists() and not values["overwrite"]:
             raise UsageError(f"{path} exists; it is replaced only with --overwrite")

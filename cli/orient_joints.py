@@ -16,7 +16,6 @@ Examples:
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import click
@@ -24,7 +23,7 @@ import click
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.report import Report
 
-from .edit_command import edit_command
+from .edit_command import SavedFile, edit_command
 from .help_format import Command, Option
 from .options import allow_rename_option
 from .text import counted
@@ -55,12 +54,10 @@ def _styles(order: list[tuple[str, Any]]) -> dict[str, Any]:
     return {**dict.fromkeys(_STYLED), **base, "chain": tuple(chains)}
 
 
-def _save_frames(values: dict[str, Any], report: Report) -> None:
-    from rigtri.files.staged_output import write_text
+def _frames(report: Report) -> str:
     from rigtri.operations.orient_joints.frame_sources import frames_json
 
-    if values["save_frames"]:
-        write_text(Path(values["save_frames"]), json.dumps(frames_json(report), indent=1) + "\n")
+    return json.dumps(frames_json(report), indent=1) + "\n"
 
 
 def summary(report: Report) -> str:
@@ -99,13 +96,8 @@ _MORE = [
         values={"freeze": "stays as it is", "ignore": "is re-oriented", "error": "nothing is written"},
         rare=True,
     ),
-    Option(
-        ["--save-frames"],
-        metavar="FILE.json",
-        type=click.Path(dir_okay=False),
-        help="Write the change of frame of each joint.",
-        group="output",
-        rare=True,
+    SavedFile(
+        "--save-frames", "FILE.json", _frames, help="Write the change of frame of each joint.", rare=True
     ),
     Option(
         ["--bake-xform"],
@@ -115,9 +107,7 @@ _MORE = [
         rare=True,
     ),
 ]
-command = edit_command(
-    "orient-joints", OrientJointsOptions, summary, __doc__, more=_MORE, besides=_save_frames, cls=InOrder
-)
+command = edit_command("orient-joints", OrientJointsOptions, summary, __doc__, more=_MORE, cls=InOrder)
 for _option in command.params:
     if _option.name in _STYLED:  # each as often as there are chains
         _option.multiple = True

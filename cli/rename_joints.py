@@ -15,26 +15,18 @@ Examples:
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Any
-
-import click
 
 from rigtri.operations.options.rename_joints import RenameJointsOptions
 from rigtri.report import Report
 
-from .edit_command import edit_command
-from .help_format import Option
+from .edit_command import SavedFile, edit_command
 from .text import counted
 
 
-def _save_map(values: dict[str, Any], report: Report) -> None:
-    from rigtri.files.staged_output import write_text
+def _map(report: Report) -> str:
     from rigtri.operations.rename_joints import names_json
 
-    if values["save_map"]:
-        text = json.dumps(names_json(report), indent=1, ensure_ascii=False) + "\n"
-        write_text(Path(values["save_map"]), text)
+    return json.dumps(names_json(report), indent=1, ensure_ascii=False) + "\n"
 
 
 def summary(report: Report) -> str:
@@ -46,12 +38,11 @@ def summary(report: Report) -> str:
 
 
 _MORE = [
-    Option(
-        ["--save-map"],
-        metavar="FILE.json",
-        type=click.Path(dir_okay=False),
+    SavedFile(
+        "--save-map",
+        "FILE.json",
+        _map,
         help="Write what each joint was called and is called now, for engines and for --map.",
-        group="output",
     )
 ]
-command = edit_command("rename-joints", RenameJointsOptions, summary, __doc__, more=_MORE, besides=_save_map)
+command = edit_command("rename-joints", RenameJointsOptions, summary, __doc__, more=_MORE)

@@ -528,3 +528,42 @@ def test_numbers_that_no_file_can_work_with_are_refused(
     result = cli(*arguments, code=2)
     assert told in result.output
     assert not (tmp_path / "out.glb").exists()
+
+
+def spec(folder: Path) -> str:
+    (folder / "rig.yaml").write_text("version: 1\nsteps:\n- {do: orient-joints}\n")
+    return "rig.yaml"
+
+
+def names(folder: Path) -> str:
+    words = ("rename-joints", folder / "in.glb", "-o", folder / "named.glb", "--to", "unreal")
+    cli(*words, "--save-map", folder / "names.json", code=0)
+    return "names.json"
+
+
+@pytest.mark.parametrize(
+    ("command", "reads", "made", "writes"),
+    [
+        ("build", "--spec", spec, "--report"),
+        ("rename-joints", "--map", names, "--save-map"),
+        ("rename-joints", "--map", names, "--report"),
+    ],
+)
+def test_no_file_that_is_read_is_written_over(
+    command: str, reads: str, made: Any, writes: str, samples: Path, tmp_path: Path
+) -> None:
+    shutil.copy(samples / "biped.glb", tmp_path / "in.glb")
+    path = tmp_path / made(tmp_path)
+    before = path.read_bytes()
+    words = (command, tmp_path / "in.glb", "-o", tmp_path / "out.glb", "--overwrite", reads, path)
+    failed = cli(*words, writes, path, code=2)
+    assert f"{writes} {path} names a file that is needed for something else" in failed.stderr
+    assert path.read_bytes() == before
+    assert not (tmp_path / "out.glb").exists()
+
+
+def test_two_options_do_not_write_one_file(samples: Path, tmp_path: Path) -> None:
+    words = ("orient-joints", samples / "biped.glb", "-o", tmp_path / "out.glb")
+    failed = cli(*words, "--report", tmp_path / "a.json", "--save-frames", tmp_path / "a.json", code=2)
+    assert "names a file that is needed for something else" in failed.stderr
+    assert not list(tmp_path.iterdir())
