@@ -12,6 +12,7 @@ from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthon
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -122,8 +123,8 @@ def _ground(rig: Rig, top: int) -> Floats:
     """Below the top joint on the ground: of the scene, or as low as the lowest joint."""
     up = np.array(rig.rules.up)
     joints = [node for node in rig.below(top) if rig.is_joint[node]]
-    heights = rig.world[joints, 3, :3] * up
-    low, high = (float(each) for each in (heights.max(axis=1).min(), heights.max(axis=1).max()))
+    heights = dot(rig.world[joints, 3, :3], up)
+    low, high = float(heights.min()), float(heights.max())
     place = rig.world[top, 3, :3] * (1.0 - up)
     on_ground = abs(low) <= _ON_GROUND * max(high - low, 1e-12)
     return np.asarray(place + up * (0.0 if on_ground else low))

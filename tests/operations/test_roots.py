@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -115,3 +116,14 @@ def test_a_socket_stands_where_it_is_put_and_follows(suffix: str, tmp_path: Path
     cli("add-socket", out, "-o", moved, *words, "--at", "0,3,0", code=0)
     assert rigtri.read(moved).names == rig.names
     assert np.allclose(rigtri.read(moved).local[socket, 3, :3], (0, 3, 0))
+
+
+@pytest.mark.parametrize("lift", [-3.0, -0.9, 2.0])
+def test_a_root_of_a_body_that_stands_elsewhere_is_as_low_as_its_feet(lift: float) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    translation = rig.translation.copy()
+    translation[rig.parents < 0, 1] += lift
+    lifted = replace(rig, translation=translation)
+    made = rigtri.add_root(lifted)
+    joints = lifted.world[lifted.is_joint, 3, 1]
+    assert made.world[made.find("root"), 3, 1] == pytest.approx(joints.min(), abs=1e-6)
