@@ -124,6 +124,13 @@ def key_times(clip: Clip) -> Floats:
     return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
 
+def thinned(times: Floats, most: int) -> Floats:
+    """At most ``most`` of the times, evenly over their order, the first and last among them."""
+    if len(times) <= most:
+        return times
+    return times[np.unique((np.arange(most) * (len(times) - 1)) // (most - 1))]
+
+
 def sorted_unique(times: Floats) -> Floats:
     """Times sorted, each once, NaN as one and last: np.unique, which would import masked arrays."""
     times = np.sort(times)

@@ -92,8 +92,7 @@ def freeze(rig: Rig, joints: Sequence[int], scales: ScaleTable) -> Frozen:
     uniform = np.array([[_uniform(scales.rows[joint])] for joint in joints])
     factor[joints] = uniform / np.abs(scales.rows[joints])
     touched[joints] = True
-    for level in rig.levels[1:]:
-        touched[level] |= touched[rig.parents[level]]
+    touched = rig.at_or_below(touched)
     strain = _strain(rig, factor, touched)
     above = np.where((rig.parents >= 0)[:, np.newaxis, np.newaxis], strain[rig.parents], np.eye(4))
     moves = np.where(rig.parents >= 0, touched[rig.parents], False)

@@ -88,20 +88,18 @@ def fit_similarity(
     if 1.0 / near <= ratio <= near:
         ratio = 1.0
     size = sizes[1] or 1.0
-    best, least, first = AXIS_TURNS[0], np.inf, np.inf
-    for number, axes in enumerate(AXIS_TURNS if turn is None else [turn]):
-        turned = transform_points(a * ratio, from_frame(axes, np.zeros(3)))
-        off = _spread(turned - b) / size
+    turns, chosen = AXIS_TURNS if turn is None else turn[np.newaxis], 0
+    off = [_spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size for axes in turns]
+    for number, each in enumerate(off):
         # Of equals the first, which is the identity: points on a line define no rotation about it.
-        clearly = _CLEARLY if about_origin and least == first else 0.99
-        if off < clearly * least - SAME_PLACE:
-            best, least = axes, off
-        first = least if number == 0 else first
+        clearly = _CLEARLY if about_origin and chosen == 0 else 0.99
+        chosen = number if each < clearly * off[chosen] - SAME_PLACE else chosen
+    best, least = turns[chosen], off[chosen]
     if least > OTHER_SHAPE and not about_origin:
         axes = _three_point_turn(a, b)
-        off = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
-        if off < 0.1 * least:
-            best, least = axes, off
+        free = _spread(transform_points(a * ratio, from_frame(axes, np.zeros(3))) - b) / size
+        if free < 0.1 * least:
+            best, least = axes, free
     matrix = from_frame(best * ratio, np.zeros(3))
     if not about_origin:
         matrix[3, :3] = middle[1] - transform_points(middle[0], matrix)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.maths.arrays import Integers
+from rigtri.maths.arrays import Booleans, Integers
 
 
 class Hierarchy:
@@ -71,6 +71,13 @@ class Hierarchy:
         """Whether ``node`` is ``other`` or anywhere under it."""
         first, count = self._walk
         return first[other] <= first[node] < first[other] + count[other]
+
+    def at_or_below(self, marked: Booleans) -> Booleans:
+        """Which nodes are marked or below one that is, (n,)."""
+        found = marked.copy()
+        for level in self.levels[1:]:
+            found[level] |= found[self.parents[level]]
+        return found
 
     @cached_property
     def _walk(self) -> tuple[list[int], list[int]]:

@@ -24,7 +24,7 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Record
+from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Record, references
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
@@ -148,6 +148,10 @@ class Rig(NodeNames):
     def kind_of(self, node: int) -> str:
         """What a node is to a rigger: what rigtri has added it as, else ``joint`` or ``node``."""
         return self.type_of(node) or ("joint" if self.is_joint[node] else "node")
+
+    def named_by(self, stored: Any) -> set[int]:
+        """The nodes that stored metadata is about; of each address that there is one node for."""
+        return {node for name in references(stored) if (node := self.known(name)) is not None}
 
     def nodes_of(self, *types: str) -> list[int]:
         """The nodes with metadata of these types."""

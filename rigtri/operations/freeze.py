@@ -7,8 +7,6 @@ vertices, cameras and lights stay the numbers that they are.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
@@ -52,7 +50,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     rig = _converted(rig, options)
     nodes = _nodes(rig)
     if options.rotates:
-        below = _below(rig)
+        below = rig.at_or_below(rig.is_joint)
         rig = _without_rotation(rig, [node for node in nodes if not below[node]], report)
     if options.scales:
         rig = _without_scale(rig, nodes, options, report)
@@ -77,17 +75,9 @@ def _converted(rig: Rig, options: FreezeOptions) -> Rig:
 def _nodes(rig: Rig) -> list[int]:
     """Joints, all above them, and what is below them and shows nothing: sockets."""
     found = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
-    found.update(np.flatnonzero(_below(rig) & (rig.attachment < 0)).tolist())
+    found.update(np.flatnonzero(rig.at_or_below(rig.is_joint) & (rig.attachment < 0)).tolist())
     ours = {node for node in rig.own if not rig.is_joint[node]}
     return sorted(found - ours - set(rig.rules.fixed) - rig.rules.data_nodes)
-
-
-def _below(rig: Rig) -> Booleans:
-    """Which nodes are joints or below some, (n,)."""
-    below = rig.is_joint.copy()
-    for level in rig.levels[1:]:
-        below[level] |= below[rig.parents[level]]
-    return below
 
 
 def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
@@ -120,7 +110,8 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
     inside[nodes] = True
     counts = inside.copy()
     if options.above or options.joints:
-        counts &= ~_below(rig) if options.above else _below(rig)
+        below = rig.at_or_below(rig.is_joint)
+        counts &= ~below if options.above else below
     total = np.ones(len(rig))
     for node, parent in enumerate(rig.parents.tolist()):
         total[node] = (total[parent] if parent >= 0 else 1.0) * (own[node] if counts[node] else 1.0)
@@ -155,23 +146,9 @@ def _scales(rig: Rig) -> tuple[Floats, Booleans]:
 def _refuse_built(rig: Rig, size: Floats) -> None:
     """GeometryError where a record of rigtri is about a node that gets another size."""
     for node in rig.nodes_of(*_BUILT):
-        for other in (node, *_named(rig, rig.metadata[node])):
-            if other < len(size) and size[other] != 1.0:
+        for other in (node, *sorted(rig.named_by(rig.metadata[node]))):
+            if size[other] != 1.0:
                 raise GeometryError(
                     f"'{rig.title(node)}' was built on '{rig.title(other)}' by the scale that this has, and "
                     "freeze would change it. Bake what is animated and strip first, freeze, then build again"
                 )
-
-
-def _named(rig: Rig, stored: object) -> Iterator[int]:
-    """The nodes that the texts of a record name."""
-    if isinstance(stored, str):
-        node = rig.known(stored)
-        if node is not None:
-            yield node
-    elif isinstance(stored, dict):
-        for value in stored.values():
-            yield from _named(rig, value)
-    elif isinstance(stored, list):
-        for value in stored:
-            yield from _named(rig, value)

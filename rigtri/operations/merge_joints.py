@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import cached_property
 
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import multiply, transform_points
@@ -20,7 +21,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.prune_joints import named_nodes
-from rigtri.operations.without_nodes import without_nodes
+from rigtri.operations.without_nodes import staying, without_nodes
 from rigtri.report import Report
 from rigtri.text import listed
 
@@ -110,17 +111,17 @@ class _Merging:
     def take_least(self, most: int) -> None:
         poses = _poses(self.rig)
         costs: dict[tuple[int, int], float] = {}
-        while int(np.count_nonzero(self.rig.is_joint)) - len(self.gone & self._joints) > most:
+        while len(self._joints - self.gone) > most:
             leaves = [(node, self.heir(node)) for node in self.leaves()]
             if not leaves:
-                left = int(np.count_nonzero(self.rig.is_joint)) - len(self.gone & self._joints)
+                left = len(self._joints - self.gone)
                 raise GeometryError(f"--max-joints {most}: no fewer than {left} joints are possible")
             for pair in leaves:
                 if pair not in costs:
                     costs[pair] = self.cost(pair[0], poses)
             self.take(min(leaves, key=lambda pair: (costs[pair], pair))[0])
 
-    @property
+    @cached_property
     def _joints(self) -> set[int]:
         return set(np.flatnonzero(self.rig.is_joint).tolist())
 
@@ -179,8 +180,7 @@ def _poses(rig: Rig) -> Floats:
     for clip in rig.shown_clips:
         times = key_times(clip)
         if len(times):
-            some = times[np.unique(np.linspace(0, len(times) - 1, _SAMPLES).astype(np.int64))]
-            found.append(worlds(rig, locals_at(rig, clip, some)))
+            found.append(worlds(rig, locals_at(rig, clip, thinned(times, _SAMPLES))))
     return np.concatenate(found)
 
 
@@ -189,7 +189,7 @@ def _folds(rig: Rig, merging: _Merging) -> list[JointMerge]:
     folds = []
     for number, skin in enumerate(rig.skins):
         joints = skin.joints.tolist()
-        stays = np.array([joint not in merging.gone for joint in joints], dtype=bool)
+        stays = staying(skin, merging.gone)
         if skin.key is None or stays.all():
             continue
         place, rows = np.cumsum(stays) - 1, np.zeros(len(joints), dtype=np.int64)

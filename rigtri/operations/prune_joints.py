@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.maths.arrays import Booleans
-from rigtri.model.metadata import with_references
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge
 from rigtri.operations.joint_records import joint_record
@@ -39,10 +38,7 @@ def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
     for glob in options.exclude:
         needed[rig.match(glob)] = True
     chosen = {node for glob in options.joints for node in rig.match(glob)}
-    below, ends = rig.is_joint.copy(), np.zeros(len(rig), dtype=bool)
-    for level in rig.levels[1:]:
-        below[level] |= below[rig.parents[level]]
-        ends[level] = below[level] & ~rig.is_joint[level]
+    ends = rig.at_or_below(rig.is_joint) & ~rig.is_joint
     for node in range(len(rig) - 1, -1, -1):
         mine = rig.is_joint[node] or ends[node]
         needed[node] |= not mine or (bool(chosen) and rig.is_joint[node] and node not in chosen)
@@ -70,14 +66,7 @@ def named_nodes(rig: Rig) -> set[int]:
     for constraint in rig.node_constraints:
         found |= {constraint.node, constraint.source} - {-1}
 
-    def note(_: object, name: str) -> str:
-        node = rig.known(name)
-        found.update(() if node is None else (node,))
-        return name
-
-    for stored in rig.metadata.values():
-        with_references(stored, note)
-    return found
+    return found.union(*map(rig.named_by, rig.metadata.values()))
 
 
 def _sockets(rig: Rig) -> set[int]:

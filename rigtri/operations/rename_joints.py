@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.model.metadata import with_references
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.rename_joints import RenameJointsOptions as RenameJointsOptions
-from rigtri.operations.rigtri_nodes import plain_name
+from rigtri.operations.rigtri_nodes import plain_name, readdressed
 from rigtri.recognition.layout import CONFIDENT, Part
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import written_names
@@ -47,13 +46,7 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
 def renamed(rig: Rig, names: Mapping[int, str]) -> Rig:
     """The rig with names of nodes, and metadata that finds them by these."""
     after = replace(rig, names=tuple(names.get(node, name) for node, name in enumerate(rig.names)))
-    changed = {node for top in names for node in rig.below(top)}
-    now = {rig.address(node): after.address(node) for node in changed}
-    metadata = {
-        node: with_references(stored, lambda _, name: now.get(name, name))
-        for node, stored in rig.metadata.items()
-    }
-    return replace(after, metadata=metadata)
+    return readdressed(rig, after, {node for top in names for node in rig.below(top)})
 
 
 def names_json(report: Report) -> dict[str, Any]:

@@ -276,7 +276,7 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
         every[offset] = free_of(used, plain_name(name))
         used[every[offset]] += 1
     rig = replace(rig, names=tuple(every))
-    rig = _addressed(before, rig, [*names, *offsets])
+    rig = readdressed(before, rig, [*names, *offsets])
     return remembered(rig, names)
 
 
@@ -298,7 +298,7 @@ def _may_change(rig: Rig, node: int, name: str, report: Report) -> bool:
     return mine and not rig.is_joint[node]
 
 
-def _addressed(before: Rig, rig: Rig, nodes: list[int]) -> Rig:
+def readdressed(before: Rig, rig: Rig, nodes: Iterable[int]) -> Rig:
     """The rig with metadata that finds renamed nodes where they are now."""
     now = {before.address(node): rig.address(node) for node in nodes}
     now = {old: new for old, new in now.items() if old != new}

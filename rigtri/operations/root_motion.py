@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from fnmatch import fnmatchcase
 
 import numpy as np
 
-from rigtri.errors import GeometryError, NameNotFoundError
+from rigtri.errors import GeometryError
+from rigtri.evaluation.timelines import chosen_timelines
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
@@ -32,14 +32,11 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     at other times.
     """
     hips, root = _joints(rig, options)
-    names = [clip.name for clip in rig.clips]
-    for glob in options.clip:
-        if not any(fnmatchcase(name, glob) for name in names):
-            raise NameNotFoundError("clip", glob, names, pattern=True)
+    chosen = {k for each in chosen_timelines(rig, options.clip) for k in each.members}
     clips = []
-    for clip in rig.clips:
-        asked = not options.clip or any(fnmatchcase(clip.name, glob) for glob in options.clip)
-        clips.append(_moved(rig, clip, hips, root, options, report) if asked and not clip.idle else clip)
+    for k, clip in enumerate(rig.clips):
+        asked = k in chosen and not clip.idle
+        clips.append(_moved(rig, clip, hips, root, options, report) if asked else clip)
     if not report.added:
         return rig
     report.reposed = True  # the root, or all

@@ -154,9 +154,7 @@ def _refuse(rig: Rig, moved: list[int]) -> None:
         return
     if rig.rules.orient_locked:
         raise GeometryError(f"{rig.rules.orient_locked}, so its rest pose is that of its bind pose")
-    tied = {c.node for c in rig.node_constraints if c.key is not None} | {
-        c.source for c in rig.node_constraints if c.key is not None
-    }
+    tied = {node for c in rig.node_constraints if c.key is not None for node in (c.node, c.source)}
     if ties := sorted(tied & set(moved)):
         names = listed([rig.title(node) for node in ties], 6)
         raise GeometryError(f"Node constraints count from the rest pose of {names}: take them out first")

@@ -334,8 +334,7 @@ def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver])
             if moved[list(used)].any():
                 moved[list(step.sets)] = True
                 moved[list(getattr(step, "carries", ()))] = True
-    for level in rig.levels[1:]:
-        moved[level] |= moved[rig.parents[level]]
+    moved = rig.at_or_below(moved)
     moved[list(rig.nodes_of("control", "poleVector"))] = False
     return np.flatnonzero(moved & rig.is_joint).tolist()
 

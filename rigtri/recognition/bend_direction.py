@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
 from rigtri.maths.matrices import inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
 from rigtri.maths.quaternions import rotate
@@ -214,13 +214,6 @@ def _mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
     """A direction of the other side seen in the mirror: across the world axis that parts the sides."""
     axis = int(np.argmax(np.abs(here - there)))
     return direction * np.where(np.arange(3) == axis, -1.0, 1.0)
-
-
-def thinned(times: Floats, most: int) -> Floats:
-    """At most ``most`` of the times, evenly over their order, the first and last among them."""
-    if len(times) <= most:
-        return times
-    return times[np.unique((np.arange(most) * (len(times) - 1)) // (most - 1))]
 
 
 def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:

@@ -15,7 +15,6 @@ import numpy as np
 
 from rigtri.errors import NameNotFoundError
 from rigtri.model.characters import characters
-from rigtri.model.metadata import references
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 
@@ -99,8 +98,7 @@ def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
     hidden: dict[int, Mapping[str, Any]] = {}
     # Groups come before what they hold, and what hangs on controls after these.
     for node, stored in sorted(rig.metadata.items(), reverse=True):
-        known = (rig.known(name) for name in references(stored))
-        about = {found for found in known if found is not None and rig.is_joint[found]}
+        about = {found for found in rig.named_by(stored) if rig.is_joint[found]}
         about |= {node} if rig.is_joint[node] else set()
         if about:
             others = not about & nodes

@@ -94,7 +94,7 @@ class Counterparts:
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
-        self._bind_turns: list[Floats] = []  # of EDITED's bind poses to RIG's, (3, 3), for pairs of skins
+        self._bind_turn: Floats | None = None  # of EDITED's bind poses to RIG's, (3, 3)
         self._bound = self._from_binds()
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}
         self._between: dict[int, Floats] = {}
@@ -133,11 +133,11 @@ class Counterparts:
 
         EDITED's world as its bind pose sees it, EDITED's bind pose as RIG's, and that as RIG's world.
         """
-        if not self._bind_turns:
+        if self._bind_turn is None:
             return None
         places = [placed(rig) for rig in (self.other, self.rig)]
         theirs, between, ours = (
-            from_frame(each, np.zeros(3)) for each in (places[0], self._bind_turns[0], places[1])
+            from_frame(each, np.zeros(3)) for each in (places[0], self._bind_turn, places[1])
         )
         return np.asarray(multiply(multiply(inverse(theirs), between), ours)[:3, :3])
 
@@ -198,7 +198,8 @@ class Counterparts:
             # No size fits all of them; that of most bones keeps most lengths.
             fit = fit_similarity(*points, about_origin=False, ratio=self._bind_ratio(both, ours, bind))
         self.proportions = max(self.proportions, fit.residual)
-        self._bind_turns.append(nearest_axis_turn(nearest_rotation(fit.matrix)[np.newaxis]))
+        if self._bind_turn is None:
+            self._bind_turn = nearest_axis_turn(nearest_rotation(fit.matrix)[np.newaxis])
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
         # A joint that lies elsewhere turns about its own place: what other lengths do to translations
         # is said in `rigtri.operations.take_clips.proportions`.

@@ -89,8 +89,6 @@ class MadeNames:
         """Whether a clip moves nothing but nodes called so and those below them."""
         if name not in self.objects:
             return False
-        below = np.array([known == name for known in self.edited.names])
-        for level in self.edited.levels[1:]:
-            below[level] |= below[self.edited.parents[level]]
+        below = self.edited.at_or_below(np.array([known == name for known in self.edited.names]))
         driven: Integers = np.array([track.node for track in timeline.clip.tracks])
         return bool(below[driven].all())
