@@ -7,11 +7,12 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import click
-from click.shell_completion import CompletionItem
 
 from rigtri.errors import RigtriError
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from rigtri.model.rig import Rig
 
 
@@ -20,6 +21,8 @@ def complete_from_file(option: click.Option, ctx: click.Context, incomplete: str
     names, path = _names(option), _file(ctx)
     if names is None or path is None:
         return []
+    from click.shell_completion import CompletionItem
+
     from rigtri.formats import ReadOptions, read
 
     with suppress(RigtriError, OSError):

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from difflib import get_close_matches
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
-from .file_names import complete_from_file
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 # The headings of options, by the group that an option declares.
 GROUPS = {
@@ -37,6 +36,8 @@ class _Choice(click.Choice):  # type: ignore[type-arg]
         try:
             return super().convert(value, param, ctx)
         except click.BadParameter as error:
+            from difflib import get_close_matches
+
             word, known = str(value).lower(), [str(each) for each in self.choices]
             close = [each for each in known if each.startswith(word)] or get_close_matches(word, known, n=1)
             hint = f" Did you mean '{close[0]}'?" if close else ""
@@ -68,6 +69,10 @@ class Option(click.Option):
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         found = super().shell_complete(ctx, incomplete)
         if not found and self.type is click.STRING:
+            from click.shell_completion import CompletionItem
+
+            from .file_names import complete_from_file
+
             words = [word for word in self.values if word.islower() and word.startswith(incomplete)]
             found = [CompletionItem(word) for word in words] + complete_from_file(self, ctx, incomplete)
         for item in found:

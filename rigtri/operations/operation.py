@@ -33,7 +33,6 @@ from rigtri.operations.declaration import (
     hints_of,
     options_of,
 )
-from rigtri.recognition.one_character import named, within
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
@@ -114,6 +113,8 @@ def _of_character(function: Callable[..., Rig], name: str | None) -> Callable[..
         return function
 
     def run(rig: Rig, *others: Rig, **keywords: Any) -> Rig:
+        from rigtri.recognition.one_character import named, within
+
         nodes = named(rig, name)
         return within(rig, nodes, lambda small: function(small, *others, **keywords))
 

@@ -7,6 +7,13 @@ from typing import Any
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.declaration import option
 
+# What mirrored axes are, by the word that says it.
+MIRRORED = {
+    "behavior": "equal rotations mirror the motion, as in Maya and Unreal",
+    "orientation": "equal axes on both sides",
+    "blender": "X negated, Y and Z mirrored, as Blender does",
+}
+
 
 def preset() -> Any:
     """The axes of another program, each with what they are."""

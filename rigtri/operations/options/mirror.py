@@ -18,18 +18,11 @@ from rigtri.operations.declaration import (
     Tolerance,
     option,
 )
+from rigtri.operations.options import axes
 
 What = Literal["limbs", "joints", "controls", "polevectors", "twists", "constraints", "rivets", "posereaders"]
 # In the order in which they are mirrored: each may be about nodes of those before.
 WHAT: tuple[What, ...] = get_args(What)
-
-
-# What mirrored axes are, by the word that says it.
-MIRRORED = {
-    "behavior": "equal rotations mirror the motion, as in Maya and Unreal",
-    "orientation": "equal axes on both sides",
-    "blender": "X negated, Y and Z mirrored, as Blender does",
-}
 
 
 @dataclass(frozen=True)
@@ -43,7 +36,7 @@ class MirrorOptions(OneCharacter):
     mode: Literal["behavior", "orientation", "blender"] = option(
         "behavior",
         help="What mirrored axes are.",
-        values=MIRRORED,
+        values=axes.MIRRORED,
         group="what",
     )
     from_side: Literal["left", "right"] = option(

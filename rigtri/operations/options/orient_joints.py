@@ -31,7 +31,6 @@ from rigtri.operations.declaration import (
     three,
 )
 from rigtri.operations.options import axes
-from rigtri.operations.options.mirror import MIRRORED
 
 Branch = Literal["chain", "first", "average", "longest", "incoming", "keep"]
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
@@ -153,7 +152,7 @@ class OrientJointsOptions(OneCharacter):
         rare=True,
     )
     mirror: Literal["behavior", "orientation", "blender"] | None = option(
-        None, help="Give the other side the mirrored axes of --from-side.", values=MIRRORED, rare=True
+        None, help="Give the other side the mirrored axes of --from-side.", values=axes.MIRRORED, rare=True
     )
     from_side: Literal["left", "right"] = option(
         "left", help="With --mirror: the side that is copied onto the other.", rare=True

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
-from rigtri.frames.rescale import convert
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply
 from rigtri.model.animation import Clip, Track
@@ -138,6 +137,8 @@ class PosedView(DocumentView):
 def check_result(expected: ExpectedResult, written: Source, tolerance: float) -> Comparison:
     """Both questions: how far the written file is from what was expected, and what was declared to change."""
     if (conversion := expected.rig.pending.conversion) is not None:
+        from rigtri.frames.rescale import convert
+
         converted = convert(expected.source.rig, conversion)
         expected = replace(expected, source=ConvertedView(expected.source, converted, conversion))
     views = expected.views(written)
