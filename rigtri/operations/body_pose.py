@@ -17,10 +17,8 @@ from rigtri.maths.quaternions import IDENTITY, between, conjugate, from_axes, mu
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
-from rigtri.recognition.layout import CONFIDENT, Character
+from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
 
-_FINGERS = ("Index", "Middle", "Ring", "Little")
-_PARTS = ("Proximal", "Intermediate", "Distal")
 # Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made
 # characters are not quite even, and those that face one way get the very same pose.
 ASKEW = 0.02
@@ -60,8 +58,8 @@ def posed(
             body.point(side + bone, side + end, arm)
         body.turn_palm(side, arm, cross(arm, ahead) if side == "left" else cross(ahead, arm), ahead)
         if straight_fingers:
-            for finger in _FINGERS:
-                names = [f"{side}{finger}{part}" for part in _PARTS]
+            for finger in FINGERS[1:]:
+                names = [f"{side}{finger}{part}" for part in PHALANGES]
                 for bone, end in pairwise(names):
                     body.point(bone, end, arm)
         for bone, end in (("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot")):

@@ -10,12 +10,11 @@ from rigtri.model.joint_names import Side
 from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.candidates import Draft
-from rigtri.recognition.layout import NAMES, Kind
+from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES, Kind
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 from rigtri.recognition.shape_analysis import MOST
 
 BY_PLACE = "by its place in the hand"
-FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 # Ordinals are left out: of some the third finger is the middle one, of others the ring finger.
 _CALLED = {
     "Thumb": frozenset(["thumb", "pouce"]),
@@ -25,7 +24,7 @@ _CALLED = {
     "Little": frozenset(["little", "pinky", "pinkie", "auriculaire"]),
 }
 _WORDS = {"Thumb": "thumb", "Little": "little finger"}
-_PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: ("Proximal", "Intermediate", "Distal")}
+_PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
 # Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
 # A thumb begins this much nearer to the wrist than fingers do, or points this far aside (the cosine of 20°).

@@ -17,17 +17,25 @@ LimbKind = Literal["arm", "leg"]
 # The bones of the VRM 1.0 humanoid in the middle, and those of two sides, without ``left`` and ``right``.
 # Source: VRMC_vrm 1.0, humanoid.md.
 MIDDLE = ("hips", "spine", "chest", "upperChest", "neck", "head", "jaw")
-_FINGERS = ("Index", "Middle", "Ring", "Little")
+FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
+# Of every finger but the thumb.
+PHALANGES = ("Proximal", "Intermediate", "Distal")
 SIDED = (
     *("Eye", "Shoulder", "UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot", "Toes"),
     *("ThumbMetacarpal", "ThumbProximal", "ThumbDistal"),
-    *(f"{finger}{part}" for finger in _FINGERS for part in ("Proximal", "Intermediate", "Distal")),
+    *(f"{finger}{part}" for finger in FINGERS[1:] for part in PHALANGES),
 )
 # The bones that are start, middle and end of limbs, as the VRM 1.0 humanoid calls them without their sides.
 BENDS: Mapping[LimbKind, tuple[str, str, str]] = {
     "arm": ("UpperArm", "LowerArm", "Hand"),
     "leg": ("UpperLeg", "LowerLeg", "Foot"),
 }
+# The bones that a humanoid must have.
+# Source: VRMC_vrm 1.0, humanoid.md, "Required"; Unity, HumanTrait.RequiredBone.
+REQUIRED = (
+    *("hips", "spine", "head"),
+    *(side + bone for side in ("left", "right") for limb in ("leg", "arm") for bone in BENDS[limb]),
+)
 # Below this nothing is acted upon: the limb is shown, and asked for by name.
 CONFIDENT = 0.75
 # What is less sure than this, and not named, is not even shown.

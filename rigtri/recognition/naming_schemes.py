@@ -22,7 +22,7 @@ from typing import Any, Literal
 
 from rigtri.errors import FileError, did_you_mean
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
-from rigtri.recognition.layout import BENDS, MIDDLE, SIDED, LimbKind
+from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
 from rigtri.recognition.limb_words import limb_words
 from rigtri.text import is_number
 
@@ -49,7 +49,6 @@ _CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "skull"
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
-_FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 _TEXTS = ("title", "marks", "like")
 _TO_DO = "give a text in quotes, several words apart by spaces"
 
@@ -320,12 +319,12 @@ def _of_written(value: object) -> Iterator[str]:
         yield f"'write' is {_kind(value)}: make it a table, [write] with a line for each bone"
         return
     for bone, text in value.items():
-        if bone in _FINGERS:
+        if bone in FINGERS:
             fits = isinstance(text, list) and len(text) <= 3 and all(isinstance(one, str) for one in text)
             if not fits:
                 yield f"[write] {bone} is {_kind(text)}: give a list of up to three names, root to tip"
         elif bone not in ("sided", *MIDDLE, *SIDED):
-            known = ("sided", *MIDDLE, *SIDED, *_FINGERS)
+            known = ("sided", *MIDDLE, *SIDED, *FINGERS)
             yield f"[write] {bone}: there is no such bone.{_near(bone, known)}"
         elif not isinstance(text, str) or not text:
             yield f"[write] {bone} is {_kind(text)}: give a name in quotes"

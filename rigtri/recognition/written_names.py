@@ -14,7 +14,7 @@ from typing import Any
 
 from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.joint_names import Side
-from rigtri.recognition.layout import MIDDLE, SIDED
+from rigtri.recognition.layout import FINGERS, MIDDLE, SIDED
 from rigtri.recognition.naming_schemes import own_table, scheme_tables
 
 # Side styles by name: how a name of one side is made.
@@ -32,7 +32,6 @@ SIDE_STYLES = {
 }
 _SIDES: tuple[Side, ...] = ("left", "right")
 _CJK = {"left": "左", "right": "右"}
-_FINGERS = ("Thumb", "Index", "Middle", "Ring", "Little")
 
 
 def scheme_names() -> list[str]:
@@ -82,7 +81,7 @@ def _words(table: Mapping[str, Any]) -> dict[str, Any]:
     if "write" not in table:
         return base | read
     own = dict(table["write"])
-    for finger in _FINGERS:
+    for finger in FINGERS:
         parts = [bone for bone in SIDED if bone.startswith(finger)]
         own |= dict(zip(parts, own.pop(finger, ()), strict=False))
     return own if "sided" in own else base | own

@@ -17,17 +17,13 @@ import numpy as np
 from rigtri.formats.rules import Rule, Severity
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.rig import Rig
-from rigtri.recognition.layout import CONFIDENT, Character
+from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
 from rigtri.recognition.recognise import recognise
 from rigtri.verification.checks.cycle_check import place_of
 from rigtri.verification.checks.findings import Findings
 
 Profile = Literal["unity", "unreal", "godot", "vrm", "three", "webgl"]
 PROFILES: tuple[Profile, ...] = ("unity", "unreal", "godot", "vrm", "three", "webgl")
-# The bones that a humanoid must have.
-# Source: Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md, "Required".
-_LIMBS = ("UpperArm", "LowerArm", "Hand", "UpperLeg", "LowerLeg", "Foot")
-_REQUIRED = ("hips", "spine", "head", *(side + bone for bone in _LIMBS for side in ("left", "right")))
 # A world scale this near to 1 is 1; arms this far (cosine of 20°) from the lateral axis are in no T-pose.
 _ONE, _LATERAL = 1e-3, 0.9396926207859084
 
@@ -156,7 +152,7 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
 
 
 def _bones(body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
-    missing = [bone for bone in _REQUIRED if bone not in body.bones]
+    missing = [bone for bone in REQUIRED if bone not in body.bones]
     if missing:
         yield "bones", body.root, f"{engine.title} needs {', '.join(missing)}"
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
+from rigtri.recognition.layout import FINGERS, PHALANGES, REQUIRED
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
@@ -42,9 +43,6 @@ _LIMBS = {
     "LowerArm": "UpperArm",
     "Hand": "LowerArm",
 }
-_FINGERS = ("Index", "Middle", "Ring", "Little")
-_REQUIRED_LIMBS = ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm", "Hand")
-_REQUIRED = ("hips", "spine", "head")
 
 
 def _above(thumb: tuple[str, str, str]) -> dict[str, str]:
@@ -53,9 +51,7 @@ def _above(thumb: tuple[str, str, str]) -> dict[str, str]:
     for side in ("left", "right"):
         for bone, parent in _LIMBS.items():
             found[side + bone] = parent if parent in _TRUNK else side + parent
-        chains = [
-            [f"{finger}{part}" for part in ("Proximal", "Intermediate", "Distal")] for finger in _FINGERS
-        ]
+        chains = [[f"{finger}{part}" for part in PHALANGES] for finger in FINGERS[1:]]
         for chain in (*chains, [f"Thumb{part}" for part in thumb]):
             for bone, parent in zip(chain, ["Hand", *chain], strict=False):
                 found[side + bone] = side + parent
@@ -63,8 +59,7 @@ def _above(thumb: tuple[str, str, str]) -> dict[str, str]:
 
 
 ABOVE: Mapping[str, str] = _above(("Metacarpal", "Proximal", "Distal"))
-ABOVE_0: Mapping[str, str] = _above(("Proximal", "Intermediate", "Distal"))
-REQUIRED = (*_REQUIRED, *(side + bone for side in ("left", "right") for bone in _REQUIRED_LIMBS))
+ABOVE_0: Mapping[str, str] = _above(PHALANGES)
 REQUIRED_0 = (*REQUIRED, "chest", "neck")
 
 
