@@ -50,8 +50,7 @@ class Report:
     morph_changes: morph targets whose weights the edit changes on purpose, by the key of the node
     that shows them; the self-check compares all but these. reposed: the edit changes how joints move;
     the self-check then compares with the rig in memory; keeps_clips: but not in clips.
-    records: whether joints are
-    recorded; a batch, where nobody reads them, has warnings only.
+    records: whether joints are recorded; a batch, where nobody reads them, has warnings only.
     """
 
     joints: list[dict[str, Any]] = field(default_factory=list)

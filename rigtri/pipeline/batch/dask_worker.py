@@ -26,7 +26,7 @@ _LOOK = 0.5
 # A process ends that has had no file for so many seconds.
 _KEPT = 10.0
 # A child imports what its parent was started with, which takes longer than some files.
-PRELOADED = ("distributed.cli.dask_worker",)
+_PRELOADED = ("distributed.cli.dask_worker",)
 
 
 class AbandonedError(Exception):
@@ -121,7 +121,7 @@ def _process(settings: Settings, worker: Any, task: str) -> Iterator[FileProcess
         if ours.idle:
             process = ours.idle.pop()
         else:
-            process = FileProcess(settings.folder, at=settings.at, preload=PRELOADED, **settings.limits)
+            process = FileProcess(settings.folder, at=settings.at, preload=_PRELOADED, **settings.limits)
         ours.busy[task] = process
     try:
         yield process
