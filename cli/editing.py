@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 _GLTF_ONLY = ("resources", "lenient", "unknown_node_ext", "vrm_constraints")
-_USD_ONLY = ("edit_target", "override", "override_stage", "bake_xform", "allow_rename", "allow_missing")
+_USD_ONLY = ("edit_target", "bake_xform", "allow_rename", "allow_missing")
 
 
 def run_edit(
@@ -112,6 +112,7 @@ def _report_json(
         "warnings": [asdict(notice) for notice in report.warnings],
         "verification": verification,
         "seconds": {name: round(value, 4) for name, value in outcome.seconds.items()},
+        **({"hides": outcome.hides} if outcome.hides else {}),
     }
 
 

@@ -84,8 +84,7 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
     if target.suffix.lower() in GLTF_SUFFIXES:
         given = {"--up-axis": "up_axis", "--meters-per-unit": "meters_per_unit"}
         refuse_given(given, "means nothing for glTF files: y is up, and lengths are metres")
-    given = {"--override": "override", "--override-stage": "override_stage"}
-    refuse_given(given, "is for opinions over IN, and there is none")
+    refuse_given({"--edit-target": "edit_target"}, "says which layer of IN gets opinions, and there is no IN")
     write_blank(path, up=values["up_axis"].upper(), unit=values["meters_per_unit"])
     return str(path)
 

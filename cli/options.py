@@ -207,25 +207,12 @@ def edit_options(command: F) -> F:
             rare=True,
         ),
         option(
-            "--override",
-            is_flag=True,
-            help="USD: write only a layer of opinions over IN.",
-            group="output",
-            rare=True,
-        ),
-        option(
             "--edit-target",
-            metavar="LAYER",
-            default="",
-            help="USD: the layer that gets the opinions, root or a sublayer by its file name; OUT becomes "
-            "that layer. [root]",
-            group="output",
-            rare=True,
-        ),
-        option(
-            "--override-stage",
-            is_flag=True,
-            help="USD: write such a layer with IN as its sublayer and IN's metadata.",
+            metavar="root|new|bare|LAYER",
+            default="root",
+            show_default=True,
+            help="USD: the layer that gets the opinions and becomes OUT: the root layer, a new one with IN "
+            "as its sublayer and IN's metadata, a layer of the bare opinions, or a sublayer by its file name.",
             group="output",
             rare=True,
         ),

@@ -43,13 +43,8 @@ def read_options(values: dict[str, Any]) -> ReadOptions:
     """The format options among a command's values."""
     from rigtri.formats import ReadOptions
 
-    if values.get("override") and values.get("override_stage"):
-        raise UsageError("give --override or --override-stage, not both")
-    if values.get("edit_target") and (values.get("override") or values.get("override_stage")):
-        raise UsageError("--edit-target names a layer of IN, --override writes a new one: give one of them")
-    override = "stage" if values.get("override_stage") else "layer" if values.get("override") else ""
     named = {field.name: values[field.name] for field in fields(ReadOptions) if field.name in values}
-    return ReadOptions(**named | {"relink": values.get("resources") == "relink", "override": override})
+    return ReadOptions(**named | {"relink": values.get("resources") == "relink"})
 
 
 def destination(values: dict[str, Any]) -> str:

@@ -56,6 +56,11 @@ def print_joints(report: Report) -> None:
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
     output = values["output"]
     where = "standard output" if output == "-" else output
+    from rigtri.text import and_more
+
+    for layer, prims in outcome.hides.items():
+        hidden = f"Its opinions hide those of {layer} on {and_more((f'<{prim}>' for prim in prims), 3)}"
+        click.echo(plain(hidden, one_line=True), err=True)
     if outcome.verification is None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
     else:

@@ -30,8 +30,9 @@ class ReadOptions:
         ``freeze`` it, ``ignore`` the extension, or ``error``.
     root: the node whose hierarchy is the rig where there is no skin (both).
     relink: point a moved .gltf at its old resources instead of copying them (glTF).
-    override: write bare opinions over the source (USD): "", "layer" or "stage".
-    edit_target: the sublayer that is edited instead of the root layer, and becomes the output (USD).
+    edit_target: where opinions go (USD): into a copy of the ``root`` layer; into a ``new`` layer, which has
+        the source as its sublayer; into a ``bare`` one, for any layer stack above the source; or into a
+        sublayer, by its file name. What gets them becomes the output.
     allow_rename: let joints of skeletons get other paths, which a split gives them (USD).
     bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
@@ -45,13 +46,17 @@ class ReadOptions:
     unknown_node_ext: str = "freeze"
     root: str | None = None
     relink: bool = False
-    override: str = ""
-    edit_target: str = ""
+    edit_target: str = "root"
     allow_rename: bool = False
     bake_xform: bool = False
     from_stream: bool = False
     to_stream: bool = False
     empty: bool = False
+
+    @property
+    def is_override(self) -> bool:
+        """Whether the output is a layer above the source, and not the source edited."""
+        return self.edit_target in ("new", "bare")
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,10 @@ class Document(Protocol):
     @property
     def warnings(self) -> Sequence[Notice]:
         """What the reader noticed and could live with."""
+
+    @property
+    def hidden(self) -> Mapping[str, Sequence[str]]:
+        """By layer (USD), the prims on which what `write` wrote hides its opinions."""
 
     def meshes(self) -> Sequence[Mesh]:
         """All that is drawn, for measuring; read when it is called."""

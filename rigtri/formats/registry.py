@@ -93,7 +93,7 @@ def output_suffixes(path: Path, options: ReadOptions) -> tuple[str, ...]:
         return (".gltf",) if start.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") else ()
     if own not in USD_SUFFIXES:
         return ()
-    if options.override or options.edit_target:
+    if options.edit_target != "root":
         return (".usda", ".usd", ".usdc")
     if own == ".usdz":
         return (own,)

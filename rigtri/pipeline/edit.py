@@ -6,7 +6,7 @@ import filecmp
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -42,7 +42,8 @@ _LARGEST, _LARGEST_HALF = float(np.finfo(np.float32).max), float(np.finfo(np.flo
 class Outcome:
     """What an edit did: the report, the measured deviation (None with verify off), and the clock.
 
-    rig: as it was written. files: all that the source is made of, itself first, there or not.
+    rig: as it was written. files: all that the source is made of, itself first, there or not. hides: by file
+    of another layer (USD), the prims on which its opinions are hidden by those of the output.
     """
 
     report: Report
@@ -52,6 +53,7 @@ class Outcome:
     seconds: dict[str, float] = field(default_factory=dict)
     rig: Rig | None = None
     files: tuple[Path, ...] = ()
+    hides: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @property
     def unread(self) -> list[str]:
@@ -141,7 +143,9 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
                 _take_warnings(document, report, request.strict)
                 files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
                 changed = rig is not document.rig
-                outcome = Outcome(report, result, not request.dry_run, changed, clock.laps, rig, files)
+                outcome = Outcome(
+                    report, result, not request.dry_run, changed, clock.laps, rig, files, document.hidden
+                )
                 if request.is_kept:
                     if request.ready is not None:
                         request.ready(outcome, written)
@@ -171,13 +175,13 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
     options = request.options
     if request.to_stdout:
         # An override is a layer, also where it is of a package.
-        layer = bool(options.override) and path.suffix.lower() == ".usdz"
+        layer = options.is_override and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
     with as_file_error(Path(request.target)):
         final = _allowed(destination(Path(request.target)), path, request.overwrite)
     fits = output_suffixes(path, options)  # writers know it more closely, when the file has been read
     if fits and final.suffix.lower() not in fits:
-        what = "an override is a layer" if options.override else "the output has the format of the input"
+        what = "an override is a layer" if options.is_override else "the output has the format of the input"
         raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
     return final
 

@@ -215,7 +215,7 @@ def test_a_suffix_makes_no_avatar(suffix: str, lacks: str, samples: Path, tmp_pa
 
 
 def test_an_override_is_a_layer_whatever_it_is_for(samples: Path, tmp_path: Path) -> None:
-    arguments = ["orient-joints", samples / "biped.usdz", "--override", "-o"]
+    arguments = ["orient-joints", samples / "biped.usdz", "--edit-target", "bare", "-o"]
     assert "an override is a layer" in run(*arguments, tmp_path / "out.usdz", code=2).stderr
     run(*arguments, tmp_path / "out.usdc")
 
@@ -367,7 +367,7 @@ def test_a_new_file_is_what_a_reviewer_has_read(name: str, tmp_path: Path, golde
 IGNORED = {
     "a mirror's side": (["--from-side", "left"], "--mirror"),
     "a mirror": (["--plane", "xz"], "--mirror"),
-    "an override of glTF": (["--override"], "glTF"),
+    "an override of glTF": (["--edit-target", "bare"], "glTF"),
     "axes of the world": (["--world", "--aim", "z"], "world"),
     "two rules": (["--branch", "first", "--branch", "longest"], "one rule"),
     "a joint aimed at itself": (["--aim-at", "head=head"], "itself"),

@@ -405,7 +405,7 @@ def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -
 
 
 def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:
-    options = ReadOptions(override="layer")
+    options = ReadOptions(edit_target="bare")
     edit(samples / "biped.usda", tmp_path / "over.usda", orient, options=options)
     assert list(contents(tmp_path)) == ["over.usda"]
 

@@ -235,7 +235,7 @@ def _judge_output(
         return
     found.kind = "verified, unchanged" if after[own] == before[str(path.relative_to(place))] else "verified"
     # Joints without a skin are no rig where a USD file has no skeleton.
-    readable = target.suffix == path.suffix and not {"--override", "--no-skin"} & set(found.command)
+    readable = target.suffix == path.suffix and not {"--edit-target", "--no-skin"} & set(found.command)
     if random.randrange(SHARE) == 0 and readable:
         _judge_closely(found, source, target, place, after[own])
 

@@ -65,7 +65,7 @@ def command(path: Path, place: Path, random: Random, names: Names, root: str) ->
         target.parent.mkdir()
     if what < 0.3:
         return ["add-polevector", str(path), "-o", str(target), *_pole(chain, random), *reading]
-    more = ["--override"] if not is_gltf and random.random() < 0.1 and target != path else []
+    more = ["--edit-target", "bare"] if not is_gltf and random.random() < 0.1 and target != path else []
     return ["orient-joints", str(path), "-o", str(target), *_axes(is_gltf, random), *reading, *more]
 
 

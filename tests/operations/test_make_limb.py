@@ -269,7 +269,7 @@ def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--aim", "y"], 2, "same letter"),
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--up-from", "moon"], 2, "none of plane"),
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--parent", "hips"], 4, "hips"),
-        (["--points", "0,0,0", "1,1,0", "2,0,0", "--override"], 2, "there is none"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--edit-target", "bare"], 2, "there is no IN"),
     ],
 )
 def test_a_users_mistake_is_reported_and_nothing_written(

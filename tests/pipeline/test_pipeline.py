@@ -172,15 +172,16 @@ def test_the_output_has_the_format_of_the_input(samples: Path, tmp_path: Path) -
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("override", ["layer", "stage"])
-def test_an_override_is_measured_over_its_source(override: str, samples: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("edit_target", ["bare", "new"])
+def test_an_override_is_measured_over_its_source(edit_target: str, samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "over.usda"
-    outcome = edit(samples / "biped.usdz", out, orient, options=ReadOptions(override=override))
+    options = ReadOptions(edit_target=edit_target)
+    outcome = edit(samples / "biped.usdz", out, orient, options=options)
     assert outcome.verification is not None
     assert outcome.verification.deviation < 4e-7
-    assert "subLayers" in out.read_text() or override == "layer"
+    assert "subLayers" in out.read_text() or edit_target == "bare"
     with pytest.raises(DeviationError):
-        edit(samples / "biped.usda", tmp_path / "bad.usda", nudge, options=ReadOptions(override=override))
+        edit(samples / "biped.usda", tmp_path / "bad.usda", nudge, options=options)
 
 
 def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Path) -> None:

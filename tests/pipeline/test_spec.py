@@ -60,8 +60,6 @@ SHARED = [
     "allow_external_paths",
     "allow_missing",
     "resources",
-    "override",
-    "override_stage",
     "edit_target",
     "tolerance",
     "verify",

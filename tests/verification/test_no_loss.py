@@ -46,20 +46,20 @@ def detour(path: Path) -> Path:
     return path.parent / "sub" / ".." / path.name
 
 
-@pytest.mark.parametrize("override", ["layer", "stage"])
+@pytest.mark.parametrize("edit_target", ["bare", "new"])
 @pytest.mark.parametrize("spelled", [lambda path: path, link, hard_link, detour])
-def test_an_override_never_replaces_what_it_is_for(spelled, override: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_an_override_never_replaces_what_it_is_for(spelled, edit_target: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     source = hero(tmp_path)
     target = spelled(source)
     before = contents(tmp_path)
     with pytest.raises(UsageError, match="the override is for"):
-        edit(source, target, orient, options=ReadOptions(override=override), overwrite=True)
+        edit(source, target, orient, options=ReadOptions(edit_target=edit_target), overwrite=True)
     assert contents(tmp_path) == before
 
 
 def test_bare_opinions_are_edited_in_place_but_never_over_their_source(tmp_path: Path) -> None:
     source, opinions = hero(tmp_path), tmp_path / "opinions.usda"
-    options = ReadOptions(override="layer")
+    options = ReadOptions(edit_target="bare")
     edit(source, opinions, orient, options=options)
     edit(opinions, opinions, orient, options=options, overwrite=True)
     before = contents(tmp_path)

@@ -116,6 +116,11 @@ class GltfDocument:
         """What the reader noticed and could live with."""
         return tuple(self.notices)
 
+    @property
+    def hidden(self) -> Mapping[str, Sequence[str]]:
+        """Nothing: a glTF file has no layers."""
+        return {}
+
     def meshes(self) -> Sequence[Mesh]:
         """Every primitive that can be read, for measuring; the others are noticed."""
         return self._drawn.meshes()

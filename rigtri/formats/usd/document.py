@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -42,6 +42,7 @@ class UsdDocument:
         rig = replace(source.rig, content=Content(lines, drawn, drawn))
         self._source, self._options = replace(source, rig=rig), options
         self._output = Output(self._source, layer, options)
+        self._hidden: dict[str, list[str]] = {}
 
     @classmethod
     def read(cls, path: Path, options: ReadOptions | None = None) -> UsdDocument:
@@ -50,7 +51,7 @@ class UsdDocument:
         stage, layer, warnings = open_file(
             path, allow_external=options.allow_external_paths, allow_missing=options.allow_missing
         )
-        if options.edit_target not in ("", "root"):
+        if options.edit_target != "root" and not options.is_override:
             layer = sublayer(stage, options.edit_target)
         return cls(read_source(path, options, stage, warnings), options, layer)
 
@@ -62,6 +63,11 @@ class UsdDocument:
     def warnings(self) -> Sequence[Notice]:
         """What the reader noticed; after `write`, also what the writer had to do."""
         return tuple(self._notices)
+
+    @property
+    def hidden(self) -> Mapping[str, Sequence[str]]:
+        """By layer, the prims on which what `write` wrote hides its opinions."""
+        return self._hidden
 
     def meshes(self) -> Sequence[Mesh]:
         """Skinned and rigid points, blend shapes as morphs without inbetweens."""
@@ -79,7 +85,7 @@ class UsdDocument:
             return replace(facts, own=played_by_instances(self._source))
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
-        """Write the file, or with ``override`` only the opinions; see `formats.Document`.
+        """Write the file, or only the opinions for an override; see `formats.Document`.
 
         Relative asset paths are anchored anew where ``target`` lies in another folder.
         UsageError for a target of another format.
@@ -89,6 +95,7 @@ class UsdDocument:
         with quiet(f"{target}: USD cannot write it"):
             edit = edit_stage(self._source, rig, self._options)
             output.write(edit.edits, part, target, edit.notices, strips=bool(edit.rig.pending.removed))
+            self._hidden = output.hidden(edit.edits)
             routed = {*map(id, edit.opinions)} != {*map(id, edit.values)}
             inside = any(instance_of(stage, value.prim) is not None for value in edit.values)
             if routed or inside or output.is_sublayer:

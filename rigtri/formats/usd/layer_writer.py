@@ -40,12 +40,13 @@ class Output:
     @property
     def is_bare(self) -> bool:
         """Whether the output has the opinions alone, as a new layer."""
-        return self.options.override == "layer" and not is_override(self.layer)
+        return self.options.edit_target == "bare" and not is_override(self.layer)
 
     @property
     def is_sublayer(self) -> bool:
         """Whether the output is a sublayer of the source, edited."""
-        return bool(self.options.edit_target) and self.layer != self.source.layer
+        named = self.options.edit_target != "root" and not self.options.is_override
+        return named and self.layer != self.source.layer
 
     @property
     def layer_path(self) -> Path:
@@ -59,13 +60,11 @@ class Output:
     @property
     def is_new_layer(self) -> bool:
         """Whether the output is an override of its source, and not the source edited."""
-        return bool(self.options.override) and not is_override(self.layer)
+        return self.options.is_override and not is_override(self.layer)
 
     def check_target(self, target: Path) -> None:
         """UsageError for a target of another format."""
         own, suffix = self.layer_path.suffix.lower(), target.suffix.lower()
-        if self.options.override not in ("", "layer", "stage"):
-            raise ValueError(f"override is '', 'layer' or 'stage', not {self.options.override!r}")
         if self.is_new_layer:
             if suffix in (".usda", ".usd", ".usdc"):
                 return
@@ -84,7 +83,7 @@ class Output:
         """
         stage = self.source.stage
         if self.is_new_layer:
-            layer = self._over_source(target) if self.options.override == "stage" else self._bare(target)
+            layer = self._over_source(target) if self.options.edit_target == "new" else self._bare(target)
             apply_edits(stage, edits, layer)
             encoding = "usda" if target.suffix.lower() == ".usda" else "usdc"
             part.write_bytes(layers.to_bytes(layer, encoding))
@@ -113,6 +112,16 @@ class Output:
             encoding = layers.encoding_of(self.layer)
             content = path.read_bytes() if encoding == "usda" else b""
             part.write_bytes(self._encoded(layer, encoding, content, notices))
+
+    def hidden(self, edits: Sequence[Edit]) -> dict[str, list[str]]:
+        """By file, the prims on which opinions of other layers are hidden by those of the output."""
+        below: dict[str, dict[str, None]] = {}
+        for edit in edits:
+            attribute = self.source.stage.GetAttributeAtPath(edit.path) if isinstance(edit, Setting) else None
+            for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
+                if self.is_new_layer or spec.layer != self.layer:
+                    below.setdefault(Path(spec.layer.realPath).name, {})[str(edit.prim)] = None
+        return {layer: list(prims) for layer, prims in below.items()}
 
     def composed(self, part: Path) -> tuple[Any, Any]:
         """The stage of what was written, and the layer in it that an edit would edit."""
@@ -182,8 +191,8 @@ class Output:
         """A layer over the source: its stage metadata, and the source as its only sublayer."""
         if self.options.from_stream:
             raise UsageError(
-                "--override-stage names its source, and standard input has no name; "
-                "give the file, or use --override."
+                "--edit-target new: the layer names IN, and standard input has no name; "
+                "give the file, or use --edit-target bare."
             )
         layer = layers.empty()
         layers.copy_metadata(self.source.layer, layer)

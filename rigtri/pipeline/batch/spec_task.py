@@ -40,7 +40,7 @@ class SpecTask:
     @property
     def layers(self) -> bool:
         """Whether outputs are layers over their inputs."""
-        return bool(self.spec.model.override)
+        return self.spec.reading.is_override
 
     @property
     def beside(self) -> str:

@@ -186,7 +186,7 @@ class _Work:
         elif whole.options.from_stream or str(whole.source) == "-":
             options = replace(options, from_stream=True)
         if place is not None:
-            options = replace(options, override="", relink=False)
+            options = replace(options, edit_target="root", relink=False)
             side_files = () if self.outcomes else self.spared
             whole = EditRequest(self.at, place, verify=whole.verify, side_files=side_files)
         elif whole.ready is not None:
@@ -245,4 +245,13 @@ class _Work:
             seconds,
             outcomes[-1].rig,
             outcomes[0].files,
+            self._hides(),
         )
+
+    def _hides(self) -> dict[str, list[str]]:
+        """What the opinions of all steps hide, by layer."""
+        hides: dict[str, dict[str, None]] = {}
+        for outcome in self.outcomes:
+            for layer, prims in outcome.hides.items():
+                hides.setdefault(layer, {}).update(dict.fromkeys(prims))
+        return {layer: list(prims) for layer, prims in hides.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,16 @@ def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) ->
     assert deviation(shot, seen) < 1e-6
 
 
+def test_what_the_root_layer_comes_to_hide_is_told(shot: Path) -> None:
+    out = shot.parent / "turned.usda"
+    told = cli("orient-joints", shot, "-o", out, "--report", shot.parent / "report.json", code=0).stderr
+    assert "opinions hide those of layout.usda on </Root/Skel>, </Root/Anim>" in told
+    hides = json.loads((shot.parent / "report.json").read_text())["hides"]
+    assert hides == {"layout.usda": ["/Root/Skel", "/Root/Anim"], "anim.usda": ["/Root/Anim"]}
+    told = cli("orient-joints", shot.parent / "dept" / "layout.usda", "-o", out, "--overwrite", code=0).stderr
+    assert "hide" not in told
+
+
 def test_opinions_that_a_stronger_layer_hides_are_refused(shot: Path) -> None:
     out = shot.parent / "dept" / "layout_v2.usda"
     printed = cli("orient-joints", shot, "-o", out, "--edit-target", "layout.usda", code=3).output
@@ -55,4 +66,3 @@ def test_a_layer_that_is_none_of_the_stage_is_named_with_those_that_are(shot: Pa
     save(shot.parent, f'#usda 1.0\ndef "A" (references = @./{shot.name}@</Root>)\n{{\n}}\n', "set.usda")
     words[1] = shot.parent / "set.usda"
     assert "anim.usda is referred to, under other paths" in cli(*words, "anim.usda", code=3).output
-    assert cli(*words, "root", "--override", code=2).output

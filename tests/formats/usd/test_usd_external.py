@@ -168,7 +168,7 @@ def test_the_program_takes_the_option_for_usd(folders: tuple[Path, Path]) -> Non
 
 def test_an_output_in_another_folder_refers_to_its_source_there(folders: tuple[Path, Path]) -> None:
     folder, asset = folders
-    document = read(asset, override="stage")
+    document = read(asset, edit_target="new")
     out = write(document, turned(document.rig), folder / "over.usda")
     assert document.reopen(out).rig.skins
     assert "asks for '../assets/hero.usda'" in error_of(out)

@@ -21,13 +21,13 @@ from rigtri.verification.compare.compare import self_check
 
 
 @pytest.mark.parametrize("arc", ["references", "payload"])
-@pytest.mark.parametrize("override", ["", "layer", "stage"])
+@pytest.mark.parametrize("edit_target", ["root", "bare", "new"])
 def test_a_crowd_is_reoriented_and_still_shares_one_prototype(
-    arc: str, override: str, tmp_path: Path
+    arc: str, edit_target: str, tmp_path: Path
 ) -> None:
     source = crowd(tmp_path, arc)
     before = contents(tmp_path)
-    document = read(source, override=override)
+    document = read(source, edit_target=edit_target)
     assert not document.rig.rules.fixed
     assert len(document.rig.skins) == 1
     out = write(document, alike(document.rig), tmp_path / "out.usda")
@@ -36,7 +36,7 @@ def test_a_crowd_is_reoriented_and_still_shares_one_prototype(
     assert result.passes(), result.summary()
     assert not document.warnings
     seen = out
-    if override == "layer":
+    if edit_target == "bare":
         seen = save(tmp_path, "#usda 1.0\n(\nsubLayers = [@./out.usda@, @./crowd.usda@]\n)\n", "both.usda")
     assert deviation(source, seen) < 1e-6
     assert prototypes(source) == prototypes(seen) == 1

@@ -232,12 +232,14 @@ def test_all_kinds_of_files_take_them_and_a_second_run_changes_no_byte(suffix: s
 
 
 @pytest.mark.parametrize("head", ["timeCodesPerSecond = 30", ""])
-@pytest.mark.parametrize("override", ["", "layer", "stage"])
-def test_the_opinions_go_where_edits_go_and_offsets_count(override: str, head: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("edit_target", ["root", "bare", "new"])
+def test_the_opinions_go_where_edits_go_and_offsets_count(
+    edit_target: str, head: str, tmp_path: Path
+) -> None:
     save(tmp_path, scene(skeleton(), animation(), MESH), "asset.usda")
     lines = f"#usda 1.0\n(\n{head}\nsubLayers = [@./asset.usda@ (offset = 10; scale = 2)]\n)\n"
     path = save(tmp_path, lines, "in.usda")
-    document = read(path, override=override)
+    document = read(path, edit_target=edit_target)
     rig = document.rig
     old = motion(rig, "a", "rotation")
     new = played(rig, replace(old, key=None, times=np.array([old.times[0], 15.0, old.times[1]]), values=TURN))

@@ -44,9 +44,9 @@ def far(one: Path, other: Path, times: np.ndarray) -> float:
     ],
 )
 @pytest.mark.parametrize("arc", ["subLayers", "references"])
-@pytest.mark.parametrize("override", ["", "stage"])
+@pytest.mark.parametrize("edit_target", ["root", "new"])
 def test_samples_of_scaled_layers_keep_their_times_and_blocks(
-    override: str, arc: str, head: str, parts_head: str, offset: str, tmp_path: Path
+    edit_target: str, arc: str, head: str, parts_head: str, offset: str, tmp_path: Path
 ) -> None:
     moves = "float3[] translations.timeSamples = { 1: [(0, 2, 0), (0, 0, 0), (0, 2, 1)], 2: None, "
     moves += "3: [(0, 2, 0), (0, 0.1, 0), (0, 2, 1)], 3.5: None, 4: [(0, 2, 0), (0, 0, 1), (0, 2, 1)] }"
@@ -60,7 +60,7 @@ def test_samples_of_scaled_layers_keep_their_times_and_blocks(
         text = f"#usda 1.0\n(\n{head}\n)\n{body}"
     source = save(tmp_path, text, "shot.usda")
     before = contents(tmp_path)
-    document = read(source, override=override)
+    document = read(source, edit_target=edit_target)
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     assert {name: found for name, found in contents(tmp_path).items() if name in before} == before
     # At a sample beside a block the source itself may show the block; see below.
@@ -143,14 +143,14 @@ LONG = [rotations(t0=QUARTER, t4=OTHER), rotations(t0=THIRD, t2=QUARTER, t4=OTHE
         TEMPLATE,
     ],
 )
-@pytest.mark.parametrize("override", ["", "stage"])
+@pytest.mark.parametrize("edit_target", ["root", "new"])
 def test_an_animation_from_value_clips_is_reoriented_by_samples_of_a_stronger_layer(
-    override: str, how: str, tmp_path: Path
+    edit_target: str, how: str, tmp_path: Path
 ) -> None:
     single = [rotations(**{f"t{k}": value}) for k, value in enumerate((QUARTER, OTHER, THIRD), start=1)]
     source = clipped(tmp_path, single if "template" in how else LONG, how)
     before = contents(tmp_path)
-    document = read(source, override=override)
+    document = read(source, edit_target=edit_target)
     assert not document.rig.rules.fixed
     out = write(document, turned(document.rig), tmp_path / "out.usda")
     assert {name: found for name, found in contents(tmp_path).items() if name in before} == before

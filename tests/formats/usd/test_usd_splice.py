@@ -206,7 +206,7 @@ def test_a_block_of_too_many_statements_is_left_to_usd(monkeypatch: pytest.Monke
 
 def test_an_override_that_somebody_wrote_into_keeps_what_they_wrote(tmp_path: Path) -> None:
     path, over = rich(tmp_path), tmp_path / "over.usda"
-    edit(path, over, EDITS["orient-joints"], options=ReadOptions(override="layer"))
+    edit(path, over, EDITS["orient-joints"], options=ReadOptions(edit_target="bare"))
     mine = over.read_bytes() + b"# a note of mine\n"
     over.write_bytes(mine)
     edit(over, tmp_path / "out.usda", EDITS["add-polevector"])

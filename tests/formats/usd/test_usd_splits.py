@@ -121,17 +121,17 @@ def test_what_a_split_has_added_is_lost_on_the_way_back(tmp_path: Path) -> None:
     assert "joint elbow_orient" in verify(read(source), read(unnoted)).added
 
 
-@pytest.mark.parametrize("override", ["layer", "stage"])
-def test_an_override_splits_too_and_leaves_its_source_alone(override: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("edit_target", ["bare", "new"])
+def test_an_override_splits_too_and_leaves_its_source_alone(edit_target: str, tmp_path: Path) -> None:
     source, out, again = usd(tmp_path / "in.usdc", LIMB), tmp_path / "over.usda", tmp_path / "again.usda"
     content = source.read_bytes()
-    outcome = split(source, out, override=override)
+    outcome = split(source, out, edit_target=edit_target)
     assert source.read_bytes() == content
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-7
     assert "points" not in out.read_text()
     assert verify(read(source), read(out)).deviation < 1e-7
-    split(out, again, override=override)
+    split(out, again, edit_target=edit_target)
     assert again.read_bytes() == out.read_bytes()
 
 

@@ -40,8 +40,8 @@ def shot(folder: Path) -> Path:
     return save(folder, SHOT, "shot.usda")
 
 
-def streamed(source: Path, capsysbinary: pytest.CaptureFixture[bytes], override: str = "") -> str:
-    outcome = edit(source, "-", turn, options=ReadOptions(override=override))
+def streamed(source: Path, capsysbinary: pytest.CaptureFixture[bytes], edit_target: str = "root") -> str:
+    outcome = edit(source, "-", turn, options=ReadOptions(edit_target=edit_target))
     assert outcome.verification is not None
     assert outcome.verification.deviation < 1e-6
     return capsysbinary.readouterr().out.decode()
@@ -64,7 +64,7 @@ def test_what_standard_output_gets_is_not_given_away_by_the_temporary_folder(
     for name in ("one", "two/deep"):
         (tmp_path / name).mkdir(parents=True)
         monkeypatch.setattr("tempfile.tempdir", str(tmp_path / name))
-        found.update(streamed(source, capsysbinary, override) for override in ("", "layer", "stage"))
+        found.update(streamed(source, capsysbinary, edit_target) for edit_target in ("root", "bare", "new"))
     assert len(found) == 3
 
 
@@ -72,7 +72,7 @@ def test_an_override_on_standard_output_names_its_source_beside_it(
     tmp_path: Path, capsysbinary: pytest.CaptureFixture[bytes]
 ) -> None:
     source = shot(tmp_path)
-    out = save(tmp_path, streamed(source, capsysbinary, "stage"), "over.usda")
+    out = save(tmp_path, streamed(source, capsysbinary, "new"), "over.usda")
     assert list(Sdf.Layer.FindOrOpen(str(out)).subLayerPaths) == ["./shot.usda"]
     assert deviation(source, out) < 1e-6
 
@@ -91,10 +91,10 @@ def test_an_override_of_standard_input_can_name_no_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = scene(skeleton(), animation(), MESH).encode()
-    for override in ("stage", "layer"):
+    for edit_target in ("new", "bare"):
         monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(text)))
-        options = ReadOptions(override=override)
-        if override == "layer":
+        options = ReadOptions(edit_target=edit_target)
+        if edit_target == "bare":
             assert edit("-", tmp_path / "out.usda", turn, options=options).verification is not None
             continue
         with pytest.raises(UsageError, match="standard input has no name"):

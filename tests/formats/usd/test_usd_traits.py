@@ -135,9 +135,9 @@ def test_rates_units_and_up_axes_are_kept(
     head += f"metersPerUnit = {unit}\n" if unit else ""
     text = scene(skeleton(), animation(), MESH, head=head).replace('upAxis = "Y"', f'upAxis = "{up}"')
     source = save(tmp_path, text)
-    for override in ("", "stage"):
-        document = read(source, override=override)
-        out = write(document, turned(document.rig), tmp_path / f"out{override}.usda")
+    for edit_target in ("root", "new"):
+        document = read(source, edit_target=edit_target)
+        out = write(document, turned(document.rig), tmp_path / f"out{edit_target}.usda")
         assert deviation(source, out) < 1e-6
         one, other = (Usd.Stage.Open(str(path)) for path in (source, out))
         for ask in (

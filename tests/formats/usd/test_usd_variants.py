@@ -122,14 +122,14 @@ WITHOUT = ("only", "none", "hidden", "idle")
 
 
 @pytest.mark.parametrize("arc", ["", "references", "payload"])
-@pytest.mark.parametrize("override", ["", "stage"])
+@pytest.mark.parametrize("edit_target", ["root", "new"])
 @pytest.mark.parametrize("name", SCENES)
-def test_every_variant_looks_as_before(name: str, override: str, arc: str, tmp_path: Path) -> None:
+def test_every_variant_looks_as_before(name: str, edit_target: str, arc: str, tmp_path: Path) -> None:
     text = choosing(SCENES[name], clip="a")
     source = save(tmp_path, text, "parts/hero.usda" if arc else "in.usda")
     if arc:
         source = save(tmp_path, f'#usda 1.0\ndef "Root" ({arc} = @./parts/hero.usda@)\n{{\n}}\n')
-    out = edited(source, tmp_path, override=override)
+    out = edited(source, tmp_path, edit_target=edit_target)
     stage = Usd.Stage.Open(str(out))
     skel = "/Root/Body/Skel" if name == "hidden" else "/Root/Skel"
     root = stage.GetPrimAtPath("/Root").GetVariantSet("clip")

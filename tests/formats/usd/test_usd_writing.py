@@ -208,7 +208,7 @@ def test_another_format_is_refused(given: str, wanted: str, tmp_path: Path) -> N
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
 def test_a_layer_override_holds_only_opinions_and_fits_over_the_source(suffix: str, tmp_path: Path) -> None:
     source = save(tmp_path, ASSET)
-    document = read(source, override="layer")
+    document = read(source, edit_target="bare")
     out = write(document, turned(document.rig), tmp_path / f"over{suffix}")
     layer = Sdf.Layer.FindOrOpen(str(out))
     assert not list(layer.subLayerPaths)
@@ -223,22 +223,22 @@ def test_a_layer_override_holds_only_opinions_and_fits_over_the_source(suffix: s
 def test_a_layer_override_counts_time_as_its_source(head: str, tmp_path: Path) -> None:
     save(tmp_path, ASSET, "asset.usda")
     source = save(tmp_path, f"#usda 1.0\n(\n{head}\nsubLayers = [@./asset.usda@]\n)\n")
-    document = read(source, override="layer")
+    document = read(source, edit_target="bare")
     out = write(document, turned(document.rig), tmp_path / "over.usda")
     assert self_check(document, document.reopen(out)).deviation < 1e-6
     both = f"#usda 1.0\n(\n{head}\nsubLayers = [@./over.usda@, @./in.usda@]\n)\n"
     assert deviation(source, save(tmp_path, both, "both.usda")) < 1e-6
 
 
-@pytest.mark.parametrize("override", ["", "layer"])
+@pytest.mark.parametrize("edit_target", ["root", "bare"])
 def test_an_override_of_ours_is_read_over_its_source_and_edited_in_place(
-    override: str, tmp_path: Path
+    edit_target: str, tmp_path: Path
 ) -> None:
     source = save(tmp_path, ASSET, "in/hero.usda")
     (tmp_path / "out").mkdir()
-    document = read(source, override="layer")
+    document = read(source, edit_target="bare")
     first = write(document, turned(document.rig), tmp_path / "out" / "over.usda")
-    again = read(first, override=override, allow_external_paths=True)
+    again = read(first, edit_target=edit_target, allow_external_paths=True)
     assert again.rig.labels == document.rig.labels
     second = write(again, turned(again.rig, seed=2), tmp_path / "second.usda")
     assert self_check(document, again.reopen(second)).deviation < 1e-6
@@ -247,25 +247,25 @@ def test_an_override_of_ours_is_read_over_its_source_and_edited_in_place(
     assert layer.customLayerData["rigtri"]["source"].path == "./in/hero.usda"
     both = save(tmp_path, "#usda 1.0\n(subLayers = [@./second.usda@, @./in/hero.usda@])\n", "both.usda")
     assert deviation(source, both) < 1e-6
-    again = read(first, override=override, to_stream=True, allow_external_paths=True)
+    again = read(first, edit_target=edit_target, to_stream=True, allow_external_paths=True)
     streamed = write(again, turned(again.rig, seed=3), tmp_path / "streamed.usda")
     assert "@../in/hero.usda@" in streamed.read_text()
     assert self_check(document, again.reopen(streamed)).deviation < 1e-6
     source.unlink()
-    assert "written with --override for ../in/hero.usda, which is not there" in error_of(first)
+    assert "written with --edit-target bare for ../in/hero.usda, which is not there" in error_of(first)
 
 
 def test_a_stage_override_looks_like_the_source_and_is_edited_in_place(tmp_path: Path) -> None:
     source = save(tmp_path, ASSET, "in/hero.usda")
     (tmp_path / "out").mkdir()
-    document = read(source, override="stage")
+    document = read(source, edit_target="new")
     out = write(document, turned(document.rig), tmp_path / "out" / "over.usda")
     layer = Sdf.Layer.FindOrOpen(str(out))
     assert list(layer.subLayerPaths) == ["../in/hero.usda"]
     assert layer.defaultPrim == "Root"
     assert layer.pseudoRoot.GetInfo("upAxis") == "Y"
     assert deviation(source, out) < 1e-6
-    again = read(out, override="stage", allow_external_paths=True)
+    again = read(out, edit_target="new", allow_external_paths=True)
     second = write(again, turned(again.rig, seed=2), tmp_path / "out" / "second.usda")
     assert list(Sdf.Layer.FindOrOpen(str(second)).subLayerPaths) == ["../in/hero.usda"]
     assert deviation(source, second) < 1e-6

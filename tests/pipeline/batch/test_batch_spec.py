@@ -191,7 +191,7 @@ def test_a_variable_that_a_spec_has_not_is_reported_with_the_file(here: Path) ->
 
 def test_an_override_of_a_package_is_a_layer(here: Path, samples: Path) -> None:
     shutil.copy(samples / "biped.usdz", "in")
-    Path("rig.yaml").write_text("override: stage\nsteps: [{do: orient-joints, aim: y, up: z}]")
+    Path("rig.yaml").write_text("edit-target: new\nsteps: [{do: orient-joints, aim: y, up: z}]")
     given = ["batch", "in/*.usdz", "--spec", "rig.yaml", "-O", "out"]
     result = cli(*given)
     assert result.exit_code == 0, result.stderr

@@ -194,7 +194,7 @@ def _placed(where: str) -> Iterator[None]:
     except _FixedError as error:
         raise FileError(
             f"{where} asks for {error}, an expression that would name another file in the folder of the "
-            "output. Write the output into the folder of the source, or use --override"
+            "output. Write the output into the folder of the source, or use --edit-target bare"
         ) from None
 
 

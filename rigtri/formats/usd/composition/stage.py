@@ -146,13 +146,14 @@ def overridden_file(layer: Any, path: Path) -> Path | None:
         return None
     if "source" not in mark:
         raise FileError(
-            f"{path}: bare opinions, written with --override for a file that came from standard "
+            f"{path}: bare opinions, written with --edit-target bare for a file that came from standard "
             "input. Make a layer that has this one and that file as sublayers, and give it instead."
         )
     source = Path(layer.ComputeAbsolutePath(mark["source"].path))
     if not source.is_file():
         raise FileError(
-            f"{path}: bare opinions, written with --override for {mark['source'].path}, which is not there."
+            f"{path}: bare opinions, written with --edit-target bare for {mark['source'].path}, which is not "
+            "there."
         )
     return source
 

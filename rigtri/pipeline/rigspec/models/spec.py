@@ -55,13 +55,11 @@ class SpecModel(BaseModel):
     )
     bake_xform: Flag = Field(False, alias="bake-xform", description="USD: rewrite plain hierarchies' ops.")
     allow_rename: Flag = Field(False, alias="allow-rename", description="USD: a split may rename joints.")
-    override: Literal["", "layer", "stage"] = Field(
-        "", description="USD: write only opinions over the file, as a bare layer or with it as sublayer."
-    )
     edit_target: str = Field(
-        "",
+        "root",
         alias="edit-target",
-        description="USD: the layer that gets the opinions, root or a sublayer, which becomes the output.",
+        description="USD: the layer that gets the opinions and becomes the output: root, new (over the "
+        "file), bare (the opinions alone), or a sublayer by its file name.",
     )
     resources: Literal["copy", "relink"] = Field(
         "copy", description="A .gltf in another folder takes its files along, or points back."
