@@ -211,8 +211,8 @@ def edit_options(command: F) -> F:
             metavar="root|new|bare|LAYER",
             default="root",
             show_default=True,
-            help="USD: the layer that gets the opinions and becomes OUT: the root layer, a new one with IN "
-            "as its sublayer and IN's metadata, a layer of the bare opinions, or a sublayer by its file name.",
+            help="USD: the layer that gets the opinions and becomes OUT: the root layer, a new one over IN, "
+            "which is its sublayer, the bare opinions alone, or a sublayer by its file name.",
             group="output",
             rare=True,
         ),
