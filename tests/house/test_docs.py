@@ -80,7 +80,7 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest
     for language, code in blocks:
         named = FILE.match(code)
         if named:
-            (tmp_path / named[1]).write_text(code, "utf-8")
+            (tmp_path / named[1]).write_text(code.partition("\n")[2], "utf-8")
         elif language == "sh":
             shell(code, tmp_path)
         elif language == "python":

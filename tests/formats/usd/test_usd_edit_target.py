@@ -53,6 +53,18 @@ def test_what_the_root_layer_comes_to_hide_is_told(shot: Path) -> None:
     assert "hide" not in told
 
 
+def test_frames_reach_the_keys_of_a_layer_of_overs_in_a_stage_that_has_the_asset_too(shot: Path) -> None:
+    dept, frames = shot.parent / "dept", shot.parent / "turns.json"
+    turned, keys = dept / "layout_turned.usda", dept / "anim_turned.usda"
+    cli("orient-joints", dept / "layout.usda", "-o", turned, "--save-frames", frames, code=0)
+    told = cli("orient-joints", dept / "anim.usda", "-o", keys, "--frames", frames, code=3).output
+    assert "overs of another layer's" in told
+    assert "--edit-target anim.usda" in told
+    cli("orient-joints", shot, "-o", keys, "--frames", frames, "--edit-target", "anim.usda", code=0)
+    seen = save(dept, f"#usda 1.0\n(\nsubLayers = [@./{keys.name}@, @./{turned.name}@]\n)\n", "seen.usda")
+    assert deviation(shot, seen) < 1e-6
+
+
 def test_opinions_that_a_stronger_layer_hides_are_refused(shot: Path) -> None:
     out = shot.parent / "dept" / "layout_v2.usda"
     printed = cli("orient-joints", shot, "-o", out, "--edit-target", "layout.usda", code=3).output

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
@@ -137,6 +138,12 @@ class _Reader:
 
     def _remedy(self) -> str:
         """What to do where there is no skeleton; nothing where there is nothing that could be one."""
+        if any(prim.specifier == Sdf.SpecifierOver for prim in self.stage.GetRootLayer().rootPrims):
+            name = Path(self.stage.GetRootLayer().realPath).name
+            return (
+                f". Its prims are overs of another layer's: give a stage that has both as sublayers, with "
+                f"--edit-target {name}"
+            )
         if not self.nodes.labels:
             return ", nor any prim that has a place"
         text = "If its joints are plain Xform prims, name the topmost with --root, e.g. --root"
