@@ -6,8 +6,16 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from rigtri.maths.matrices import determinant, from_frame, inverse, multiply, transform_points
+from rigtri.maths.matrices import (
+    determinant,
+    from_frame,
+    inverse,
+    multiply,
+    transform_directions,
+    transform_points,
+)
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
 
@@ -53,6 +61,17 @@ def nearest_axis_turn(turns: Floats) -> Floats:
     off = np.median(3.0 - products.cumsum(axis=-1)[..., -1], axis=0)
     best = int(off.argmin())
     return np.asarray(AXIS_TURNS[best if off[best] < _CLEARLY * off[0] else 0])
+
+
+def upright_turn(theirs: ArrayLike, ours: ArrayLike) -> Floats:
+    """The smallest of the 24 rotations, (3, 3), that takes one up axis, (3,), to another; else the identity.
+
+    >>> upright_turn([0.0, 0.0, 1.0], [0.0, 1.0, 0.0])[2]
+    array([0., 1., 0.])
+    """
+    up = transform_directions(np.asarray(theirs), from_frame(AXIS_TURNS, np.zeros((len(AXIS_TURNS), 3))))
+    traces = AXIS_TURNS[:, 0, 0] + AXIS_TURNS[:, 1, 1] + AXIS_TURNS[:, 2, 2]
+    return np.asarray(AXIS_TURNS[np.where((up == np.asarray(ours)).all(axis=1), traces, -4.0).argmax()])
 
 
 @dataclass(frozen=True, eq=False)

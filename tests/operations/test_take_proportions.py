@@ -221,6 +221,21 @@ def test_a_root_that_is_bound_elsewhere_leaves_feet_on_the_ground(ours: float, t
         np.testing.assert_allclose(found, places(edited, "walk", np.array([time]))["d"][0], atol=1e-6)
 
 
+@pytest.mark.parametrize("degrees", [0.0, 48.0, 80.0])
+def test_edited_may_be_bound_and_rest_in_the_frame_that_was_shown(degrees: float) -> None:
+    """Blender's USD has z up and may be bound leaning. Before, keys were taken that nobody had moved."""
+    rig = rig_of()
+    hips, rotation, translation = rig.find("hips"), rig.rotation.copy(), rig.translation.copy()
+    rotation[0] = from_axis_angle([1.0, 0.0, 0.0], np.pi / 2.0)
+    rotation[hips] = multiply(rotation[hips], from_axis_angle([1.0, 0.0, 0.0], -np.radians(degrees)))
+    leaning = replace(rig, rotation=rotation, rules=replace(rig.rules, up=(0.0, 0.0, 1.0)))
+    skins = (replace(skin, inverse_bind=inverse(leaning.world[skin.joints])) for skin in rig.skins)
+    # The frame that was shown: a little beside where the topmost joint is bound.
+    translation[hips] += 0.01
+    edited = replace(leaning, translation=translation, skins=tuple(skins))
+    assert take_clips(rig, from_=edited) is rig
+
+
 def test_joints_that_stretch_a_little_are_compared_all_the_same() -> None:
     rig = held(rig_of())
     other = body(rig, {})

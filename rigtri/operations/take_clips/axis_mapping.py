@@ -25,6 +25,7 @@ from rigtri.maths.similarity_fit import (
     SAME_TURN,
     fit_similarity,
     nearest_axis_turn,
+    upright_turn,
 )
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -131,15 +132,19 @@ class Counterparts:
     def _turned(self) -> Floats | None:
         """The rotation of G, (3, 3), from bind poses, so that either file may rest in any pose; None without.
 
-        EDITED's world as its bind pose sees it, EDITED's bind pose as RIG's, and that as RIG's world.
+        EDITED's world as its bind pose sees it, EDITED's bind pose as RIG's, and that as RIG's world. A bind
+        pose may lean as a whole, as a DCC binds in the pose that it was given: then up goes to up.
         """
         if self._bind_turn is None:
             return None
-        places = [placed(rig) for rig in (self.other, self.rig)]
         theirs, between, ours = (
-            from_frame(each, np.zeros(3)) for each in (places[0], self._bind_turn, places[1])
+            from_frame(each, np.zeros(3)) for each in (placed(self.other), self._bind_turn, placed(self.rig))
         )
-        return np.asarray(multiply(multiply(inverse(theirs), between), ours)[:3, :3])
+        turn = np.asarray(multiply(multiply(inverse(theirs), between), ours)[:3, :3])
+        nearest = nearest_axis_turn(turn[np.newaxis])
+        if float(np.abs(turn - nearest).max()) <= SAME_TURN:
+            return nearest
+        return upright_turn(self.other.rules.up, self.rig.rules.up)
 
     @cached_property
     def _ratio(self) -> float | None:
@@ -199,7 +204,7 @@ class Counterparts:
             fit = fit_similarity(*points, about_origin=False, ratio=self._bind_ratio(both, ours, bind))
         self.proportions = max(self.proportions, fit.residual)
         if self._bind_turn is None:
-            self._bind_turn = nearest_axis_turn(nearest_rotation(fit.matrix)[np.newaxis])
+            self._bind_turn = nearest_rotation(fit.matrix)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
         # A joint that lies elsewhere turns about its own place: what other lengths do to translations
         # is said in `rigtri.operations.take_clips.proportions`.

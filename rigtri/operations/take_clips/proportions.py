@@ -18,13 +18,13 @@ import numpy as np
 
 from rigtri.evaluation.active_controls import size_of
 from rigtri.frames.skeleton import reference, skeleton
-from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
-from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, SAME_SIZE, fit_similarity
+from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
+from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise
 from rigtri.model.animation import Path, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.axis_mapping import Counterparts, bind_poses
+from rigtri.operations.take_clips.axis_mapping import Counterparts, bind_poses, placed
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
@@ -143,24 +143,31 @@ class Proportions:
         one length leave what carries them where EDITED has it, unless the files bind it at other places.
         """
         both = self.both
-        if both.rig.is_joint[node]:
-            rested = _stands_bound(both.rig, node) and _stands_bound(both.other, both.of[node])
-            rested = rested or (self._rest_alike and self.body != 1.0)
-        else:
-            rested = both.of[node] not in self._varying and self.body != 1.0
-        if not rested:
+        places = self._places(node)
+        if places is None:
             return _scaled(self.body, np.zeros(3))
+        ours, theirs = places
         above = both.line(node)[2]
-        ours, theirs = both.rig.world[node, 3, :3], both.other.world[both.of[node]]
         if above >= 0:
             ours = transform_points(ours, inverse(both.rig.world[above]))
-            theirs = multiply(theirs, inverse(both.other.world[both.of[above]]))
-        seen = transform_points(theirs[3, :3], inverse(both.turns[above]) if above >= 0 else both.space)
+            theirs = transform_points(theirs, inverse(both.other.world[both.of[above]]))
+        seen = transform_points(theirs, inverse(both.turns[above]) if above >= 0 else both.space)
         offset = ours - self.body * seen
         unit = float(length(both.rig.world[above, 0, :3])) if above >= 0 else 1.0
         if self.body == 1.0 and not float(length(offset)) * unit > OTHER_SHAPE * both.size:
             return None
         return _scaled(self.body, offset if np.isfinite(offset).all() else np.zeros(3))
+
+    def _places(self, node: int) -> tuple[Floats, Floats] | None:
+        """Where what carries the body is in the worlds of RIG and EDITED, (3,) each, at one moment."""
+        both = self.both
+        rested = both.rig.world[node, 3, :3], both.other.world[both.of[node], 3, :3]
+        if not both.rig.is_joint[node]:
+            return rested if both.of[node] not in self._varying and self.body != 1.0 else None
+        ours, theirs = _bound_place(both.rig, node), _bound_place(both.other, both.of[node])
+        if ours is not None and theirs is not None:
+            return ours, theirs
+        return rested if self._rest_alike and self.body != 1.0 else None
 
     @cached_property
     def _varying(self) -> set[int]:
@@ -179,16 +186,20 @@ class Proportions:
         return bool((angle(ours[long], theirs[long]) <= np.radians(MOST_DEGREES)).all())
 
 
-def _stands_bound(rig: Rig, node: int) -> bool:
-    """Whether a joint rests where it is bound, in a space with the world's origin."""
+def _bound_place(rig: Rig, node: int) -> Floats | None:
+    """Where a joint is bound, (3,), seen in the world; None where it rests elsewhere.
+
+    A rest that is near is the frame that a DCC has shown, or a bind pose in a space with the world's origin.
+    """
     binds = bind_poses(rig)
     joints = [n for n in binds if np.isfinite(rig.world[n]).all()]
     if node not in joints:
-        return False
-    points = np.array([binds[n][3, :3] for n in joints])
-    fit = fit_similarity(points, rig.world[joints, 3, :3], about_origin=True)
-    place = transform_points(binds[node][3, :3], fit.matrix)
-    return float(length(place - rig.world[node, 3, :3])) <= SHORT * size_of(rig)
+        return None
+    sizes = length(rig.world[joints, 0, :3]), length(np.array([binds[n][0, :3] for n in joints]))
+    ratio = float(np.median(sizes[0] / sizes[1]))
+    place = transform_points(binds[node][3, :3] * ratio, from_frame(placed(rig), np.zeros(3)))
+    near = float(length(place - rig.world[node, 3, :3])) <= SHORT * size_of(rig)
+    return place if near else None
 
 
 def _scaled(size: float, offset: Floats) -> Floats | None:
