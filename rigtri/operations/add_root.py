@@ -32,8 +32,8 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     """The rig with a joint on the ground, with the world's axes, between a top joint and its parent.
 
     It is a joint of every skin that has the top joint, and moves no point. A joint of the name above the body
-    is the root already. Raises GeometryError where no body is known, UsageError for a name that is taken, and
-    in USD, where all joints would get other paths.
+    is the root already. In USD the paths of all joints below it begin with it then. Raises GeometryError where
+    no body is known, UsageError for a name that is taken, and in USD for a prim of that name above the skeleton.
     """
     top = rig.find(options.above) if options.above is not None else _top(rig)
     for node in rig.path_to_root(top):
@@ -41,11 +41,6 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
             return rig if rig.is_joint[node] else _made_joint(rig, node, top, report)
     if options.name in rig.names:
         raise UsageError(f"--name {options.name}: another node is called so")
-    if rig.rules.sized_binding:
-        raise UsageError(
-            "add-root: a USD joint is named by its path, so a root would rename all joints. Add it where the "
-            "skeleton is exported from, or convert to glTF"
-        )
     return _with_root(rig, top, options.name, report)
 
 

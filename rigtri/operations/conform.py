@@ -53,14 +53,10 @@ def steps_of(options: ConformOptions) -> Steps:
 def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     """The rig with the standard skeleton of an engine; every clip looks as before.
 
-    Raises as the steps do (`steps_of`): freeze, rename-joints, set-rest, add-root, orient-joints. In USD,
-    where a root would rename all joints, it is left out with a warning.
+    Raises as the steps do (`steps_of`): freeze, rename-joints, set-rest, add-root, orient-joints.
     """
     for name, values in steps_of(options):
         known = len(report.joints)
-        if name == "add-root" and rig.rules.sized_binding:
-            report.warn("no-root", "USD names joints by paths: no root was added above them")
-            continue
         try:
             rig = function_of(name)(rig, report=report, **values)
         except UsageError as error:

@@ -69,7 +69,7 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         return clip
     (track,) = mine
     theirs = {t.path: t for t in clip.tracks if t.node == root}
-    if "rotation" in theirs or "scale" in theirs:
+    if any(not _rests(theirs[path], rig) for path in ("rotation", "scale") if path in theirs):
         raise GeometryError(
             f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}': bake it to the hips first"
         )
@@ -85,10 +85,12 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     if options.mode == "extract":
         shift = rotate(rig.rotation[root], along * rig.scale[root])
         old = theirs.get("translation")
-        if old is None:
+        if old is None or _rests(old, rig):
             start = rig.translation[root]
             values = shift + start if plain else _but_tangents(shift, -start)
-            tracks.append(Track(root, "translation", track.interpolation, track.times, values))
+            key = None if old is None else old.key
+            made = Track(root, "translation", track.interpolation, track.times, values, key)
+            tracks = [made if t is old else t for t in tracks] + ([made] if old is None else [])
         elif old.interpolation == track.interpolation and np.array_equal(old.times, track.times):
             tracks[tracks.index(old)] = old.having(old.values + shift)
         else:
@@ -97,6 +99,20 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
                 "bake it first"
             )
     return replace(clip, tracks=tuple(tracks))
+
+
+def _rests(track: Track, rig: Rig) -> bool:
+    """Whether a track holds its node where it rests, as exporters write for every joint."""
+    rest = np.asarray(getattr(rig, track.path)[track.node])
+    values = track.values
+    if track.interpolation == "CUBICSPLINE":
+        if np.abs(values[:, [0, 2]]).max(initial=0.0) > _NONE:
+            return False
+        values = values[:, 1]
+    off = np.abs(values - rest).max(axis=-1)
+    if track.path == "rotation":
+        off = np.minimum(off, np.abs(values + rest).max(axis=-1))
+    return bool(off.max(initial=0.0) <= _NONE * max(1.0, float(np.abs(rest).max())))
 
 
 def _up(rig: Rig, root: int) -> Floats:

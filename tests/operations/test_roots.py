@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,11 +11,13 @@ import numpy as np
 import pytest
 from places import SAMPLES
 from program import cli
+from usd_files import deviation
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import read
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import verify
 
@@ -62,9 +65,43 @@ def test_a_second_root_is_not_added(rooted: Path) -> None:
     assert rigtri.add_root(rig).names == rig.names
 
 
-def test_a_root_in_usd_is_refused_with_the_reason() -> None:
-    with pytest.raises(UsageError, match="named by its path"):
-        rigtri.add_root(rigtri.read(SAMPLES / "biped.usda"))
+@pytest.mark.parametrize("tokens", ["listed by the mesh", "those of the skeleton"])
+def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Path) -> None:
+    source, out, again, moved = (tmp_path / f"{name}.usda" for name in ("source", "out", "again", "moved"))
+    text = (SAMPLES / "biped.usda").read_text()
+    if tokens == "those of the skeleton":
+        text = re.sub(r"\n *uniform token\[\] skel:joints = .*", "", text)
+    source.write_text(text)
+    cli("add-root", source, "-o", out, code=0)
+    cli("add-root", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()
+    rig = rigtri.read(out)
+    assert rig.names[rig.parents[rig.find("hips")]] == "root"
+    assert rig.world[rig.find("root"), 3, 1] == pytest.approx(0.0, abs=1e-6)
+    assert deviation(source, out) < 1e-6
+    cli("root-motion", out, "-o", moved, code=0)
+    assert deviation(source, moved) < 1e-6
+    assert np.ptp(places(rigtri.read(moved), "root"), axis=0).max() > 0
+
+
+def test_a_prim_above_a_skeleton_is_not_made_its_root() -> None:
+    with pytest.raises(UsageError, match="is a prim above the skeleton"):
+        rigtri.add_root(rigtri.read(SAMPLES / "biped.usda"), name="figure")
+
+
+def test_keys_that_hold_a_root_where_it_rests_do_not_hinder(rooted: Path, tmp_path: Path) -> None:
+    rig = rigtri.read(rooted)
+    root, clip = rig.find("root"), rig.clips[0]
+    times, turned = np.array([0.0, 1.0]), np.array([0.1, 0.0, 0.0, np.sqrt(0.99)])
+    rotation = Track(root, "rotation", "LINEAR", times, np.tile(-rig.rotation[root], (2, 1)))
+    place = Track(root, "translation", "STEP", times, np.tile(rig.translation[root], (2, 1)))
+    held = rigtri_with(rig, (*clip.tracks, rotation, place))
+    moved = rigtri.root_motion(held, clip=[clip.name])
+    assert np.ptp(places(moved, "root"), axis=0).max() > 0
+    assert np.allclose(places(moved, "head"), places(rig, "head"), atol=1e-6)
+    turning = rotation.having(np.stack([rig.rotation[root], turned]))
+    with pytest.raises(GeometryError, match="rotates or scales"):
+        rigtri.root_motion(rigtri_with(rig, (*clip.tracks, turning)))
 
 
 def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -> None:

@@ -278,15 +278,16 @@ def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
-    """The rig that was read, with the result's keys of renamed nodes: keys may be names."""
+    """The rig that was read, with the result's keys of nodes with other paths: keys may be these."""
     new = {key: node for node, key in enumerate(rig.keys) if key is not None}
     there = [node for node, key in enumerate(before.keys) if key in new]
     kept = set(after.keys)
-    if all(rig.names[new[before.keys[node]]] == before.names[node] for node in there):
+    named = all(rig.names[new[before.keys[node]]] == before.names[node] for node in there)
+    if named and all(before.keys[node] in kept for node in there):
         return before
     places = {after.path(node): key for node, key in enumerate(after.keys)}
     keys = list(before.keys)
-    for node in there:  # also those below a node that was renamed
+    for node in there:  # also those below a node that was renamed, or is new
         if keys[node] not in kept:
             keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
     return replace(before, keys=tuple(keys))

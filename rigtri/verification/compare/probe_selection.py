@@ -82,7 +82,8 @@ def skin_corners(
     for number, partner in enumerate(m.skin.tolist()):
         if partner < 0:
             continue
-        mine, theirs = before.skins[number], _without_added(after, partner, m)
+        mine = before.skins[number]
+        theirs = _without_added(after, partner, m, len(mine.joints))
         if len(theirs.joints) < len(mine.joints):
             continue
         count = len(mine.joints)
@@ -109,15 +110,17 @@ def skin_corners(
             )
 
 
-def _without_added(after: Rig, skin: int, m: Correspondence) -> Skin:
-    """A skin without the rows of joints that rigtri has put into it.
+def _without_added(after: Rig, skin: int, m: Correspondence, count: int) -> Skin:
+    """A skin without the rows of joints that an edit has put among the ``count`` that were there.
 
-    Those of splits, and below --root also of other nodes, stand among the joints that were there.
+    Those of splits and roots, and below --root also of other nodes.
     """
-    whole, added = after.skins[skin], sorted((after.holders | after.own).difference(m.node.tolist()))
-    if not added:
-        return whole
+    whole, known = after.skins[skin], m.node.tolist()
+    added = sorted((after.holders | after.own).difference(known))
     keep = ~np.isin(whole.joints, added)
+    partners = np.isin(whole.joints, known)
+    if partners.sum() == count < keep.sum():
+        keep = partners
     if keep.all():
         return whole
     return replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])

@@ -1,4 +1,4 @@
-"""Add the joints of the rig that the file lacks, behind the others of their skeleton.
+"""Add the joints of the rig that the file lacks, but for those above others, behind all of their skeleton.
 
 Behind the others all indices of meshes keep their meaning, and animations, which list
 their joints themselves, go on without the new ones: those stay at rest.
@@ -23,7 +23,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     joint_names,
     set_joints,
 )
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_above
 from rigtri.formats.usd.reading.joint_tokens import child_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
@@ -49,8 +49,9 @@ def add_joints(edit: UsdEdit) -> None:
 def _added(source: Source, rig: Rig) -> dict[str, list[int]]:
     """The nodes that each skeleton gets as joints, by its path."""
     found: dict[str, list[int]] = {}
+    above = set(new_above(rig).values())
     for old, new in zip(source.rig.skins, rig.skins, strict=False):
-        fresh = [joint for joint in new.joints.tolist() if rig.keys[joint] is None]
+        fresh = [joint for joint in new.joints.tolist() if rig.keys[joint] is None and joint not in above]
         if not fresh or kind(old.key) == "root":
             continue
         path = parts(old.key)[1]

@@ -20,7 +20,7 @@ from rigtri.formats.usd.composition.variants import split_by, variants_of
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import influence_edits, stale_names, why_bound_otherwise
 from rigtri.formats.usd.opinions.skeleton_edits import joint_names, set_array, set_joints
-from rigtri.formats.usd.passes.usd_edit import UsdEdit, resting
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_above, resting
 from rigtri.formats.usd.reading.animation_reader import NOTHING, Animation, Property
 from rigtri.formats.usd.reading.joint_tokens import split_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -63,7 +63,8 @@ def split_joints(edit: UsdEdit) -> None:
     splits = _splits(source, edit.rig)
     if not splits:
         return
-    if not edit.options.allow_rename:
+    frames = set(edit.rig.frame_of.values())
+    if frames and not edit.options.allow_rename:
         raise UsageError(_refusal(splits))
     for path in splits:
         _check(source, splits, path)
@@ -79,9 +80,7 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
     """The joints that a rig splits and the source does not, by skeleton."""
     token_of = {source.rig.keys[node]: token for node, (_, token) in source.joints.items()}
     found: dict[str, dict[str, str]] = {}
-    for joint, holder in sorted(rig.frame_of.items()):
-        if rig.keys[holder] is not None:
-            continue
+    for joint, holder in sorted(new_above(rig).items()):
         key = rig.keys[joint]
         if kind(key) != "joint":
             raise UsageError(

@@ -98,6 +98,17 @@ def sets_transform(before: Rig, rig: Rig, node: int) -> bool:
     return is_rigtri_prim(before, node) or (added and bool((before.local[node] != rig.local[node]).any()))
 
 
+def new_above(rig: Rig) -> dict[int, int]:
+    """Joints of the source, each with the new joint above it, which holds its axes or is a root."""
+    found = {joint: holder for joint, holder in rig.frame_of.items() if rig.keys[holder] is None}
+    for skin in rig.skins:
+        for joint in skin.joints.tolist():
+            above = int(rig.parents[joint])
+            if rig.keys[joint] is not None and above in skin.joints and rig.keys[above] is None:
+                found[joint] = above
+    return found
+
+
 def resting(track: Track, rig: Rig) -> Track:
     """A track of a joint with its rest value at every key."""
     rest = getattr(rig, track.path)[track.node]
