@@ -32,8 +32,8 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     """The rig with a joint on the ground, with the world's axes, between a top joint and its parent.
 
     It is a joint of every skin that has the top joint, and moves no point. A joint of the name above the body
-    is the root already. In USD the paths of all joints below it begin with it then. GeometryError where no body
-    is known, UsageError for a name that is taken, and in USD for a prim of that name above the skeleton.
+    is the root already. In USD the paths of all joints below it begin with it. GeometryError where no body is
+    known, UsageError for a name that is taken, and in USD for a prim of that name above the skeleton.
     """
     top = rig.find(options.above) if options.above is not None else _top(rig)
     for node in rig.path_to_root(top):
