@@ -12,7 +12,7 @@ from rigtri.recognition.body_shape import ALIKE, LEG, Body, Limbs, stands_too, w
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.layout import BENDS, MAP, NAMES, LimbKind
-from rigtri.recognition.limb_triples import triple_of
+from rigtri.recognition.limb_triples import CLAVICLES, triple_of
 from rigtri.recognition.limb_words import NO_WORDS, agreement
 from rigtri.recognition.naming_schemes import parse_name
 from rigtri.text import a
@@ -34,8 +34,6 @@ _DOUBT = 0.15
 _SEEN = 0.6
 # Another way to see the body that is as good as this speaks against both.
 _CLOSE = 0.04
-# Arms that begin so near to each other, as a part of their length, begin with clavicles.
-_CLAVICLES = 0.35
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
 # Where a chain could bend at two places almost as well, it is not said which.
@@ -182,7 +180,7 @@ def _lacks_hand(draft: Draft, limbs: Limbs) -> bool:
     (start, middle, end), twin = limbs.joints(0), limbs.joints(1)[0]
     whole = limbs.at[0] == 0 and limbs.at[2] == len(limbs.pair.paths[0]) - 1
     apart = (draft.tree.at[start] - draft.tree.at[twin]).length
-    return (whole and apart < _CLAVICLES * limbs.size) or not draft.tree.is_below(end, middle)
+    return (whole and apart < CLAVICLES * limbs.size) or not draft.tree.is_below(end, middle)
 
 
 def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:

@@ -89,15 +89,16 @@ def limbs_of(
     poses: Poses,
     names: Mapping[int, LimbWords],
     towards: Vector | None = None,
+    arms: bool = False,
 ) -> list[Limbs]:
     """The pairs as limbs, with where each bends by its shape and by names.
 
-    towards: where their knees, or elbows, point, where that is known.
+    towards: where their knees, or elbows, point, where that is known. arms: of what stands upright.
     """
     tried, found = pairs[: 3 * _TRIED], []
     sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
     for pair in tried:
-        bend = triple_of(tree, pair.paths, sharpest, names, towards)
+        bend = triple_of(tree, pair.paths, sharpest, names, towards, arms)
         if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
             pair = loose_ends(tree, pair, poses)
             bend = triple_of(tree, pair.paths, sharpest, names) if len(pair.paths[0]) > 2 else None

@@ -29,6 +29,8 @@ _TRUNK = frozenset(["trunk", "face", "skull", "tail"])
 _CLEAR = 0.966
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
 _NEXT = 0.6
+# A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
+_BROAD = 0.8
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -213,6 +215,8 @@ def _rival(draft: Draft, each: Found) -> str:
         return ""
     if mine.fingers >= 2 or draft.shape.plane is None:
         return ""
+    if start == 1 and tree.bone[path[1]] > _BROAD * (b - a).length:
+        return "its first bone may be an upper arm or a clavicle, and nothing shows where its hand is"
     for node in _beside(draft, mine):
         aside = [abs(draft.shape.plane.side_of(tree.at[k])) for k in tree.paths[node][:2]]
         long = len(tree.paths[node]) > 2 and tree.reach[node] > _RIVAL * mine.size

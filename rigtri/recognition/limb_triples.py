@@ -29,6 +29,9 @@ _UNLIKE = 0.05
 # What a first bone costs that is too long for a clavicle, and from which part of the upper bone on: a joint
 # is skipped.
 _LED, _SHORT = 0.25, 0.45
+# Arms that begin so near to each other, as a part of their length, run aside there (a cosine, 45°) and have
+# a whole limb behind their first bone begin with clavicles, however long these are.
+CLAVICLES, _ASIDE, _WHOLE = 0.35, 0.7, 0.65
 # What a middle costs that is bent as an ankle is at rest, and how far that is, as a cosine (70°).
 _FOLD, _FOLDED = 0.1, 0.34
 # What a joint that clips bend gains as the middle, and how sharp that has to be, as a cosine (15°).
@@ -112,13 +115,15 @@ def triple_of(
     sharpest: Sequence[float],
     names: Mapping[int, LimbWords],
     towards: Vector | None = None,
+    arms: bool = False,
 ) -> Triple | None:
     """Where a path bends like an arm or leg; None for one of fewer than three joints.
 
     paths: of the limb and its twin, whose names say as much of it.
 
     sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
-    names: what the names of joints say. towards: where knees, or elbows, of this limb point, unit.
+    names: what the names of joints say. towards: where knees, or elbows, of this limb point, unit. arms:
+    whether these are the arms of what stands upright, which may begin with clavicles.
     """
     stop, fingers = branches(tree, paths[0])
     path = list(paths[0][: min(stop + 1, _MOST)])
@@ -131,11 +136,15 @@ def triple_of(
     bones = [tree.bone[node] for node in path]
     said = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     said = [words for words in said if any(word.levels for word in words)]
-    found = []
-    for at in combinations(range(len(path)), 3):
-        quality = _quality(bones, at, now, ever, moves)
+    places, first, found = list(combinations(range(len(path)), 3)), 0, []
+    if arms and _leads_aside(tree, paths, len(path)):
+        behind = (_quality(bones, at, now, ever, moves, 1) for at in places if at[0])
+        first = int(max(behind, default=0.0) > _WHOLE)
+    for at in places:
+        quality = _quality(bones, at, now, ever, moves, min(first, at[0]))
         if quality == 0.0:
             continue  # a joint between bends, or a bone has no length
+        quality -= _LED if at[0] < first else 0.0
         quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 else 0.0
         named = fsum(agreement(words, at) for words in said) / max(1, len(said))
         if towards is not None:
@@ -150,6 +159,17 @@ def triple_of(
         named -= 1.0  # shape says otherwise: names alone make nothing sure
     size = fsum(bones[at[0] + 1 : at[2] + 1])
     return Triple(at, quality, best - (others[0][0] if others else 0.0), size, named)
+
+
+def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool:
+    """Whether the first of ``count`` joints of both paths stand where clavicles begin, and lead aside."""
+    if len(paths) < 2 or count < 4:
+        return False
+    (one, on), (other, off) = ((tree.at[path[0]], tree.at[path[1]]) for path in paths)
+    size = fsum(tree.bone[node] for node in paths[0][1:count])
+    across = (on - off).unit
+    aside = min((on - one).unit.dot(across), (off - other).unit.dot(-across))
+    return aside > _ASIDE and (one - other).length < CLAVICLES * size
 
 
 def _away(tree: Tree, joints: Sequence[int], towards: Vector) -> float:
@@ -169,9 +189,12 @@ def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:
 
 
 def _quality(
-    bones: list[float], at: tuple[int, int, int], now: list[float], ever: list[float], moves: bool
+    bones: list[float], at: tuple[int, int, int], now: list[float], ever: list[float], moves: bool, first: int
 ) -> float:
-    """How limb-like three places of a path are: two long bones about as long as each other."""
+    """How limb-like three places of a path are: two long bones about as long as each other.
+
+    first: the place where the limb begins, after a clavicle.
+    """
     start, middle, end = at
     if any(ever[k] < STRAIGHT for k in range(start + 1, end) if k != middle):
         return 0.0
@@ -179,14 +202,14 @@ def _quality(
     a, b = fsum(upper), fsum(lower)
     if min(a, b) <= 0.0:
         return 0.0
-    balance, cover = min(a, b) / max(a, b), (a + b) / fsum(bones[1:])
+    balance, cover = min(a, b) / max(a, b), (a + b) / fsum(bones[first + 1 :])
     cost = 0.0
     for bone in (upper, lower):
         if len(bone) > 1:
             cost += _WITHIN + _UNEVEN * (1.0 - min(bone) / max(bone))
     cost += _UNLIKE if len(upper) != len(lower) and len(upper) + len(lower) > 2 else 0.0
     # What comes before an upper bone is a clavicle, and shorter.
-    before = fsum(bones[1 : start + 1]) / a
+    before = fsum(bones[first + 1 : start + 1]) / a
     cost += _LED * min(1.0, max(0.0, (before - _SHORT) / 0.6))
     cost += _FOLD if now[middle] < _FOLDED else 0.0
     gain = _MOVES if moves and ever[middle] < _SHARP else 0.0

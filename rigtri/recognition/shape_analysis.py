@@ -92,15 +92,15 @@ def _pointed(
 ) -> dict[Limbs | None, Limbs]:
     """The limbs of a body again: knowing where it looks, its knees point there and its elbows back.
 
-    Of animals with blades and hocks that tells which joint is knee or elbow.
+    Of animals with blades and hocks that tells which joint is knee or elbow; of what stands upright, that
+    clavicles are no part of its arms.
     """
     ahead, sure, _ = facing_of(tree, body, plane, poses, bends=False)
     found: dict[Limbs | None, Limbs] = {}
-    if sure < _LOOKS:
-        return found
-    for limbs, towards in ((body.legs, ahead), (body.arms, -ahead)):
-        if limbs is not None and len(limbs.at) == 3:
-            again = limbs_of(tree, [limbs.pair], poses, names, towards)
+    for limbs, side in ((body.legs, ahead), (body.arms, -ahead)):
+        towards, arms = side if sure >= _LOOKS else None, limbs is body.arms and body.form == "biped"
+        if limbs is not None and len(limbs.at) == 3 and (arms or towards is not None):
+            again = limbs_of(tree, [limbs.pair], poses, names, towards, arms)
             found |= {limbs: again[0]} if again else {}
     return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from recognition_bodies.skeletons import MAN, Joint, both, line, rig_with
+from recognition_bodies.skeletons import FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
 
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
@@ -87,6 +87,25 @@ def test_a_table_is_no_body_that_is_sure() -> None:
             ]
     layout = recognise(rig_with(table))
     assert not any(chain.is_sure for chain in layout.chains if chain.bend)
+
+
+@pytest.mark.parametrize("drop", [0.0, 0.2])
+def test_a_clavicle_as_long_as_an_upper_arm_is_none(drop: float) -> None:
+    places = ((0.03, 1.45, 0), (0.35, 1.45, 0), (0.62, 1.45 - drop, 0), (0.88, 1.45 - 1.9 * drop, 0))
+    parts = ("clavicle", "upper_arm", "forearm", "hand")
+    bare = [*TRUNK, *both([*line(" ".join(f"{part}.L" for part in parts), "chest", *places), *LEG])]
+    fingers = [
+        (name, over, (x + (0.18 if x > 0 else -0.18), y - 1.9 * drop, z)) for name, over, (x, y, z) in FINGERS
+    ]
+    joints = [*bare, *fingers]
+    names = [name for name, _, _ in joints]
+    arms = [chain for chain in recognise(rig_with(joints, named=False)).chains if chain.kind == "arm"]
+    assert [chain.is_sure for chain in arms] == [True, True]
+    assert {tuple(names[k] for k in chain.bend) for chain in arms} == {
+        tuple(f"{part}.{side}" for part in parts[1:]) for side in "LR"
+    }
+    unseen = recognise(rig_with(bare, named=False)).chains  # nothing shows where its hands are
+    assert not any(chain.is_sure for chain in unseen if chain.kind == "arm")
 
 
 WINGS = both(
