@@ -40,15 +40,12 @@ sys.dont_write_bytecode = False
 # Tests open stages of their own.
 register_usd_schemas()
 
-# Blender's own Python runs it.
-collect_ignore_glob = ["builders/engines/blender_*.py"]
-
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])")
 # Printed numbers have six digits; the last may differ where libraries of the reader's side do.
 CLOSE = 1e-5
 
 
-# What `pytest -m quick` runs, besides the examples in docstrings.
+# What `pytest -m quick` runs.
 QUICK = (
     "maths",
     "model",
@@ -67,6 +64,7 @@ QUICK = (
     "pipeline/test_pipeline.py",
     "cli/test_completion.py",
     "house/test_architecture.py",
+    "house/test_examples.py",
 )
 
 
@@ -85,10 +83,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Mark the quick tests and the proofs; leave out proofs without --slow, and what --sample leaves out."""
     kept, left_out = [], []
     for item in items:
-        folder = item.path.relative_to(TESTS) if item.path.is_relative_to(TESTS) else None
-        if folder is None or folder.as_posix().startswith(QUICK):
+        folder = item.path.relative_to(TESTS)
+        if folder.as_posix().startswith(QUICK):
             item.add_marker("quick")
-        if folder is not None and (folder.parts[0] == "proofs" or _takes_a_real_file(item)):
+        if folder.parts[0] == "proofs" or _takes_a_real_file(item):
             item.add_marker("slow")
         left = item.get_closest_marker("slow") and not config.getoption("--slow")
         left = left or not _is_in_part(item, config.getoption("--sample"))
