@@ -1,13 +1,17 @@
 """Let a node follow others by a constraint that is stored in the file; nothing moves now.
 
-A second run for the same child and type replaces the constraint.
+A second run for the same child and type replaces the constraint. With --space, --switch, --weight-keys or
+--weight-from the weights are nodes, whose keys (of translation x) an animator can edit.
 
 \b
 Examples:
     rigtri constrain hero.glb -o out.glb --type parent --child sword --driver hand_L --driver hand_R=0
     rigtri constrain hero.usda -o out.usda --type point --child pole --driver hips --skip ty
     rigtri constrain hero.vrm -o out.vrm --type orient --child sleeve --driver arm \\
-        --space local --vrm-constraints
+        --driver-space local --vrm-constraints
+    rigtri constrain hero.glb -o out.glb --child sword --space hand_L --space hand_R \\
+        --switch throw@1.2=hand_R --match
+    rigtri constrain hero.glb -o out.glb --child hand_L_ik_ctl --space root --space chest --space world
 """
 
 from __future__ import annotations
@@ -25,7 +29,9 @@ def summary(report: Report) -> str:
         drivers = ", ".join(f"{name} ({weight:g})" for name, weight in entry["drivers"].items())
         vrm = f", also as a {entry['vrm']} node constraint" if entry["vrm"] else ""
         state = "new" if entry["new"] else "replaced"
-        words.append(f"{entry['child']}: {entry['kind']} constraint by {drivers}{vrm} ({state})")
+        keys = [f"{count} keys in {clip}" for clip, count in entry.get("weight_keys", {}).items()]
+        keyed = f", weights with {', '.join(keys)}" if keys else ""
+        words.append(f"{entry['child']}: {entry['kind']} constraint by {drivers}{keyed}{vrm} ({state})")
     return "; ".join(words)
 
 

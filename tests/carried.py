@@ -35,6 +35,7 @@ from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.limbs import recognise
@@ -90,6 +91,15 @@ def _constrained(kind: str, **more: Any) -> Step:
     return build
 
 
+def _in_spaces(rig: Rig) -> Rig:
+    """The IK end of a limb goes from the world over to what is above the limb in the middle of a clip."""
+    _, _, end = _limb(rig)
+    child = next(n for n, r in rig.records(ControlRecord).items() if r.kind == "ik" and r.joint == end)
+    above = rig.address(int(rig.parents[rig.find(_limb(rig)[0])]))
+    switch = (f"{_middle_of_clip(rig)}={above}",) if rig.clips else ()
+    return rigtri.constrain(rig, child=rig.address(child), space=("world", above), switch=switch, match=True)
+
+
 def _another(rig: Rig, joint: int) -> str:
     """The last joint of the same skin that is neither above a joint nor below it."""
     skin = next(skin for skin in rig.skins if joint in skin.joints)
@@ -126,12 +136,13 @@ THINGS: dict[str, Step] = {
     "constraint: parent": _constrained("parent"),
     "constraint: point": _constrained("point"),
     "constraint: orient": _constrained("orient"),
-    "constraint: orient, local": _constrained("orient", space="local"),
+    "constraint: orient, local": _constrained("orient", driver_space="local"),
     "constraint: orient, roll": _constrained("orient", roll_axis="x"),
     "constraint: orient, skip": _constrained("orient", skip=("rx",)),
     "constraint: scale": _constrained("scale"),
     "constraint: aim": _constrained("aim"),
     "constraint: pole vector": _constrained("polevector"),
+    "constraint: spaces": _in_spaces,
     "limbs": _built("limbs"),
     "twist joints": _built("twist"),
     "twist joints, weights": _built("split weights"),

@@ -20,6 +20,7 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import Parts, constraint_pole, to_parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.solver_steps import weighted
 from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
 from rigtri.evaluation.zero_pose import SAME_PLACE, ControlsAtZero, IkLimb
 from rigtri.maths.matrices import from_frame, inverse, transform_directions, transform_points
@@ -99,7 +100,8 @@ class Ik:
     def reads(self) -> tuple[int, ...]:
         # Offsets are put on the joints, seen from all nodes above them.
         above = self.rig.with_ancestors(fk.own.above for fk in self.below(self.carries))
-        return (*self.controls, *sorted(above.difference(self.carries, self.controls)))
+        weights = self.rule.weight_nodes if self.rule else ()
+        return (*self.controls, *sorted(above.difference(self.carries, self.controls)), *weights)
 
     @property
     def needs(self) -> tuple[int, ...]:
@@ -275,10 +277,11 @@ class Ik:
         own = self._own_place(posed)
         if self.rule is None:
             return own
-        held = [posed.world(node) for node in self.rule.drivers]
-        count = max(map(len, (*held, own)))
+        rule = weighted(self.rule, posed)
+        held = [posed.world(node) for node in rule.drivers]
+        count = max(*map(len, (*held, own)), len(rule.weights) if rule.weights.ndim > 1 else 1)
         drivers = np.stack([np.broadcast_to(m, (count, 4, 4)) for m in held], axis=1)
-        found = constraint_pole(self.rule, drivers)
+        found = constraint_pole(rule, drivers)
         return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
 
     def _own_place(self, posed: PoseCache) -> Floats:

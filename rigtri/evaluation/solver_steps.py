@@ -84,7 +84,7 @@ class ConstraintStep:
     def reads(self) -> tuple[int, ...]:
         own = self.base.reads if self.base is not None else ()
         local = [node for rule in self.rules if rule.space != "world" for node in rule.drivers]
-        return (*own, *local)
+        return (*own, *local, *(node for rule in self.rules for node in rule.weight_nodes))
 
     @property
     def needs(self) -> tuple[int, ...]:
@@ -101,7 +101,7 @@ class ConstraintStep:
     @property
     def left(self) -> frozenset[Path]:
         """What the child itself has a say in: the paths of which no rule with weight sets all channels."""
-        whole = [rule.sets for rule in self.rules if rule.weights.any()]
+        whole = [rule.sets for rule in self.rules if rule.weights.any() and not rule.weight_nodes]
         return frozenset(
             path for c, path in CHANNELS.items() if not any({f"{c}{k}" for k in "xyz"} <= s for s in whole)
         )
@@ -109,7 +109,7 @@ class ConstraintStep:
     @property
     def writes(self) -> list[tuple[Path, bool]]:
         """See `Solver.writes`. A rule without weights leaves its child alone, or some channels."""
-        whole = [rule for rule in self.rules if rule.weights.any()]
+        whole = [rule for rule in self.rules if rule.active]
         found: list[tuple[Path, bool]] = []
         for letter, path in CHANNELS.items():
             set_by = [{c for c in rule.sets if c[0] == letter} for rule in whole]
@@ -120,13 +120,13 @@ class ConstraintStep:
     def run(self, posed: PoseCache) -> None:
         if self.base is not None:
             self.base.run(posed)
-        for rule in self.rules:
+        for rule in (weighted(rule, posed) for rule in self.rules):
             of = posed.world if rule.space == "world" else posed.local
             drivers = [of(node) for node in rule.drivers]
             parent, own = posed.world(int(self.rig.parents[self.child])), posed.local(self.child)
             up = posed.world(rule.up_object) if rule.up_object >= 0 else None
             held = [*drivers, parent, own, *([up] if up is not None else [])]
-            count = max(map(len, held))
+            count = max(*map(len, held), len(rule.weights) if rule.weights.ndim > 1 else 1)
             wide = [np.broadcast_to(m, (count, 4, 4)) for m in held]
             there = np.stack(wide[: len(drivers)], axis=1)
             found = evaluate_constraint(
@@ -135,6 +135,14 @@ class ConstraintStep:
             posed.set(self.child, to_parts(found))
         for fk in self.riders:
             posed.set(fk.own.offset, fk.riding(posed))
+
+
+def weighted(rule: Constraint, posed: PoseCache) -> Constraint:
+    """A rule with the weights that its nodes have in some poses, (1 or f, d)."""
+    if not rule.weight_nodes:
+        return rule
+    own = np.broadcast_arrays(*(posed.part(node).translation[:, 0] for node in rule.weight_nodes))
+    return replace(rule, weights=np.maximum(np.stack(own, axis=1), 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,6 +42,7 @@ _KINDS = {
     "twist": "twist joint",
     "poseReader": "pose reader",
     "poseWeight": "weight of a pose reader",
+    "constraintWeight": "weight of a constraint's driver",
     "group": "group of what rigtri has added",
 }
 # Deeper nodes show how deep they are instead of being indented: else a chain of n joints has n² dots. On a

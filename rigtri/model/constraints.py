@@ -36,7 +36,8 @@ _X, _Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 class Constraint:
     """How ``child`` follows ``drivers``; nodes are indices of a rig.
 
-    weights: (d,), ≥ 0, their ratio counts; all 0: the child keeps its own. offsets: (d, 4, 4), of
+    weights: (d,), ≥ 0, their ratio counts; all 0: the child keeps its own. weight_nodes: (d), or none: nodes
+    whose translation x is the weight instead, by which clips can change it. offsets: (d, 4, 4), of
     ``aim`` (1, 4, 4). skip: channels that stay the child's own; of its rotation the angles in
     ``order`` of ``rotate``, where local rotation = rotate · joint_orient. joint_orient, rest: (4,),
     rest is the local rotation that ``roll`` and an aim without up start from. space: of ``orient``,
@@ -51,6 +52,7 @@ class Constraint:
     drivers: tuple[int, ...]
     weights: Floats
     offsets: Floats
+    weight_nodes: tuple[int, ...] = ()
     skip: frozenset[str] = frozenset()
     order: Order = "xyz"
     joint_orient: Floats = field(default_factory=IDENTITY.copy)
@@ -70,6 +72,11 @@ class Constraint:
         return frozenset(CHANNELS[self.kind]) - self.skip
 
     @property
+    def active(self) -> bool:
+        """Whether a driver has weight, or may get some in a clip."""
+        return bool(self.weight_nodes) or bool(self.weights.any())
+
+    @property
     def sources(self) -> tuple[int, ...]:
         """All nodes that it looks at."""
         return (*self.drivers, self.up_object) if self.up_object >= 0 else self.drivers
@@ -85,6 +92,7 @@ def constraint_record(rig: Rig, constraint: Constraint) -> ConstraintRecord:
         child=rig.address(constraint.child),
         drivers=tuple(map(rig.address, constraint.drivers)),
         weights=_numbers(constraint.weights),
+        weight_nodes=tuple(map(rig.address, constraint.weight_nodes)),
         offsets=_numbers(constraint.offsets),
         chain=tuple(map(rig.address, chain)),
         skip=tuple(channel for channel in CHANNELS[kind] if channel in constraint.skip),
@@ -108,7 +116,7 @@ def constraints_of(rig: Rig) -> dict[int, Constraint]:
     """
     found = {}
     for node, record in rig.records(ConstraintRecord).items():
-        names = (record.child, *record.drivers, *record.chain)
+        names = (record.child, *record.drivers, *record.chain, *record.weight_nodes)
         names += (record.world_up_object,) if record.world_up_object else ()
         if _fits(record) and all(rig.known(name) is not None for name in names):
             found[node] = constraint_of(rig, record)
@@ -121,6 +129,7 @@ def _fits(record: ConstraintRecord) -> bool:
     return (
         0 < count == len(record.weights)
         and min(record.weights) >= 0
+        and len(record.weight_nodes) in (0, count)
         and len(record.offsets) == 16 * (1 if record.kind == "aim" else count)
         and bool(record.roll_axis) == (record.space == "roll")
         and (record.kind != "polevector" or len(record.chain) == 3)
@@ -137,6 +146,7 @@ def constraint_of(rig: Rig, record: ConstraintRecord) -> Constraint:
         child=rig.find(record.child, "node"),
         drivers=tuple(rig.find(name, "node") for name in record.drivers),
         weights=np.array(record.weights, dtype=np.float64),
+        weight_nodes=tuple(rig.find(name, "node") for name in record.weight_nodes),
         offsets=np.array(record.offsets, dtype=np.float64).reshape(-1, 4, 4),
         skip=frozenset(record.skip),
         order=record.rotate_order or "xyz",

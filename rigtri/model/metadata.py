@@ -35,7 +35,7 @@ ReaderMode = Literal["swing", "twist", "both"]
 REFERENCES = frozenset(
     [
         *("joint", "to", "driver", "child", "control", "mesh", "worldUpObject", "frame", "node", "middle"),
-        *("endAim", "drivers", "chain", "locators"),
+        *("endAim", "drivers", "chain", "locators", "weightNodes"),
     ]
 )
 # The channels that each kind of constraint sets on its child.
@@ -105,13 +105,17 @@ class Record(Stored):
 
 @dataclass(frozen=True, kw_only=True)
 class ConstraintRecord(Record):
-    """A constraint; `rigtri.model.constraints` has it with nodes and arrays."""
+    """A constraint; `rigtri.model.constraints` has it with nodes and arrays.
+
+    weight_nodes: for each driver the node whose x is its weight instead, so that clips can have keys of it.
+    """
 
     type: ClassVar[str] = "constraint"
     kind: ConstraintKind
     child: str
     drivers: Names
     weights: tuple[float, ...]
+    weight_nodes: Names = ()
     offsets: Matrices
     chain: Names = ()
     skip: Names = ()
@@ -126,6 +130,18 @@ class ConstraintRecord(Record):
     world_up_vector: Triple | None = None
     world_up_object: str = ""
     vrm: NodeConstraintKind | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConstraintWeightRecord(Record):
+    """A node whose x is the weight of a driver of a constraint, which is its parent.
+
+    clip: the one for which the driver has another offset, so that the child does not jump in it.
+    """
+
+    type: ClassVar[str] = "constraintWeight"
+    driver: str
+    clip: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -341,6 +357,7 @@ RECORDS: Mapping[str, type[Record]] = {
     kind.type: kind
     for kind in (
         ConstraintRecord,
+        ConstraintWeightRecord,
         ControlRecord,
         FrameRecord,
         GroupRecord,

@@ -26,7 +26,7 @@ from rigtri.operations.solver_warnings import solver_warnings
 from rigtri.report import Report
 
 # Notes of nodes that a written pose leaves where they are.
-_KEPT = ("control", "offset", "poleVector", "group")
+_KEPT = ("control", "offset", "poleVector", "group", "constraintWeight")
 
 
 def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> PoseCache:
@@ -102,7 +102,7 @@ def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str,
 def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     """The rig with a pose for its rest pose: of joints and all else that moves but the controls. Clips stay.
 
-    Controls, poles and offsets stay: their keys are relative to where they are at rest.
+    Controls, poles, offsets and weights of constraints stay: keys are relative to where they are at rest.
     Bind poses do not change, so meshes show the pose. Raises as `pose_of`, and GeometryError for a
     pose that is no numbers.
     """

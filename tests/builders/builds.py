@@ -135,7 +135,7 @@ def _constrain(rig: Rig, report: Report, *, vrm: bool = False) -> Rig:
             type="orient",
             child=rig.address(child),
             driver=((rig.address(driver), 1.0),),
-            space="local",
+            driver_space="local",
             vrm_constraints=vrm,
         )
         return constrain.constrain(rig, options=wanted, report=report)

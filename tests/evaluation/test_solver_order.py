@@ -21,7 +21,7 @@ def test_a_constraint_waits_for_the_constraint_of_its_driver(order: tuple[str, .
     rig = rig_of(["root", *"abc"], [-1, 0, 0, 0], np.zeros((4, 3)), np.tile([0.0, 0, 0, 1], (4, 1)))
     last, middle, first = order
     for child, driver in ((last, middle), (middle, first)):
-        options = ConstrainOptions(type="orient", child=child, driver=((driver, 1.0),), space=space)
+        options = ConstrainOptions(type="orient", child=child, driver=((driver, 1.0),), driver_space=space)
         rig = constrain(rig, options=options)
     turned = from_axis_angle([0.0, 0.0, 1.0], np.array([0.3, 0.6]))
     moved = Parts(np.zeros((2, 3)), turned, np.ones((2, 3)))

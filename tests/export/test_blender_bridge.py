@@ -201,10 +201,10 @@ constrain --type aim --child toe_R --driver foot_L_ik_ctl --driver shin_L_pole=2
 constrain --type aim --child fingers_R --driver hand_L_ik_ctl --world-up objectrotation --up-object hips_ctl
 constrain --type point --child shin_L_pole --driver foot_L_ik_ctl
 constrain --type orient --child neck --driver hand_L_ik_ctl
-constrain --type orient --child fingers_L --driver toe_L_ctl --space local
+constrain --type orient --child fingers_L --driver toe_L_ctl --driver-space local
 constrain --type orient --child clavicle_L --driver spine_ctl --roll-axis x
 constrain --type scale --child toe_L --driver spine_ctl
-constrain --type parent --child hand_R_ik_ctl_offset --driver spine --driver hips=2
+constrain --child hand_R_ik_ctl --space spine --space hips
 constrain --type polevector --child forearm_R --driver clavicle_R_ctl
 constrain --type aim --child toe_L --driver head_ctl
 """
@@ -217,6 +217,7 @@ RULED = {
     "toe_L_ctl": ONE | {"rotation": turn("z", 25)},
     "head_ctl": ONE | {"rotation": turn("y", 20)},
     "clavicle_R_ctl": ONE | {"rotation": turn("z", 10)},
+    "hand_R_ik_ctl_offset_weight_hips": ONE | {"translation": [2.0, 0.0, 0.0]},
 }
 
 

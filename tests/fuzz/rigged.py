@@ -34,7 +34,7 @@ AVATAR = [
         "plate",
         "--driver",
         "head",
-        "--space",
+        "--driver-space",
         "local",
         "--vrm-constraints",
     ],

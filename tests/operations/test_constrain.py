@@ -118,7 +118,7 @@ VARIANTS: list[dict[str, Any]] = [
     {"type": "orient"},
     {"type": "orient", "skip": ("rx", "rz"), "joint_orient": "none"},
     {"type": "orient", "skip": ("rx",), "joint_orient": (10.0, 20.0, 30.0), "rotate_order": "yxz"},
-    {"type": "orient", "space": "local"},
+    {"type": "orient", "driver_space": "local"},
     {"type": "orient", "roll_axis": "y"},
     {"type": "scale"},
     {"type": "scale", "skip": ("sx",)},
@@ -433,9 +433,9 @@ def test_circles_through_the_controls_of_a_limb_are_refused_as_bake_would(
         (options("point", "driver", skip=("up",)), UsageError, "channels are"),
         (options("aim", "driver", aim_axis=(0.0, 1.0, 0.0)), UsageError, "one line"),
         (options("aim", "driver", world_up="object"), UsageError, "--up-object"),
-        (options("point", "driver", space="local"), UsageError, "--type orient"),
+        (options("point", "driver", driver_space="local"), UsageError, "--type orient"),
         (options("orient", "driver", roll_axis="x", maintain_offset=False), UsageError, "from rest"),
-        (options("orient", "driver", space="local", skip=("rx",)), UsageError, "--skip"),
+        (options("orient", "driver", driver_space="local", skip=("rx",)), UsageError, "--skip"),
         (options("polevector", "driver"), UsageError, "--limb"),
     ],
 )
@@ -475,7 +475,7 @@ def told(rig: Rig, *given: ConstrainOptions) -> Rig:
 # Metres: keys are float32, and turns add up over the bones.
 THREE_VRM = 2e-6
 VRM = [
-    rule("orient", "clavicle_L", (("clavicle_R", 1.0),), space="local", **AS_VRM),
+    rule("orient", "clavicle_L", (("clavicle_R", 1.0),), driver_space="local", **AS_VRM),
     rule("orient", "shin_L", (("thigh_R", 1.0),), roll_axis="y", **AS_VRM),
     rule("orient", "toe_R", (("hand_L", 1.0),), roll_axis="z", **AS_VRM),
     ConstrainOptions(
@@ -529,7 +529,7 @@ def assert_three_vrm_agrees(path: Path, count: int, folder: Path) -> None:
 
 
 REAL = [
-    rule("orient", "toes.L", (("toes.R", 1.0),), space="local", **AS_VRM),
+    rule("orient", "toes.L", (("toes.R", 1.0),), driver_space="local", **AS_VRM),
     rule("orient", "hand.L", (("lower_arm.R", 1.0),), roll_axis="y", **AS_VRM),
     rule("orient", "lower_leg.L", (("upper_leg.R", 1.0),), roll_axis="z", **AS_VRM),
     ConstrainOptions(
@@ -614,7 +614,7 @@ def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) 
                 type="orient",
                 child="hand_L",
                 driver=(("head", 1.0), ("hand_R", 1.0)),
-                space="local",
+                driver_space="local",
                 **AS_VRM,
             ),
             "one source",
@@ -633,7 +633,7 @@ def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) 
                 type="orient",
                 child="hand_L",
                 driver=(("head", 1.0),),
-                space="local",
+                driver_space="local",
                 maintain_offset=False,
                 **AS_VRM,
             ),
@@ -765,7 +765,7 @@ def test_a_wrong_command_writes_nothing(
 
 def test_usd_has_no_vrm_constraints(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.usda"
-    arguments = ["--type", "orient", "--child", "hand_L", "--driver", "head", "--space", "local"]
+    arguments = ["--type", "orient", "--child", "hand_L", "--driver", "head", "--driver-space", "local"]
     source = str(samples / "biped.usda")
     cli("constrain", source, "-o", out, *arguments, "--vrm-constraints", code=2)
     told = NodeConstraint("rotation", 2, 1, np.zeros(3))
@@ -783,7 +783,7 @@ def test_rules_mean_the_same_in_reoriented_frames(variant: dict[str, Any]) -> No
     drivers = (("driver", 0.3), ("other", 1.0))
     out = constrain(rig, options=ConstrainOptions(child="child", driver=drivers, **variant))
     turns = np.concatenate([turns, np.tile([0, 0, 0, 1.0], (2, 1))])
-    if "space" in variant:
+    if "driver_space" in variant:
         turns[[1, 2]] = turns[4]
     if "roll_axis" in variant:
         turns[3], turns[4] = turns[0], unit([0.5, 0.5, 0.5, 0.5])

@@ -275,7 +275,7 @@ def test_all_faults_are_reported_at_once_with_their_places(tmp_path: Path) -> No
     ]
     assert "Did you mean 'orient-joints'?" in told[3, 9]
     assert "Did you mean 'exclude'?" in told[7, 13]
-    assert "'driver' is missing" in told[11, 5]
+    assert "name what the child follows" in told[11, 5]
     assert "(it is 99)" in told[9, 12]
 
 

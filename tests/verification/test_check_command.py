@@ -239,6 +239,7 @@ def _smallest(kind: str) -> dict[str, Any]:
             "offsets": [1.0] * 16,
             "jointOrient": turn,
         },
+        "constraintWeight": {"driver": "b"},
         "limb": {"limb": "arm", "part": 1, "endAim": "a"},
         "twist": {
             "joint": "a",

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import nearest_rotation_of
 from rigtri.evaluation.twist_joints import TwistJoint
 from rigtri.export.blender.controls import middle
-from rigtri.export.blender.plan import Plan, frame
+from rigtri.export.blender.plan import Plan, Share, frame
 from rigtri.maths.matrices import from_frame, multiply, orthonormal_axes, transform_directions
 from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
@@ -28,25 +28,24 @@ _COPIES = {"t": "COPY_LOCATION", "r": "COPY_ROTATION", "s": "COPY_SCALE"}
 def follow(plan: Plan, rule: Constraint, report: Report) -> None:
     """A rule as constraints of its child; a warning where Blender has no equivalent."""
     child = plan.rig.title(rule.child)
-    if not rule.weights.any() or not rule.sets:
+    if not rule.active or not rule.sets:
         return
     if any(0 < len(rule.skip & set(group)) < 3 for group in _GROUPS.values()):
         _left_out(report, f"the {rule.kind} constraint of '{child}', of which some axes are skipped")
         return
-    if np.count_nonzero(rule.weights) > 2 and rule.kind in ("parent", "orient"):
+    mixed = set(rule.drivers) if rule.weight_nodes else set(np.flatnonzero(rule.weights).tolist())
+    if len(mixed) > 2 and rule.kind in ("parent", "orient"):
         text = f"'{child}' follows more than two drivers; Blender mixes their turns one after another"
         report.warn("blender-differs", text, joint=child)
     if rule.kind == "aim":
         _aim(plan, rule)
         return
-    total = 0.0
-    for driver, offset, weight in zip(rule.drivers, rule.offsets, rule.weights.tolist(), strict=True):
-        if weight > 0:
-            total += weight
-            _FOLLOWS[rule.kind](plan, rule, driver, offset, weight / total)
+    for driver, offset, share in zip(rule.drivers, rule.offsets, plan.shares(rule), strict=True):
+        if share:
+            _FOLLOWS[rule.kind](plan, rule, driver, offset, share)
 
 
-def _parent(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
+def _parent(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Share) -> None:
     stand = multiply(offset, plan.reference.world[driver])
     name = f"{plan.called(rule.child)} parent"
     socket = plan.socket(name, plan.node(driver), stand, bone=plan.bone_axes(rule.child))
@@ -56,7 +55,7 @@ def _parent(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: fl
         plan.constrain(plan.node(rule.child), kind, socket, f"Parent {plan.called(driver)}", share=share)
 
 
-def _point(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
+def _point(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Share) -> None:
     name = f"{plan.called(rule.child)} point"
     start = from_frame(np.eye(3), plan.reference.world[driver, 3, :3])
     there = plan.socket(name, "", start, bone=True)
@@ -68,7 +67,7 @@ def _point(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: flo
     )
 
 
-def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
+def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Share) -> None:
     if rule.space != "world":
         _locally(plan, rule, driver, offset, share)
         return
@@ -81,7 +80,7 @@ def _orient(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: fl
     )
 
 
-def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
+def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Share) -> None:
     """A rotation relative to the driver's parent: what one socket sees of the other is the child's turn
     from rest, in its own axes; of a roll, with y along the axis of the roll."""
     rig, world, child = plan.rig, plan.reference.world, rule.child
@@ -113,7 +112,7 @@ def _locally(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: f
     plan.constrain(plan.node(child), "COPY_ROTATION", hold, label, share=share)
 
 
-def _scale(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: float) -> None:
+def _scale(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Share) -> None:
     world = plan.reference.world[driver]
     stand = world.copy()
     stand[:3, :3] = world[:3, :3] * np.diagonal(offset)[:3, np.newaxis]
@@ -130,8 +129,8 @@ def _aim(plan: Plan, rule: Constraint) -> None:
     rig, world = plan.rig, plan.reference.world
     child, above = rule.child, int(rig.parents[rule.child])
     name, place = plan.called(child), world[child, 3, :3]
-    drivers = zip(rule.drivers, rule.weights.tolist(), strict=True)
-    points = [(plan.node(node), weight, world[node, 3, :3]) for node, weight in drivers if weight > 0]
+    drivers = zip(rule.drivers, plan.shares(rule), strict=True)
+    points = [(plan.node(node), share, world[node, 3, :3]) for node, share in drivers if share]
     target = points[0][0] if len(points) == 1 else middle(plan, f"{name} aim", points)
     turn = product(plan.reference.world_rotation(above), rule.rest)
     aim, up = (rotate(turn, np.asarray(axis, dtype=np.float64)) for axis in (rule.aim, rule.up))
@@ -193,7 +192,7 @@ def _turn_about(
     weight: float,
     label: str,
     *,
-    share: float = 1.0,
+    share: Share = 1.0,
 ) -> None:
     """A socket on the child's parent rotates about a line as ``turned`` twists about its y axis."""
     above = int(plan.rig.parents[child])

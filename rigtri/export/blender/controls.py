@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import SAME_PLACE, FkControl
-from rigtri.export.blender.plan import Plan, frame
+from rigtri.export.blender.plan import Plan, Share, frame
 from rigtri.maths.matrices import from_frame, transform_directions, transform_points
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
@@ -160,24 +160,21 @@ def _ride(plan: Plan, node: int) -> str:
 def pole_place(plan: Plan, rule: Constraint) -> str:
     """What a rule makes the pole of a limb: the middle of points that ride on its drivers."""
     points = []
-    for driver, offset, weight in zip(rule.drivers, rule.offsets, rule.weights.tolist(), strict=True):
-        if weight > 0:
+    for driver, offset, share in zip(rule.drivers, rule.offsets, plan.shares(rule), strict=True):
+        if share:
             place = transform_points(offset[3, :3], plan.reference.world[driver])
             stand = from_frame(np.eye(3), place)
             point = plan.socket(f"{plan.called(driver)} pole", plan.node(driver), stand, bone=True)
-            points.append((point, weight, place))
+            points.append((point, share, place))
     return middle(plan, f"{plan.called(rule.child)} pole", points)
 
 
-def middle(plan: Plan, name: str, points: list[tuple[str, float, Floats]]) -> str:
-    """A socket in the weighted middle of others, of which the places at rest are given, too."""
-    total, place = 0.0, np.zeros(3)
-    shares = []
-    for _, weight, there in points:
-        total += weight
-        shares.append(weight / total)
-        place = place + (there - place) * shares[-1]
+def middle(plan: Plan, name: str, points: list[tuple[str, Share, Floats]]) -> str:
+    """A socket in the weighted middle of others, with their shares (`Plan.shares`) and places at rest."""
+    place = np.zeros(3)
+    for number, (_, share, there) in enumerate(points):
+        place = place + (there - place) * (share if isinstance(share, float) else 1.0 / (number + 1))
     found = plan.socket(name, "", from_frame(np.eye(3), place), bone=True)
-    for (point, _, _), share in zip(points, shares, strict=True):
+    for point, share, _ in points:
         plan.constrain(found, "COPY_LOCATION", point, name, share=share)
     return found

@@ -20,12 +20,15 @@ from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.constraints import Constraint
 from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import sure_limbs
 
 # The metadata that identifies a node, whatever Blender calls it.
 _TELLING = ("type", "kind", "joint", "chain", "child")
+# An influence; or weight nodes, of which the last one's share of all is the influence.
+Share = float | list[str]
 # Bones of the control armature, and for each kind the channels that mean nothing: they are locked.
 CONTROLS = (ControlRecord.type, OffsetRecord.type, PoleVectorRecord.type)
 _LOCKED = {"ik": "s", "pole": "rs", "offset": "trs"}
@@ -126,12 +129,23 @@ class Plan:
         return len(self.bones) - 1
 
     def constrain(
-        self, on: str, kind: str, target: str, name: str, *, share: float = 1.0, limb: int = -1, **more: Any
+        self, on: str, kind: str, target: str, name: str, *, share: Share = 1.0, limb: int = -1, **more: Any
     ) -> None:
         """A constraint. name: what it does, in words; share: its influence; limb: the one whose switch takes
         part, −1 for none."""
         about = {"on": on, "type": kind, "target": target, "name": name, "share": share, "limb": limb}
         self.constraints.append(about | {key: value for key, value in more.items() if value is not None})
+
+    def shares(self, rule: Constraint) -> list[Share]:
+        """How much the constraint of each driver takes of what those before it give; 0: it has no weight."""
+        if rule.weight_nodes:
+            words = [self.node(node) for node in rule.weight_nodes]
+            return [words[: number + 1] for number in range(len(words))]
+        found, total = list[Share](), 0.0
+        for weight in rule.weights.tolist():
+            total += weight
+            found.append(weight / total if weight else 0.0)
+        return found
 
     def called(self, node: int) -> str:
         return self.rig.names[node] or self.rig.labels[node]

@@ -851,8 +851,9 @@ class Setup:
         if about["on"][0] == "n":
             self.drive(constraint, thing, about)
         else:
-            constraint.influence = about["share"]
-            if about["limb"] >= 0:
+            if about["limb"] < 0 and not isinstance(about["share"], list):
+                constraint.influence = about["share"]
+            else:
                 self.drive(constraint, thing, about, master=False)
 
     @staticmethod
@@ -874,8 +875,15 @@ class Setup:
         if about["limb"] >= 0:
             rig, bone = self.target(RIG["limbs"][about["limb"]])
             switches.append(("ik", rig, f'pose.bones["{bpy.utils.escape_identifier(bone)}"]["{SWITCH}"]'))
+        share = repr(about["share"])
+        if isinstance(about["share"], list):  # nodes with the weights of this target and those before it
+            names = [f"w{number}" for number in range(len(about["share"]))]
+            weights = [self.target(word)[0] for word in about["share"]]
+            for name, weight in zip(names, weights, strict=True):
+                self.by_switches(driver, [(name, weight, "location[0]")])
+            share = f"({names[-1]} / max({' + '.join(names)}, 1e-9))"
         self.by_switches(driver, switches)
-        driver.expression = " * ".join([repr(about["share"]), *(name for name, _, _ in switches)])
+        driver.expression = " * ".join([share, *(name for name, _, _ in switches)])
 
     @staticmethod
     def by_switches(driver: Any, switches: list[tuple[str, Any, str]]) -> None:

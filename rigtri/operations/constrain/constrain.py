@@ -6,6 +6,7 @@ joint orient go together, because the joint orient is taken out of the finished 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,11 +30,14 @@ from rigtri.model.constraints import (
 from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import measured
+from rigtri.operations.constrain.switching import Switching, stored_switching, switching
 from rigtri.operations.constrain.vrm_export import export_node_constraint, remove_node_constraint
+from rigtri.operations.constrain.weight_keys import WeightKeys, requested_keys
 from rigtri.operations.operation import operation
 from rigtri.operations.options.constrain import ConstrainOptions as ConstrainOptions
 from rigtri.operations.options.constrain import check_weight
-from rigtri.operations.rigtri_nodes import add, group, renamed, with_record
+from rigtri.operations.rigtri_nodes import add, find, group, renamed, with_record
+from rigtri.operations.without_nodes import without_nodes
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -55,31 +59,83 @@ def constrain(rig: Rig, *, options: ConstrainOptions, report: Report) -> Rig:
 
     Raises NameNotFoundError, UsageError, GeometryError (a cycle; a frame that cannot be measured).
     """
-    constraint = _constraint_of(rig, options)
-    return follow(rig, constraint, keep=options.maintain_offset, vrm=options.vrm_constraints, report=report)
+    rig, drivers = _drivers(rig, options)
+    constraint = _constraint_of(rig, options, drivers)
+    keys = None
+    if options.switches:
+        keys = requested_keys(rig, constraint, [word for word, _, _ in drivers], options)
+    keep, vrm = options.maintain_offset, options.vrm_constraints
+    return follow(rig, constraint, keep=keep, vrm=vrm, report=report, keys=keys, match=options.match)
 
 
-def follow(rig: Rig, rule: Constraint, *, keep: bool, vrm: bool, report: Report) -> Rig:
+def follow(
+    rig: Rig,
+    rule: Constraint,
+    *,
+    keep: bool,
+    vrm: bool,
+    report: Report,
+    keys: Sequence[WeightKeys] | None = None,
+    match: bool = False,
+) -> Rig:
     """Store a rule whose offsets are still to be measured; see `constrain`.
 
-    keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint.
+    keep: with the offset that leaves the child where it is. vrm: also as VRMC_node_constraint. keys: of the
+    weights, which only then can have keys in clips. match: the child does not jump at them.
     """
     place = _place(rig, rule, report)
     _refuse_cycles(rig, rule, place)
     with np.errstate(all="ignore"):
         rule = measured(rig, rule, keep=keep)
-    _warn(rig, rule, report)
-    stored = _stored(rig, rule, place, vrm, report)
+    found = None
+    if keys is not None:
+        with np.errstate(all="ignore"):
+            found = switching(rig, rule, place, keys, match=match)
+        rule = found.rule
+    _warn(rig, rule, found is not None, report)
+    stored = _stored(rig, rule, found, place, vrm, report)
     _refuse_unsolvable(rig, stored, rule)
     return stored
 
 
-def _constraint_of(rig: Rig, options: ConstrainOptions) -> Constraint:
+def _drivers(rig: Rig, options: ConstrainOptions) -> tuple[Rig, list[tuple[str, int, float]]]:
+    """What the user calls each driver or space, the node and its weight; with the node that is the world."""
+    if not options.space:
+        pairs = [_driver(rig, one) for one in options.driver]
+        return rig, [(name, rig.find(name, "node"), weight) for name, weight in pairs]
+    found = []
+    for number, name in enumerate(options.space):
+        if name == "world":
+            rig, node = group(rig)
+        elif name == "root":
+            root = find(rig, ControlRecord, kind="root")
+            if root is None:
+                text = (
+                    "--space root: there is no root control; add one with: rigtri add-controls --root-control"
+                )
+                raise UsageError(f"{text}, or name a node")
+            node = root
+        else:
+            node = rig.find(name, "node")
+        found.append((name, node, 0.0 if number else 1.0))
+    return rig, found
+
+
+def _child(rig: Rig, options: ConstrainOptions) -> int:
+    """The node that follows: of a control that is to be in spaces its offset, so that it keeps its keys."""
+    child = rig.find(options.child or "", "node")
+    above = int(rig.parents[child])
+    control = bool(options.space) and rig.type_of(child) == "control"
+    return above if control and above >= 0 and rig.type_of(above) == "offset" else child
+
+
+def _constraint_of(
+    rig: Rig, options: ConstrainOptions, weighted: Sequence[tuple[str, int, float]]
+) -> Constraint:
     """The constraint that options describe, with offsets still to be measured."""
-    weights = [_driver(rig, one) for one in options.driver]
-    drivers = tuple(rig.find(name, "node") for name, _ in weights)
+    drivers = tuple(node for _, node, _ in weighted)
     chain = _chain(rig, options) if options.type == "polevector" else ()
-    child = chain[1] if chain else rig.find(options.child or "", "node")
+    child = chain[1] if chain else _child(rig, options)
     if len(set(drivers)) < len(drivers):
         raise UsageError("a driver is named twice; give it once, with the sum of the weights")
     own = to_parts(rig.normalised_local[child]).rotation
@@ -91,13 +147,13 @@ def _constraint_of(rig: Rig, options: ConstrainOptions) -> Constraint:
         kind=options.type,
         child=child,
         drivers=drivers,
-        weights=np.array([weight for _, weight in weights]),
+        weights=np.array([weight for _, _, weight in weighted]),
         offsets=np.zeros((0, 4, 4)),
         skip=options.skipped,
         order=options.rotate_order,
         joint_orient=joint_orient,
         rest=own,
-        space="roll" if options.roll_axis else options.space,
+        space="roll" if options.roll_axis else options.driver_space,
         roll=options.roll_axis or "",
         aim=options.aim_axis,
         up=options.up_axis,
@@ -196,9 +252,9 @@ def _refuse_unsolvable(before: Rig, after: Rig, rule: Constraint) -> None:
         ) from error
 
 
-def _warn(rig: Rig, rule: Constraint, report: Report) -> None:
+def _warn(rig: Rig, rule: Constraint, switched: bool, report: Report) -> None:
     """Warnings about a constraint as it is."""
-    if not rule.weights.any():
+    if not rule.weights.any() and not switched:
         report.warn(
             "constraint-weightless",
             f"all drivers of '{rig.title(rule.child)}' have weight 0, so it keeps its own place",
@@ -227,18 +283,22 @@ def _warn(rig: Rig, rule: Constraint, report: Report) -> None:
             )
 
 
-def _stored(rig: Rig, rule: Constraint, place: int | None, vrm: bool, report: Report) -> Rig:
-    """The rig with the record of the rule, which is reported."""
+def _stored(
+    rig: Rig, rule: Constraint, found: Switching | None, place: int | None, vrm: bool, report: Report
+) -> Rig:
+    """The rig with the record of the rule, which is reported; found: with weights that can have keys."""
     name = f"con_{rig.names[rule.child] or f'node_{rule.child}'}_{rule.kind}"
-    record, known = constraint_record(rig, rule), rig.node_constraints
+    known = rig.node_constraints
     if place is None:
         rig, above = group(rig)
-        rig, node = add(rig, name, above, record)
+        rig, node = add(rig, name, above, constraint_record(rig, rule))
     else:
         node = place
         if rig.records(ConstraintRecord)[node].kind != rule.kind:
             rig = renamed(rig, node, name)
         rig = remove_node_constraint(rig, node)
+    rig, rule, left = stored_switching(rig, node, rule, found)
+    record = constraint_record(rig, rule)
     if vrm:
         rig, why, kind = export_node_constraint(rig, rule, known)
         record = replace(record, vrm=kind)
@@ -249,22 +309,30 @@ def _stored(rig: Rig, rule: Constraint, place: int | None, vrm: bool, report: Re
                 f"({why}); it is stored in extras alone",
             )
     rig = with_record(rig, node, record)
-    report.added.append(_record(rig, rule, node, record.vrm))
-    return rig
+    report.added.append(_record(rig, rule, node, record.vrm, found))
+    return without_nodes(rig, left, ()) if left else rig
 
 
-def _record(rig: Rig, rule: Constraint, node: int, vrm: str | None) -> dict[str, Any]:
+def _record(
+    rig: Rig, rule: Constraint, node: int, vrm: str | None, switched: Switching | None
+) -> dict[str, Any]:
+    base = [not clip for clip in switched.clips] if switched else [True] * len(rule.drivers)
     record: dict[str, Any] = {
         "node": rig.names[node],
         "type": "constraint",
         "kind": rule.kind,
         "child": rig.title(rule.child),
         "drivers": {
-            rig.title(k): float(weight) for k, weight in zip(rule.drivers, rule.weights, strict=True)
+            rig.title(k): float(weight)
+            for k, weight, own in zip(rule.drivers, rule.weights, base, strict=True)
+            if own
         },
         "new": rig.keys[node] is None,
         "vrm": vrm,
     }
+    if switched is not None:
+        record["weight_nodes"] = [rig.title(node) for node in rule.weight_nodes]
+        record["weight_keys"] = {keys.timeline.name: len(keys.times) for keys in switched.keys}
     if rule.kind == "polevector":
         return record | {"chain": [rig.title(joint) for joint in rule.chain]}
     local = rig.normalised_local[np.newaxis]

@@ -58,23 +58,31 @@ def _check_aim(rig: Rig, rule: Constraint, world: Floats) -> None:
         )
 
 
+def offsets_in(rule: Constraint, drivers: Floats, world: Floats, local: Floats, parent: Floats) -> Floats:
+    """The offsets, (d, 4, 4), of a rule that compares world matrices, and does not aim, in some pose.
+
+    drivers: (d, 4, 4), in the world; world and local: of the child, parent: of what is above it, (4, 4).
+    """
+    mine = to_parts(local)
+    if rule.kind == "parent":
+        return multiply(world, inverse(drivers))
+    if rule.kind == "point":
+        return _moves(world[3, :3] - drivers[:, 3, :3])
+    if rule.kind == "orient":
+        own = product(nearest_rotation_of(parent), mine.rotation)
+        return _turns(product(conjugate(nearest_rotation_of(drivers)), own))
+    sizes = lengths_for(parent, mine) * mine.scale / length(drivers[:, :3, :3])
+    return from_frame(np.eye(3) * sizes[:, np.newaxis, :], np.zeros(3))
+
+
 def _offsets(rule: Constraint, world: Floats, local: Floats, parent: Floats) -> Floats:
     drivers = world[list(rule.drivers)]
     mine = to_parts(local[rule.child])
-    if rule.kind == "parent":
-        return multiply(world[rule.child], inverse(drivers))
-    if rule.kind == "point":
-        return _moves(world[rule.child, 3, :3] - drivers[:, 3, :3])
-    if rule.kind == "orient":
-        turns, own = nearest_rotation_of(drivers), product(nearest_rotation_of(parent), mine.rotation)
-        if rule.space != "world":
-            turns, own = nearest_rotation_of(local[list(rule.drivers)]), mine.rotation
+    if rule.space != "world":
+        turns, own = nearest_rotation_of(local[list(rule.drivers)]), mine.rotation
         if rule.space == "local":
             return _turns(product(own, conjugate(turns)))
         return _turns(product(conjugate(turns), own))
-    if rule.kind == "scale":
-        sizes = lengths_for(parent, mine) * mine.scale / length(drivers[:, :3, :3])
-        return from_frame(np.eye(3) * sizes[:, np.newaxis, :], np.zeros(3))
     if rule.kind == "aim":
         # Without any weight the offset is that of the drivers' middle.
         weights = rule.weights if rule.weights.any() else np.ones(len(rule.drivers))
@@ -82,7 +90,9 @@ def _offsets(rule: Constraint, world: Floats, local: Floats, parent: Floats) -> 
         up = world[rule.up_object][np.newaxis] if rule.up_object >= 0 else None
         found = aim_rotation(plain, drivers[np.newaxis], parent[np.newaxis], mine, up)
         return _turns(product(conjugate(found), mine.rotation))
-    return _pole_offsets(rule, world, drivers)
+    if rule.kind == "polevector":
+        return _pole_offsets(rule, world, drivers)
+    return offsets_in(rule, drivers, world[rule.child], local[rule.child], parent)
 
 
 def _pole_offsets(rule: Constraint, world: Floats, drivers: Floats) -> Floats:

@@ -27,7 +27,7 @@ from rigtri.model.rig import Rig
 
 # Radians: what float32 leaves of axes that are one, or of an aim that is met at rest.
 _SAME = 1e-5
-_LOCAL = "--space local compares those too"
+_LOCAL = "--driver-space local compares those too"
 # Axes of a scale that differ by less, as a share, are of one length.
 _EVEN = 1e-5
 

@@ -15,6 +15,7 @@ from rigtri.model.constraints import Constraint, constraints_of
 from rigtri.model.metadata import ConstraintRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
+from rigtri.operations.constrain.weight_keys import WeightKeys
 from rigtri.operations.mirror.counterparts import (
     ALIKE,
     NotMirroredError,
@@ -39,7 +40,8 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             raise NotMirroredError("the other side lacks a node that it is about")
         keep = bool(np.abs(rule.offsets - identity(len(rule.offsets))).max() > ALIKE)
         vrm = rig.records(ConstraintRecord)[node].vrm is not None
-        built = follow(rig, mirrored, keep=keep, vrm=vrm, report=report)
+        keys: list[WeightKeys] | None = [] if rule.weight_nodes else None
+        built = follow(rig, mirrored, keep=keep, vrm=vrm, report=report, keys=keys)
         same = len(built) == len(rig) and all(
             alike(stored, built.metadata[k], size_of(rig)) for k, stored in rig.metadata.items()
         )
@@ -49,7 +51,14 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 
 
 def _mirrored(rig: Rig, rule: Constraint, options: MirrorOptions) -> Constraint | None:
-    """The rule of the other side, with offsets still to be measured; None where a node has no twin."""
+    """The rule of the other side, with offsets still to be measured; None where a node has no twin.
+
+    What it has for single clips stays there: mirroring is about the rest pose.
+    """
+    first = [k for k, driver in enumerate(rule.drivers) if driver not in rule.drivers[:k]]
+    if rule.weight_nodes:
+        own = tuple(rule.drivers[k] for k in first)
+        rule = replace(rule, drivers=own, weights=rule.weights[first], weight_nodes=())
     child, chain = other(rig, rule.child), [other(rig, node) for node in rule.chain]
     drivers = [other(rig, node) for node in rule.drivers]
     up_object = other(rig, rule.up_object) if rule.up_object >= 0 else -1

@@ -12,6 +12,7 @@ from rigtri.limits import refuse_unworkable
 from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION
 from rigtri.operations.declaration import (
     Direction,
+    JsonFile,
     Kind,
     LimbNames,
     Node,
@@ -50,6 +51,8 @@ def joint_orient(text: str) -> Literal["rest", "none"] | Vector:
 
 # NODE=WEIGHT, of which the name may hold ``=`` itself, so that the rig must be asked; Python may give pairs.
 Drivers = Annotated[tuple[tuple[str, float] | str, ...], Kind("of nodes", "NODE[=WEIGHT]", group="joints")]
+Spaces = Annotated[tuple[str, ...], Kind("names", "world|root|NODE", group="joints")]
+Switches = Annotated[tuple[str, ...], Kind("names", "CLIP@TIME=NODE")]
 Channels = Annotated[tuple[str, ...], Kind("joined", "tx,ty,…", read=_skip)]
 JointOrient = Annotated[
     Literal["rest", "none"] | Vector, Kind("joint orient", "rest|none|X,Y,Z", parse=joint_orient)
@@ -65,6 +68,7 @@ class ConstrainOptions(OneCharacter):
     """
 
     type: Literal["parent", "point", "orient", "scale", "aim", "polevector"] = option(
+        "parent",
         help="What the child takes over.",
         values={
             "parent": "place and axes, as if it were a child",
@@ -77,7 +81,33 @@ class ConstrainOptions(OneCharacter):
         group="what",
     )
     child: Node | None = option(None, help="The node that follows; of polevector any joint of the limb.")
-    driver: Drivers = option(help="A node that it follows. Repeatable; the ratio of the weights counts.")
+    driver: Drivers = option((), help="A node that it follows. Repeatable; the ratio of the weights counts.")
+    space: Spaces = option(
+        (),
+        help="A space between which clips can switch the child, or the offset of a control: world, root "
+        "(the root control) or a node. Repeatable; the first counts at rest.",
+        excludes=["driver"],
+    )
+    switch: Switches = option(
+        (), help="From that time of a clip on (seconds, USD: time codes) only that driver or space counts."
+    )
+    weight_keys: JsonFile = option(
+        None,
+        help="Weights in clips: {CLIP: {times: [...], NODE: [...], interpolation: STEP or LINEAR}}.",
+        group="how",
+    )
+    weight_from: Switches = option(
+        (),
+        help="In each clip the weight of a driver is what that channel of a node is (tx … sz); the "
+        "first driver without one gets what is left of 1.",
+        metavar="DRIVER=NODE.CHANNEL",
+        rare=True,
+    )
+    match: bool = option(
+        False,
+        help="The child does not jump where a driver takes over in a clip: it follows from where it is.",
+        group="how",
+    )
     skip: Channels = option(
         (), help="Channels that stay the child's own: tx, ty, tz, rx … sz, or t, r, s for three.", group="how"
     )
@@ -93,7 +123,7 @@ class ConstrainOptions(OneCharacter):
         help="Joint orient, applied after the rotation, as Maya's (degrees, about x, y, z).",
         rare=True,
     )
-    space: Literal["world", "local"] = option(
+    driver_space: Literal["world", "local"] = option(
         "world",
         help="orient: what is followed.",
         values={
@@ -146,8 +176,9 @@ class ConstrainOptions(OneCharacter):
             refuse(given, _ROTATION_ONLY, words)
         if self.world_up == "none":
             refuse(given, ["up_axis"], "means nothing with --world-up none")
-        if not self.driver:
-            raise UsageError("name what the child follows: --driver NODE, repeatable")
+        if not (self.driver or self.space):
+            raise UsageError("name what the child follows: --driver NODE, or --space NODE, repeatable")
+        self._check_switching()
         for pair in self.driver:
             if not isinstance(pair, str):
                 check_weight(*pair)
@@ -160,6 +191,27 @@ class ConstrainOptions(OneCharacter):
         if not self.child and self.limb is None:
             raise UsageError("name the node that follows: --child NODE")
 
+    @property
+    def switches(self) -> bool:
+        """Whether clips can have keys of the weights."""
+        return (
+            bool(self.space or self.switch or self.weight_from or self.match) or self.weight_keys is not None
+        )
+
+    def _check_switching(self) -> None:
+        old = next((word for word in self.space if word == "local"), None)
+        if old is not None and self.type == "orient":
+            raise UsageError("--space local is now --driver-space local")
+        if len(set(self.space)) < len(self.space):
+            raise UsageError("a space is named twice")
+        if self.space and self.type not in ("parent", "point", "orient", "scale"):
+            raise UsageError(f"--space means nothing for --type {self.type}; give --driver and --switch")
+        compares = self.driver_space != "world" or self.roll_axis
+        if self.match and (self.type in ("aim", "polevector") or compares):
+            raise UsageError("--match is for what follows its drivers' places, axes or scale in the world")
+        if self.switches and self.vrm_constraints:
+            raise UsageError("--vrm-constraints: VRM node constraints have one driver, and no switch")
+
     def _check_skip(self) -> None:
         known = CHANNELS[self.type]
         for channel in sorted(self.skipped):
@@ -171,12 +223,13 @@ class ConstrainOptions(OneCharacter):
             raise UsageError("--skip leaves nothing that the constraint would set")
 
     def _check_orient(self) -> None:
-        if self.type != "orient" and (self.roll_axis or self.space != "world"):
-            raise UsageError("--space and --roll-axis are for --type orient")
-        if self.roll_axis and self.space == "local":
-            raise UsageError("--roll-axis compares what the two parents see; leave --space out")
-        if (self.roll_axis or self.space == "local") and self.skipped:
-            raise UsageError("--skip is for rotations in the world; leave out --space local and --roll-axis")
+        local = self.driver_space == "local"
+        if self.type != "orient" and (self.roll_axis or local):
+            raise UsageError("--driver-space and --roll-axis are for --type orient")
+        if self.roll_axis and local:
+            raise UsageError("--roll-axis compares what the two parents see; leave --driver-space out")
+        if (self.roll_axis or local) and self.skipped:
+            raise UsageError("--skip is for rotations in the world; leave out --driver-space and --roll-axis")
         if self.roll_axis and not self.maintain_offset:
             raise UsageError("a roll is counted from rest, so --roll-axis always keeps the offset")
 

@@ -23,7 +23,7 @@ from rigtri.formats.usd.opinions.edits import (
     set_value,
 )
 from rigtri.formats.usd.opinions.reference_edits import portable, reference_edits
-from rigtri.formats.usd.opinions.skeleton_edits import set_joints
+from rigtri.formats.usd.opinions.skeleton_edits import as_samples, set_joints
 from rigtri.formats.usd.opinions.xform_edits import EULER, SAME_ROTATION, set_transform
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, is_rigtri_prim, sets_transform
 from rigtri.formats.usd.reading.control_shape_reader import curves_name, curves_of
@@ -65,7 +65,8 @@ def write_rigtri_prims(edit: UsdEdit) -> None:
             path = path.ReplacePrefix(old, old.GetParentPath().AppendChild(name))
         return path
 
-    edit.values += reference_edits(source, rig, additions.paths, additions.skeletons, now)
+    made = {**additions.scopes, **additions.paths}
+    edit.values += reference_edits(source, rig, made, additions.skeletons, now)
 
 
 def _renamed(before: Rig, rig: Rig) -> dict[Any, str]:
@@ -81,8 +82,9 @@ def _renamed(before: Rig, rig: Rig) -> dict[Any, str]:
 
 
 def _tracks(rig: Rig, node: int) -> list[Track]:
-    """All that moves a prim of rigtri; a scale that stays 1 is none."""
-    found = [t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights"]
+    """All that moves a prim of rigtri, as samples hold it; a scale that stays 1 is none."""
+    tracks = (t for clip in rig.clips for t in clip.tracks if t.node == node and t.path != "weights")
+    found = [as_samples(track, f"<{rig.labels[node]}>") for track in tracks]
     return [t for t in found if t.path != "scale" or np.abs(t.values - 1.0).max() > SAME_ROTATION]
 
 
@@ -179,6 +181,7 @@ class _Additions:
         self.world = rig.world
         self.paths: dict[int, Any] = {}
         self.skeletons: dict[int, Any] = {}  # the paths of those of new joints
+        self.scopes: dict[int, Any] = {}  # the path that a new group has come to
         self.made: dict[Any, list[Edit]] = {}
         self.taken: set[Any] = set()
 
@@ -282,6 +285,8 @@ class _Additions:
             ]
             if top is not None and stage.GetPrimAtPath(top).IsA(UsdSkel.Root):
                 self.made[path] += bind_skeleton(str(path), [])
+        if self._is_group(group):
+            self.scopes.setdefault(group, path)
         nodes = {label: node for node, label in enumerate(self.rig.labels)}
         above = self.world[nodes[str(top)]] if str(top) in nodes else np.eye(4)
         return path, above

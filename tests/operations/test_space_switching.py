@@ -1,0 +1,193 @@
+"""Space switching: drivers whose weights have keys in clips, evaluated and baked, with and without a jump."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from places import SAMPLES
+from rigs import rig_of
+
+import rigtri
+from rigtri.errors import NameNotFoundError, UsageError
+from rigtri.evaluation import sampling
+from rigtri.evaluation.timelines import just_before, timelines
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
+from rigtri.model.constraints import constraints_of
+from rigtri.model.rig import Rig
+
+SPACES = ("world", "left", "right")
+_TURN = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))
+
+
+def hands() -> Rig:
+    """Two hands and a sword; left moves along x by 2 in two seconds, right stands at y = 5 and turns."""
+    names, parents = ["root", "left", "right", "sword"], [-1, 0, 0, 0]
+    places = np.array([[0.0, 0, 0], [1, 0, 0], [0, 5, 0], [1, 1, 0]])
+    rig = rig_of(names, parents, places, np.tile([0.0, 0, 0, 1], (4, 1)))
+    times = np.array([0.0, 2.0])
+    tracks = (
+        Track(1, "translation", "LINEAR", times, np.array([[1.0, 0, 0], [3, 0, 0]])),
+        Track(2, "rotation", "LINEAR", times, np.array([(0.0, 0, 0, 1), _TURN])),
+    )
+    return replace(rig, clips=(Clip("swing", tracks),))
+
+
+def world(rig: Rig, node: str, *times: float) -> Floats:
+    """World matrices, (f, 4, 4), of a node in the first clip."""
+    clip = timelines(rig)[0].clip
+    found: Floats = sampling.worlds(rig, sampling.locals_at(rig, clip, np.array(times)))[:, rig.find(node)]
+    return found
+
+
+def switched(rig: Rig, *switch: str, **more: Any) -> Rig:
+    return rigtri.constrain(rig, child="sword", space=SPACES, switch=switch, **more)
+
+
+def test_a_prop_changes_hands_at_its_offsets_of_the_rest_pose() -> None:
+    baked = rigtri.bake(switched(hands(), "swing@0.5=left", "swing@1=right"), to="joints")
+    assert_allclose(world(baked, "sword", 0.25)[0, 3, :3], [1, 1, 0])  # the world
+    assert_allclose(world(baked, "sword", 0.75)[0, 3, :3], [1.75, 1, 0], atol=1e-6)  # left is at 1.75
+    # Right has turned by 45° at 1; the sword is at (1, −4) from it at rest.
+    half = np.sqrt(0.5)
+    assert_allclose(
+        world(baked, "sword", 1.0)[0, 3, :3], [half + 4 * half, 5 + half - 4 * half, 0], atol=1e-6
+    )
+
+
+def test_matched_switches_do_not_jump_and_follow_from_there() -> None:
+    rig = switched(hands(), "swing@0.5=left", "swing@1=right", match=True)
+    baked = rigtri.bake(rig, to="joints")
+    for time in (0.5, 1.0):
+        before, after = world(baked, "sword", float(just_before(np.array([time]))[0]), time)
+        assert_allclose(before, after, atol=1e-5)
+    # Taken by the left hand at (1, 1) while that is at 1.5, at (1.5, 1) by the right one.
+    assert_allclose(world(baked, "sword", 0.75)[0, 3, :3], [1.25, 1, 0], atol=1e-6)
+    # At 2 the right hand has turned by 45° more.
+    half = np.sqrt(0.5)
+    x, y = 1.5 * half + 4 * half, 1.5 * half - 4 * half
+    assert_allclose(world(baked, "sword", 2.0)[0, 3, :3], [x, 5 + y, 0], atol=1e-5)
+
+
+def test_weights_may_move_between_keys() -> None:
+    keys = {"swing": {"times": [0, 2], "left": [1, 0], "right": [0, 1], "interpolation": "LINEAR"}}
+    rig = rigtri.constrain(hands(), type="point", child="sword", driver=("left", "right=0"), weight_keys=keys)
+    baked = rigtri.bake(rig, to="joints")
+    # Half of left at (2, 0) with its offset (0, 1), half of right at (0, 5) with its offset (1, −4).
+    assert_allclose(world(baked, "sword", 1.0)[0, 3, :3], [1.5, 1, 0], atol=1e-5)
+
+
+def test_weights_are_copied_from_a_channel() -> None:
+    rig = hands()
+    switch = Track(0, "scale", "STEP", np.array([0.0, 1.0]), np.array([[1.0, 1, 1], [0.25, 1, 1]]))
+    rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, switch)),))
+    given = {"driver": ("left", "right=0"), "weight_from": ("right=root.sx",)}
+    rule = next(iter(constraints_of(out := rigtri.constrain(rig, child="sword", **given)).values()))
+    tracks = {
+        out.names[t.node]: t.values[:, 0].tolist() for t in out.clips[0].tracks if t.node in rule.weight_nodes
+    }
+    assert tracks == {"sword_weight_left": [0.0, 0.75], "sword_weight_right": [1.0, 0.25]}
+
+
+def test_a_second_run_changes_nothing_and_keeps_the_keys_of_other_clips() -> None:
+    rig = hands()
+    rig = replace(rig, clips=(*rig.clips, replace(rig.clips[0], name="throw")))
+    once = switched(rig, "swing@0.5=left", match=True)
+    again = switched(once, "swing@0.5=left", match=True)
+    assert (again.names, again.metadata) == (once.names, once.metadata)
+    assert all(a is b for a, b in zip(again.clips, once.clips, strict=True))
+    both = switched(once, "throw@1=right", match=True)
+    assert len(constraints_of(both).popitem()[1].drivers) == 5
+    before, after = (world(rigtri.bake(each, to="joints"), "sword", 0.75, 1.5) for each in (once, both))
+    assert_allclose(before, after, atol=1e-6)
+    plain = rigtri.constrain(both, child="sword", driver=("left",))
+    assert not plain.nodes_of("constraintWeight")
+
+
+@pytest.mark.parametrize("suffix", ["glb", "usda"])
+def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp_path: Path) -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / f"biped.{suffix}"), limbs="auto", root_control=True)
+    rig = rigtri.bake(rig, to="controls", clip=("walk",))
+    end = float(sampling.key_times(timelines(rig)[0].clip)[-1])
+    switch, spaces = (f"walk@{end / 2}=chest",), ("root", "chest", "world")
+    rig = rigtri.constrain(rig, child="hand_L_ik_ctl", space=spaces, switch=switch, match=True)
+    (rule,) = constraints_of(rig).values()
+    assert rig.names[rule.child] == "hand_L_ik_ctl_offset"
+    out = tmp_path / f"out.{suffix}"
+    rigtri.write(rig, out, verify=False)
+    baked = rigtri.bake(read := rigtri.read(out), to="joints")
+    before, after = world(baked, "hand_L", float(just_before(np.array([end / 2]))[0]), end / 2)
+    assert_allclose(before, after, atol=1e-5)
+    (rule,) = constraints_of(read).values()
+    weight = timelines(read)[0].track(rule.weight_nodes[-1], "translation")
+    assert weight is not None
+    assert_allclose(sampling.sample(weight, np.array([0.4, 0.6]) * end)[:, 0], [0, 1])
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "words"),
+    [
+        ({"switch": ("swing@1=up",)}, UsageError, "one of world, left, right"),
+        ({"switch": ("swung@1=left",)}, NameNotFoundError, "swung"),
+        ({"switch": ("rest=left",)}, UsageError, "at rest"),
+        ({"space": ("root", "left")}, UsageError, "no root control"),
+        ({"space": ("left", "left")}, UsageError, "twice"),
+        ({"weight_keys": {"swing": {"left": [1]}}}, UsageError, "times"),
+        ({"weight_keys": {"swing": {"times": [1, 0], "left": [1, 1]}}}, UsageError, "rise"),
+        ({"weight_keys": {"swing": {"times": [0, 1], "left": [1]}}}, UsageError, "2 numbers"),
+        ({"weight_keys": {"swing": {"times": [0], "left": [-1]}}}, UsageError, "from 0 on"),
+        ({"weight_keys": {"swing": {"times": [0], "top": [1]}}}, UsageError, "none of the drivers"),
+        ({"weight_from": ("left=root.rx",)}, UsageError, "CHANNEL"),
+        ({"type": "aim", "match": True}, UsageError, "--space means nothing"),
+        ({"type": "orient", "space": ("local",)}, UsageError, "--driver-space local"),
+    ],
+)
+def test_what_is_no_switch_is_refused(given: dict[str, Any], error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        rigtri.constrain(hands(), **({"child": "sword", "space": SPACES} | given))
+
+
+def test_a_pole_vector_is_switched_too() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
+    rig = rigtri.bake(rig, to="controls", clip=("walk",))
+    given = {
+        "type": "polevector",
+        "limb": ("thigh_L", "shin_L", "foot_L"),
+        "driver": ("foot_L_ik_ctl", "head=0"),
+    }
+    held, moved = (
+        rigtri.bake(rigtri.constrain(rig, switch=switch, **given), to="joints")
+        for switch in ((), ("walk@0.5=head",))
+    )
+    apart = np.abs(world(held, "shin_L", 0.25, 0.75) - world(moved, "shin_L", 0.25, 0.75)).max(axis=(1, 2))
+    assert apart[0] < 1e-6
+    assert apart[1] > 1e-3
+
+
+def test_the_other_side_gets_a_switch_of_its_own() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
+    rig = rigtri.constrain(
+        rig, child="hand_L_ik_ctl", space=("world", "chest"), switch=("walk@0.5=chest",), match=True
+    )
+    out = rigtri.mirror(rig, from_side="left")
+    right = next(rule for rule in constraints_of(out).values() if out.names[rule.child].startswith("hand_R"))
+    assert [out.names[node] for node in right.weight_nodes] == [
+        "hand_R_ik_ctl_offset_weight_world",
+        "hand_R_ik_ctl_offset_weight_chest",
+    ]
+
+
+def test_strip_takes_switches_out(tmp_path: Path) -> None:
+    keys = {"walk": {"times": [0, 0.5], "chest": [0, 1], "head": [1, 0]}}
+    source = rigtri.read(SAMPLES / "biped.glb")
+    rig = rigtri.constrain(source, child="toe_L", driver=("head", "chest=0"), weight_keys=keys)
+    out, back = tmp_path / "out.glb", tmp_path / "back.glb"
+    rigtri.write(rig, out)
+    rigtri.write(rigtri.strip(rigtri.read(out)), back)
+    assert rigtri.read(back).names == source.names
+    assert [len(c.tracks) for c in rigtri.read(back).clips] == [len(c.tracks) for c in source.clips]
