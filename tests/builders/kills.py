@@ -13,7 +13,23 @@ from typing import Any
 # What Python reports of itself before it asks the system: https://docs.python.org/3/library/audit_events.html
 CHANGES = ("os.rename", "os.link", "os.symlink", "os.mkdir", "os.remove", "os.rmdir", "os.truncate")
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT
-PRELOADED = ["rigtri.pipeline.edit", "rigtri.formats.gltf.document", "pxr.Usd", "rigtri.cli.main", "kills"]
+# What commands import, so that each process has it from the start: most of what one takes otherwise.
+PRELOADED = [
+    "pxr.Usd",
+    "rigtri.cli.main",
+    "rigtri.export.viewer",
+    "rigtri.formats.gltf.document",
+    "rigtri.formats.usd.document",
+    "rigtri.operations.add_twist.twist",
+    "rigtri.operations.orient_joints.orient",
+    "rigtri.pipeline.batch.run",
+    "rigtri.pipeline.batch.work",
+    "rigtri.pipeline.rigspec.auto",
+    "rigtri.pipeline.rigspec.build",
+    "rigtri.pipeline.rigspec.models.spec",
+    "rigtri.verification.compare.compare",
+    "kills",
+]
 
 
 def _kill_at(moment: int, top: str) -> None:

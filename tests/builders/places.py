@@ -110,11 +110,11 @@ def slow(*values: Any) -> Any:
     return pytest.param(*values, marks=pytest.mark.slow)
 
 
-def every_other(*choices: Sequence[Any]) -> list[Any]:
-    """Every other combination of some choices, which has each choice; with --slow all of them."""
+def every_other(*choices: Sequence[Any], of: int = 2) -> list[Any]:
+    """One in ``of`` combinations of some choices, which has each choice; with --slow all of them."""
     places = product(*(range(len(some)) for some in choices))
     return [
-        values if sum(place) % 2 == 0 else slow(*values)
+        values if sum(place) % of == 0 else slow(*values)
         for place, values in zip(places, product(*choices), strict=True)
     ]
 

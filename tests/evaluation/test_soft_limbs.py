@@ -107,7 +107,7 @@ def bones(rig: Rig) -> tuple[float, float]:
     return float(np.linalg.norm(b - a)), float(np.linalg.norm(c - b))
 
 
-@pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS))
+@pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS, of=4))
 def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_pole(
     soft: float, knee: tuple[float, float] | None
 ) -> None:
@@ -120,7 +120,7 @@ def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_po
     assert (side * distances).min() > -1e-7
 
 
-@pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS))
+@pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS, of=4))
 def test_with_stretch_the_end_reaches_its_target(soft: float, knee: tuple[float, float] | None) -> None:
     rig = legged(knee, soft, stretch=True)
     near = abs(np.subtract(*bones(rig))) / sum(bones(rig))

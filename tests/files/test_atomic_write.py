@@ -190,7 +190,7 @@ def test_a_kill_at_any_step_leaves_old_or_new_and_the_next_run_tidies_up(gltf: P
 
 
 @POSIX
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz"])
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", slow("biped.usdz")])
 def test_a_kill_at_a_random_time_leaves_the_old_file_or_the_new(
     name: str, samples: Path, tmp_path: Path
 ) -> None:

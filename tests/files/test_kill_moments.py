@@ -86,7 +86,7 @@ def test_a_kill_at_any_change_leaves_old_or_new_and_the_next_run_leaves_nothing_
     shutil.copytree(place, before)
     old = contents(place)
     assert run(place, words) == 0
-    new, code, moment, step = contents(place), -9, 1, every(max(5, cases // 5))
+    new, code, moment, step = contents(place), -9, 1, every(max(5, cases // 3))
     while code != 0:
         restored(place, before)
         code = run(place, words, moment)

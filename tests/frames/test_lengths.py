@@ -71,6 +71,7 @@ def stretched(size: float, *joints: str) -> Limb:
         [3.0, 0.7071, 1.001],
         [("elbow",), ("wrist",), ("elbow", "wrist"), ("root",)],
         ["snap", "split"],
+        of=4,
     ),
 )
 def test_in_usd_a_joint_of_such_rotations_is_reoriented_as_its_parent_and_nothing_moves(

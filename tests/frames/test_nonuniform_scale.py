@@ -114,7 +114,9 @@ def test_every_joint_of_a_split_aims_along_its_axis(case: str, suffix: str, tmp_
         assert np.allclose(np.cross(x, y), z, atol=2e-6)
 
 
-@pytest.mark.parametrize(("case", "policy", "suffix"), every_other(list(CASES), ["snap", "skip"], SUFFIXES))
+@pytest.mark.parametrize(
+    ("case", "policy", "suffix"), every_other(list(CASES), ["snap", "skip"], SUFFIXES, of=4)
+)
 def test_what_is_snapped_or_skipped_moves_nothing_and_stays(
     case: str, policy: str, suffix: str, tmp_path: Path
 ) -> None:

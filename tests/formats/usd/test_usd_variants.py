@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from crowds import alike, contents, instance, prototypes, shot
+from places import every_other
 from pxr import Usd
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
 
@@ -121,9 +122,10 @@ SCENES = {
 WITHOUT = ("only", "none", "hidden", "idle")
 
 
-@pytest.mark.parametrize("arc", ["", "references", "payload"])
-@pytest.mark.parametrize("edit_target", ["root", "new"])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    ("name", "edit_target", "arc"),
+    every_other(list(SCENES), ["root", "new"], ["", "references", "payload"], of=3),
+)
 def test_every_variant_looks_as_before(name: str, edit_target: str, arc: str, tmp_path: Path) -> None:
     text = choosing(SCENES[name], clip="a")
     source = save(tmp_path, text, "parts/hero.usda" if arc else "in.usda")
