@@ -7,6 +7,8 @@ Names are cut into words at separators, digits and capitals. Which bone the word
 from __future__ import annotations
 
 import re
+import unicodedata
+from functools import lru_cache
 from typing import Literal
 
 from rigtri.text import is_number
@@ -17,6 +19,8 @@ _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W0-9_A-Za-z]+")
 _LEFT = frozenset({"l", "left", "lft", "左"})
 _RIGHT = frozenset({"r", "right", "rgt", "右"})
 SIDES = _LEFT | _RIGHT
+# Latin letters that no decomposition takes apart.
+_WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}
 # A side stands alone between separators, or is Left/Right within a capitalised name.
 _SIDE = re.compile(
     r"(?<![A-Za-z])(?:[lLrR]|left|right|LEFT|RIGHT|lft|rgt|Lft|Rgt)(?![A-Za-z])"
@@ -45,8 +49,20 @@ def words(name: str) -> list[str]:
 
     >>> words("mixamorig:LeftForeArm"), words("DEF-upper_arm.L.001")
     (['left', 'fore', 'arm'], ['def', 'upper', 'arm', 'l', '001'])
+    >>> words("Höft_V"), words("Fuß")
+    (['hoft', 'v'], ['fuss'])
     """
+    name = name if name.isascii() else "".join(map(_without_accent, unicodedata.normalize("NFC", name)))
     return [word.lower() for word in _WORD.findall(re.split(r"[:|/]", name)[-1])]
+
+
+@lru_cache(256)
+def _without_accent(letter: str) -> str:
+    """A Latin letter as it is written where there are no accents; all other signs as they are."""
+    if letter in _WRITTEN:
+        return _WRITTEN[letter]
+    base = unicodedata.normalize("NFD", letter)[0]
+    return base if base.isascii() else letter
 
 
 def side(name: str) -> Side:

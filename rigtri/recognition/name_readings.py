@@ -49,7 +49,8 @@ def read_names(tree: Tree, nodes: Iterable[int], known: Sequence[Scheme]) -> Rea
     seen = frozenset(word for each in whole for word in (*each.words, each.key, each.plain))
     best: Reading | None = None
     for scheme in known:
-        reading = _reading(tree, words, scheme)
+        own = {node: scheme.read(each) for node, each in words.items()} if scheme.own_sides else words
+        reading = _reading(tree, own, scheme)
         reading.score += _MARK if scheme.marks & seen else _COMMON if scheme.is_common else 0.0
         if reading.bones and (best is None or reading.score > best.score + 1e-9):
             best = reading

@@ -3,9 +3,10 @@
 A scheme has a ``title``; ``marks``, words that occur in its names alone; and two tables, ``middle`` and
 ``sides``, from bones of the VRM 1.0 humanoid (without ``left`` and ``right``) to the words that mean them:
 lower case, without spaces and marks, several apart by spaces. ``like`` takes over the tables of another.
-``chains`` are words of joints that are only numbered. ``write`` says how its names are written
-(`rigtri.recognition.written_names`); a scheme like another without marks is there only to be written. A
-user's own files (`own_schemes`) go before ours.
+``chains`` are words of joints that are only numbered, ``left`` and ``right`` further words of sides.
+``write`` says how its names are written (`rigtri.recognition.written_names`); a scheme like another without
+marks is there only to be written. A user's own files (`own_schemes`) go before ours; that of other languages
+than English is only read.
 """
 
 from __future__ import annotations
@@ -49,13 +50,16 @@ _CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "skull"
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
-_TEXTS = ("title", "marks", "like")
+_TEXTS = ("title", "marks", "like", "left", "right")
 _TO_DO = "give a text in quotes, several words apart by spaces"
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """title; marks; middle, sides: bone by words; chains: kind by words; source: where it was read."""
+    """title; marks; middle, sides: bone by words; chains: kind by words; source: where it was read.
+
+    own_sides: sides by words that only this scheme takes for such.
+    """
 
     title: str
     marks: frozenset[str]
@@ -63,6 +67,15 @@ class Scheme:
     sides: Mapping[str, str]
     chains: Mapping[str, str]
     source: str
+    own_sides: Mapping[str, Side]
+
+    def read(self, parsed: ParsedName) -> ParsedName:
+        """A name as this scheme has it: a word of its own for a side is none of the bone."""
+        own = [word for word in parsed.kept if word in self.own_sides]
+        if len(own) != 1 or parsed.side or len(parsed.kept) < 2:
+            return parsed
+        kept = tuple(word for word in parsed.kept if word not in self.own_sides)
+        return _parsed(self.own_sides[own[0]], kept, parsed.words)
 
     @property
     def is_common(self) -> bool:
@@ -84,13 +97,14 @@ class Scheme:
 @dataclass(frozen=True)
 class ParsedName:
     """A name's words: its side; raw, key: together, without sides, and numbers without leading zeros;
-    plain: without numbers; words: each."""
+    plain: without numbers; words: each; kept: in order, those of ``raw``."""
 
     side: Side
     raw: str
     key: str
     plain: str
     words: frozenset[str]
+    kept: tuple[str, ...]
 
 
 @lru_cache(_NAMES)
@@ -107,9 +121,13 @@ def parse_name(name: str) -> ParsedName:
         if word in SIDES or word in _SILENT or (is_number(word) and before in _NUMBERED):
             continue
         kept.append(word)
+    return _parsed(side(apart), tuple(kept), frozenset(found))
+
+
+def _parsed(which: Side, kept: tuple[str, ...], found: frozenset[str]) -> ParsedName:
     short = [str(int(word)) if is_number(word) else word for word in kept]
     letters = [word for word in kept if not is_number(word)]
-    return ParsedName(side(apart), "".join(kept), "".join(short), "".join(letters), frozenset(found))
+    return ParsedName(which, "".join(kept), "".join(short), "".join(letters), found, kept)
 
 
 def _apart(name: str) -> str:
@@ -131,7 +149,9 @@ def _ours() -> tuple[Scheme, ...]:
     tables = _tables().items()
     read = [k for k, table in tables if "marks" in table or "like" not in table or k in _LAST]
     order = sorted(read, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
-    return tuple(_scheme(_tables()[name], name) for name in order)
+    found = [_scheme(_tables()[name], name) for name in order]
+    other = tomllib.loads((files("rigtri.recognition") / "languages.toml").read_text("utf-8"))
+    return (*found[: -len(_LAST)], _scheme(other, "languages"), *found[-len(_LAST) :])
 
 
 @cache
@@ -205,7 +225,9 @@ def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
     parts = {part: {**base.get(part, {}), **table.get(part, {})} for part in ("middle", "sides", "chains")}
     middle, sides, chains = (_turned(parts[part]) for part in ("middle", "sides", "chains"))
     marks = frozenset(table.get("marks", "").split())
-    return Scheme(table["title"], marks, middle, sides, chains, source)
+    own = dict[str, Side].fromkeys(table.get("left", "").split(), "left")
+    own |= dict[str, Side].fromkeys(table.get("right", "").split(), "right")
+    return Scheme(table["title"], marks, middle, sides, chains, source, own)
 
 
 def _turned(table: Mapping[str, str]) -> dict[str, str]:

@@ -365,10 +365,29 @@ NAMED = {
 }
 
 
-@pytest.mark.parametrize("scheme", NAMED)
+# One name each for the joints of `_JOINTS`, accents and the sides of the language as they are written.
+LANGUAGES = {
+    "German": """
+        Becken Wirbelsäule Brust Hals Kopf Schlüsselbein_links Oberarm_links Unterarm_links Hand_links
+        Oberschenkel_links Unterschenkel_links Fuß_links Zehen_links
+    """,
+    "Swedish": """
+        höft rygg bröst nacke huvud nyckelben_V överarm_V underarm_V hand_V lår_V underben_V fot_V tå_V
+    """,
+    "French": "Bassin Dos Torse Cou Tête Epaule_G Bras_G AvantBras_G Main_G Cuisse_G Jambe_G Pied_G Orteil_G",
+    "Spanish": """
+        cadera columna pecho cuello cabeza clavícula_izq brazo_izq antebrazo_izq mano_izq muslo_izq pierna_izq
+        pie_izq dedos_izq
+    """,
+    "Chinese": "骨盆 脊椎 胸部 脖子 头 左锁骨 左上臂 左前臂 左手 左大腿 左小腿 左脚 左脚趾",
+}
+NAMED_ANYHOW = {**NAMED, **LANGUAGES}
+
+
+@pytest.mark.parametrize("scheme", NAMED_ANYHOW)
 def test_the_names_of_a_scheme_are_read_as_it_means_them(scheme: str) -> None:
     """By names alone: the joints stand in a line, where no shape helps."""
-    names = dict(zip(_JOINTS.split(), NAMED[scheme].split(), strict=True))
+    names = dict(zip(_JOINTS.split(), NAMED_ANYHOW[scheme].split(), strict=True))
     above = {name: over for name, over, _ in MAN}
     joints = [(names[name], names.get(above[name], ""), (float(k), 0.0, 0.0)) for k, name in enumerate(names)]
     layout = recognise(rig_with(joints))
@@ -377,7 +396,8 @@ def test_the_names_of_a_scheme_are_read_as_it_means_them(scheme: str) -> None:
     assert found["arm"] == [names[k] for k in ("upper_arm.L", "forearm.L", "hand.L")]
     assert found["leg"] == [names[k] for k in ("thigh.L", "shin.L", "foot.L")]
     assert character.bones["leftShoulder"] == list(names).index("clavicle.L")
-    assert any(scheme in words for chain in layout.chains for words in chain.evidence)
+    title = "words of other languages" if scheme in LANGUAGES else scheme
+    assert any(title in words for chain in layout.chains for words in chain.evidence)
 
 
 def test_every_scheme_is_tried_and_those_of_nobody_last() -> None:
@@ -449,7 +469,7 @@ def test_all_schemes_that_are_none_are_reported_at_once(tmp_path: Path) -> None:
 
 def test_rigtris_own_schemes_have_no_faults() -> None:
     folder = Path(rigtri.__file__).parent / "recognition" / "schemes"
-    assert [own_scheme(path).title for path in sorted(folder.glob("*.toml"))]
+    assert [own_scheme(path).title for path in (folder.parent / "languages.toml", *folder.glob("*.toml"))]
 
 
 def test_a_folder_of_schemes_that_is_not_there_is_reported(
