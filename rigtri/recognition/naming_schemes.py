@@ -225,8 +225,8 @@ def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
     parts = {part: {**base.get(part, {}), **table.get(part, {})} for part in ("middle", "sides", "chains")}
     middle, sides, chains = (_turned(parts[part]) for part in ("middle", "sides", "chains"))
     marks = frozenset(table.get("marks", "").split())
-    own = dict[str, Side].fromkeys(table.get("left", "").split(), "left")
-    own |= dict[str, Side].fromkeys(table.get("right", "").split(), "right")
+    which: tuple[Side, Side] = ("left", "right")
+    own = {word: each for each in which for word in table.get(each, "").split()}
     return Scheme(table["title"], marks, middle, sides, chains, source, own)
 
 
