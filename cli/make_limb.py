@@ -1,13 +1,16 @@
-"""Make an oriented chain of joints and its pole vector from three locators or points.
+"""Make an oriented chain of joints from locators or points: three are a limb, with its pole vector.
 
 Each joint aims at the next, all have the limb's hinge for their up axis, and the end has the
-axes of the joint before. A second run finds the limb by its name and moves it.
+axes of the joint before. Two joints (a clavicle), or more than three (a spine, tail or finger), are a
+chain, which keeps its curve. A second run finds the limb by its name and moves it.
 
 \b
 Examples:
     rigtri make-limb scene.glb -o out.glb --locators shoulder_loc elbow_loc wrist_loc --name arm
     rigtri make-limb -o arm.usda --points 0,140,0 25,140,-5 50,140,0 --name arm --side left
-    rigtri make-limb hero.glb -o out.glb --points 0,1,0 0,.5,.1 0,0,0 --parent hips --name tail
+    rigtri make-limb hero.glb -o out.glb --locators "tail_*_loc" --parent hips --name tail
+    rigtri make-limb hero.glb -o out.glb --points 0,1.4,0 .2,1.4,0 --up-from world:+y --name clavicle
+    rigtri make-limb -o skeleton.glb --guides skeleton.csv
 """
 
 from __future__ import annotations
@@ -95,7 +98,8 @@ def summary(report: Report) -> str:
     new = "new" if joints[0]["new"] else "moved"
     moved = [f"{entry['node']} by {entry['moved']:.4g}" for entry in joints if entry["moved"] > 0]
     planar = f"; laid into the plane: {', '.join(moved)}" if moved else ""
-    pole = f"; pole vector {report.limbs[0]['polevector']}" if report.limbs else ""
+    poles = [limb["polevector"] for limb in report.limbs]
+    pole = f"; pole vector{'s' if len(poles) > 1 else ''} {', '.join(poles)}" if poles else ""
     return f"{len(joints)} joints, {', '.join(entry['node'] for entry in joints)}, {new}{planar}{pole}"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import stat
 from pathlib import Path
@@ -69,3 +70,11 @@ def json_of(path: Path | str, what: str = "") -> Any:
         return json.loads(text_of(path, what))
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path} is not valid JSON: {error}") from error
+
+
+def rows_of(path: Path | str, what: str = "") -> list[dict[str, str]]:
+    """The rows of a CSV file by the names of its columns; FileError where it cannot be read."""
+    try:
+        return [dict(row) for row in csv.DictReader(text_of(path, what).splitlines(), strict=True)]
+    except csv.Error as error:
+        raise FileError(f"{path} is not valid CSV: {error}") from error

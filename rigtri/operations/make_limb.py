@@ -1,19 +1,23 @@
 """make-limb: an oriented joint chain and its pole vector from points.
 
 Source: "Using Vector Math to Rig an Arm" (makeIkPlaneSetup): one plane normal for all joints of
-the limb, each aims at the next, the end has the axes of the one before.
+the limb, each aims at the next, the end has the axes of the one before. A chain keeps its curve, so that
+its normal goes from bone to bone by parallel transport.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.matrices import determinant
+from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
@@ -21,9 +25,11 @@ from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.declaration import vector
+from rigtri.operations.declaration import check, vector
+from rigtri.operations.limb_guides import guided
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
+from rigtri.operations.options.make_limb import is_pattern
 from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, group, plain_name, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
@@ -44,12 +50,22 @@ Point = tuple[float, float, float]
 
 @operation(MakeLimbOptions)
 def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
-    """Stand joints at three points, orient them, and add the pole vector; a second run moves them.
+    """Stand joints at points, orient them, and add a limb's pole vector; a second run moves them.
 
     The record of each joint goes to ``report.added``, that of the pole vector to ``report.limbs``.
-    Raises UsageError (another count than three, a name that is taken), NameNotFoundError, and
-    GeometryError where points coincide, or lie on a line and ``bend`` does not say the side.
+    Raises UsageError (a single point, a name that is taken), NameNotFoundError, and
+    GeometryError where points coincide, or lie on a line and nothing says the side or what is up.
     """
+    if options.guides is not None:
+        for each in guided(options):
+            rig = _made(rig, each, report)
+        return rig
+    return _made(rig, options, report)
+
+
+def _made(rig: Rig, options: MakeLimbOptions, report: Report) -> Rig:
+    """The rig with one limb or chain."""
+    options = _expanded(rig, options)
     for name in (options.name, *options.names):
         if (plain := plain_name(name)) != name:
             text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
@@ -64,13 +80,29 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
         rig = with_record(rig, node, _limb_record(rig, joints, part, shape, options))
     for part, node in enumerate(joints):
         report.added.append(_record(rig, node, shape, part, new=not known))
-    if options.pole:
+    if options.with_pole:
         limb = Limb(joints[0], joints[shape.middle], joints[-1])
         # Where the points themselves show no side, their joints, rounded, must not show one either.
         bends = {rig.address(limb.middle): triple(shape.side)} if shape.source == "given" else {}
         pole_options = replace(options.placement, limb=(limb,), chain=(), limbs=None, bend=bends)
         rig = add_polevector(rig, options=pole_options, report=report)
     return rig
+
+
+def _expanded(rig: Rig, options: MakeLimbOptions) -> MakeLimbOptions:
+    """The options with the locators that a pattern means, in the order of their names: a_2 before a_10."""
+    if not (
+        len(options.locators) == 1 and is_pattern(options.locators[0]) and not rig.has(options.locators[0])
+    ):
+        return options
+    found = sorted(rig.match(options.locators[0]), key=lambda node: _natural(rig.names[node]))
+    options = replace(options, locators=tuple(map(rig.address, found)))
+    check(options, {"locators"})
+    return options
+
+
+def _natural(name: str) -> list[tuple[str, int]]:
+    return [(text.lower(), int(number or -1)) for text, number in re.findall(r"([^0-9]*)([0-9]*)", name)]
 
 
 def _title(options: MakeLimbOptions) -> str:
@@ -100,9 +132,12 @@ def _shape(rig: Rig, options: MakeLimbOptions, report: Report) -> _Shape:
     points = _points(rig, options)
     titles = options.locators or tuple(map(_written, options.points))
     size = sum(distance(points[:-1], points[1:]).tolist())
-    _refuse_one_place(points, titles, size)
-    middle = _middle(points)
-    normal, side, source = _plane(points[[0, middle, -1]], options, report)
+    _refuse_one_place(points, titles, size, chord=not options.is_chain)
+    middle = _middle(points) if len(points) > 2 else 0
+    if options.is_chain and (found := _chain_plane(points, options)):
+        normal, side, source = found
+    else:
+        normal, side, source = _plane(points[[0, middle, -1]], options, report)
     moved = np.zeros(len(points))
     if options.planar:
         off = dot(points - points[0], normal)
@@ -129,12 +164,12 @@ def _written(point: Point) -> str:
     return ",".join(f"{number:g}" for number in point)
 
 
-def _refuse_one_place(points: Floats, titles: Sequence[str], size: float) -> None:
+def _refuse_one_place(points: Floats, titles: Sequence[str], size: float, *, chord: bool = True) -> None:
     near = np.flatnonzero(~(distance(points[:-1], points[1:]) > ONE_PLACE * size))
     if len(near):
         one, other = titles[near[0]], titles[near[0] + 1]
         raise GeometryError(f"{one} and {other} are at one place, so there is no bone between them")
-    if not distance(points[0], points[-1]) > ONE_PLACE * size:
+    if chord and not distance(points[0], points[-1]) > ONE_PLACE * size:
         raise GeometryError(
             f"{titles[0]} and {titles[-1]}, root and end, are at one place: there is no chord"
         )
@@ -144,6 +179,31 @@ def _middle(points: Floats) -> int:
     """The inner point farthest from the chord, where the limb bends."""
     off = distance(points[1:-1], project(points[1:-1], points[0], points[-1]))
     return 1 + int(np.argmax(off))
+
+
+def _chain_plane(points: Floats, options: MakeLimbOptions) -> tuple[Floats, Floats, str] | None:
+    """As `_plane`, of a chain: the mean plane of its triples, each as large as its triangle and turned the
+    way of those before; a direction of the world where they have none. None: --bend has to say it."""
+    size = sum(distance(points[:-1], points[1:]).tolist())
+    bones, normal = points[1:] - points[:-1], np.zeros(3)
+    for one, other in pairwise(bones):
+        found = cross(one, other)
+        normal = normal + np.where(dot(found, normal) < 0, -1.0, 1.0) * found
+    line = bones[0]
+    if length(normal) > NO_PLANE * size * size:
+        return normalise(normal), normalise(cross(line, normal)), "pose"
+    if options.bend is not None:
+        return None
+    if not options.style.world and options.style.up_from in ("plane", "pole"):
+        raise GeometryError(
+            f"The points of {_title(options)} lie on a line, which leaves the up direction open. Give it "
+            "with --up-from world:+y, or --bend 0,0,1 or another direction across it"
+        )
+    up = np.eye(3)[1] if options.style.world else _up(line, normal, options.style.up_from)
+    if not crossing(up, line):
+        up = np.eye(3)[np.argmin(np.abs(line))]
+    normal = normalise(perpendicular(up, line))
+    return normal, normalise(cross(line, normal)), "given"
 
 
 def _plane(triple: Floats, options: MakeLimbOptions, report: Report) -> tuple[Floats, Floats, str]:
@@ -185,6 +245,8 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, re
             raise GeometryError("--end-aim: the end joint stands there itself, so it cannot aim at it")
     found = []
     for part, aim in enumerate(aims):
+        if options.is_chain:
+            normal = _transported(normal, aims[max(part - 1, 0)], aim)
         up = _up(aim, normal, style.up_from)
         if not crossing(up, aim):
             text = f"Joint {part + 1} of {_title(options)} points along {style.up_from}; its plane says up."
@@ -194,6 +256,13 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, re
             raise GeometryError("--end-aim: the end joint would aim along the limb's hinge; aim it elsewhere")
         found.append(frame(aim, up, aim_axis=style.aim, up_axis=style.up))
     return np.array([*found, *[found[-1]] * (len(points) - len(found))])
+
+
+def _transported(normal: Floats, before: Floats, aim: Floats) -> Floats:
+    """What goes from a bone to the next without rolling, across that one."""
+    turned = rotate(between(normalise(before), normalise(aim)), normal)
+    across = perpendicular(turned, aim)
+    return normalise(across) if np.isfinite(across).all() and crossing(turned, aim) else normal
 
 
 def _end_point(rig: Rig, end_aim: str | Point, pose: str) -> Floats:
@@ -310,7 +379,7 @@ def _limb_record(
     return replace(
         record,
         chain=tuple(map(rig.address, joints)),
-        middle=rig.address(joints[shape.middle]),
+        middle="" if options.is_chain else rig.address(joints[shape.middle]),
         aim=style.aim,
         up=style.up,
         up_from="world" if style.world else style.up_from,
@@ -318,7 +387,7 @@ def _limb_record(
         lengths=tuple(length(shape.points[1:] - shape.points[:-1]).tolist()),
         planar=options.planar,
         source=shape.source,
-        locators=tuple(rig.address(rig.find(name)) for name in options.locators),
+        locators=tuple(rig.address(rig.find(name, "locator")) for name in options.locators),
         end_aim=rig.address(rig.find(end)) if isinstance(end, str) else end,
     )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import RigtriError
 from rigtri.files.input_stream import opened
-from rigtri.files.text_files import check_plain, json_of
+from rigtri.files.text_files import check_plain, json_of, rows_of
 from rigtri.formats import Document, ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.declaration import Option, options_of
@@ -54,7 +54,7 @@ class _Files:
     def content(self, one: Option, path: str) -> Any:
         kind = one.kind.name if one.kind else ""
         if kind == "json file":
-            return json_of(path, one.flag)
+            return rows_of(path, one.flag) if path.lower().endswith(".csv") else json_of(path, one.flag)
         if kind == "edited file":
             place = self._open.enter_context(opened(path))
             self.edited.append(read(place, replace(self._reading, root=None, empty=True)))

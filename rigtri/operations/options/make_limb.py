@@ -12,6 +12,7 @@ from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
     Axis,
     EndKind,
+    JsonFile,
     Kind,
     Names,
     Node,
@@ -29,6 +30,11 @@ from rigtri.operations.options.add_polevector import AddPolevectorOptions, Place
 _PLACEMENT = ("method", "from_", "reach", "distance", "reach_of", "orientation")
 
 
+def is_pattern(name: str) -> bool:
+    """Whether a name may mean several nodes."""
+    return any(letter in name for letter in "*?[")
+
+
 def _node_or_point(_flag: str, text: str) -> str | Vector:
     """Coordinates as three numbers, anything else as the name of a node."""
     try:
@@ -39,19 +45,33 @@ def _node_or_point(_flag: str, text: str) -> str | Vector:
 
 @dataclass(frozen=True)
 class MakeLimbOptions(PlacementOptions):
-    """Make an oriented chain of joints and its pole vector from three locators or points.
+    """Make an oriented chain of joints from locators or points: three make a limb, with its pole vector.
 
-    locators: nodes at the positions of the joints; or points: these positions, in the world. end_aim: None
+    Two, or more than three without ``planar``, make a chain, which keeps its curve and has no pole vector.
+    locators: nodes at the positions of the joints; or points: these positions, in the world. guides: many
+    limbs and chains by their names, each a list of points or the options of its own. end_aim: None
     gives the end joint the axes of the joint before. names: else NAME_1, NAME_2 … with _L or _R of the
     side. skin: that of the parent, else one of their own.
     """
 
-    locators: Nodes = option((), metavar="A B C", help="Nodes at the positions of the joints.")
+    locators: Nodes = option(
+        (), metavar="A B C", help="Nodes at the positions of the joints; a pattern means all, by name."
+    )
     points: Annotated[tuple[Point, ...], Kind("points", "X,Y,Z X,Y,Z X,Y,Z")] = option(
         (), help="Positions in the world; without IN they make a new file."
     )
+    guides: JsonFile = option(
+        None,
+        metavar="FILE",
+        help="Limbs and chains of a whole skeleton: JSON {NAME: [[x, y, z], ...] or {points: ..., parent: "
+        "...}}, or CSV with the columns name, x, y, z and more options.",
+        excludes=["locators", "points", "names", "bend", "end_aim", "pole_name"],
+        group="what",
+    )
     planar: bool = option(
-        False, help="More than three: lay the inner joints into the limb's plane.", rare=True
+        False,
+        help="More than three: a limb, whose inner joints are laid into its plane; else a chain.",
+        rare=True,
     )
     preset: str | None = axes.preset()
     aim: Axis | None = option(None, help="Axis that aims at the next joint. [x]", group="what")
@@ -77,7 +97,9 @@ class MakeLimbOptions(PlacementOptions):
         group="joints",
     )
     skin: bool = option(True, help="Make the joints joints of a skin.", rare=True)
-    pole: bool = option(True, help="Add the limb's pole vector.", rare=True)
+    pole: bool | None = option(
+        None, help="Add the pole vector. [of limbs, not of chains]", rare=True, group="what"
+    )
     as_: EndKind | None = option(
         None,
         help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]",
@@ -94,33 +116,49 @@ class MakeLimbOptions(PlacementOptions):
     def check(self, given: Collection[str]) -> None:
         """UsageError for a count that makes no limb, or options that contradict each other."""
         super().check(given)
-        if not self.pole:
-            refuse(
-                given,
-                [*_PLACEMENT, "pole_name", "as_"],
-                "is for the pole vector, and --no-pole leaves it out",
-            )
+        if self.guides is None and not self.with_pole:
+            why = "--no-pole leaves it out" if self.pole is False else "a chain has none without --pole"
+            refuse(given, [*_PLACEMENT, "pole_name", "as_"], f"is for the pole vector, and {why}")
         if self.preset == "vrm" and any(getattr(self, name) is not None for name in AXES):
             flags = ", ".join(f"--{key_of(name)}" for name in AXES)
             raise UsageError(f"--preset vrm: its frames are parallel to the world; leave out {flags}")
+        if self.guides is not None:
+            return
         if bool(self.locators) == bool(self.points):
             raise UsageError(
                 "give the positions of the joints: --locators A B C, or --points x,y,z x,y,z x,y,z"
             )
-        self._check_count(len(self.locators or self.points))
+        if not (len(self.locators) == 1 and is_pattern(self.locators[0])):
+            self._check_count(self.count)
         if self.pose != "nodes" and not (self.locators or isinstance(self.end_aim, str)):
             raise UsageError("--pose is for locators; points have fixed positions")
         self.style.checked()
 
     def _check_count(self, count: int) -> None:
         what = "locators" if self.locators else "points"
-        if count < 3 or (count > 3 and not self.planar):
-            more = "; a longer chain needs --planar, which lays it into one plane" if count > 3 else ""
-            raise UsageError(f"a limb has three {what}, root, middle and end, and here are {count}{more}")
+        if count < 2:
+            raise UsageError(f"a limb has three {what}, a chain two or more, and here is {count}")
+        if count == 2 and self.pole:
+            raise UsageError("--pole: a chain of two joints has no bend")
         if len(set(self.locators)) < len(self.locators):
             raise UsageError(f"--locators {' '.join(self.locators)}: one of them is named twice")
         if self.names and len(self.names) != count:
             raise UsageError(f"--names: {len(self.names)} names for {count} joints")
+
+    @property
+    def count(self) -> int:
+        """How many joints there are to be, where no pattern says so."""
+        return len(self.locators or self.points)
+
+    @property
+    def is_chain(self) -> bool:
+        """Whether it is a chain, and no limb: its joints need no plane."""
+        return self.count == 2 or (self.count > 3 and not self.planar)
+
+    @property
+    def with_pole(self) -> bool:
+        """Whether it gets a pole vector."""
+        return not self.is_chain if self.pole is None else self.pole
 
     @cached_property
     def style(self) -> AxisStyle:
