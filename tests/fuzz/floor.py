@@ -42,7 +42,7 @@ def explains(document: Document) -> bool:
         return True
     for draw in range(DRAWS):
         found = self_check(document, _Shaken(document, np.random.default_rng(draw)))
-        if not found.deviation <= ENOUGH:
+        if not found.shown <= ENOUGH:
             return True
     return False
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
 from places import USD, files_of_all_kinds, leave_out_refused
+from pxr import Usd, UsdGeom
 from second_opinions import khronos_errors
 
 from rigtri import diff, verify
@@ -82,6 +83,20 @@ def test_a_node_of_someone_else_below_ours_is_named_and_nothing_is_done(
     with pytest.raises(GeometryError, match=r"'Sword' is a child of 'hand_L_ctl'.* parent it to 'hand_L' or"):
         edit(tmp_path / "used.glb", tmp_path / "bare.glb", stripped)
     assert not (tmp_path / "bare.glb").exists()
+
+
+def test_a_prim_below_ours_that_does_not_follow_it_is_named(samples: Path, tmp_path: Path) -> None:
+    """Found by mutations: it would have gone, too, and the result was refused for it."""
+    built = tmp_path / "built.usda"
+    edit(samples / "biped.usda", built, controls)
+    stage = Usd.Stage.Open(str(built))
+    control = next(prim for prim in stage.Traverse() if prim.GetName() == "hand_L_ctl")
+    sword = UsdGeom.Xform.Define(stage, control.GetPath().AppendChild("Sword"))
+    sword.SetResetXformStack(True)
+    stage.Save()
+    with pytest.raises(GeometryError, match=r"hand_L_ctl/Sword> is below <.*hand_L_ctl>, .*resetXformStack"):
+        edit(built, tmp_path / "bare.usda", stripped)
+    assert not (tmp_path / "bare.usda").exists()
 
 
 def reordered(path: Path, extension: str) -> None:

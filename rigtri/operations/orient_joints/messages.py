@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.frames.scale_noise import Frozen
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import SKEW, determinant, skew
+from rigtri.maths.matrices import SKEW, decompose, determinant, skew
 from rigtri.maths.quaternions import angle_between, rotates, rotation_angle, to_axes
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
@@ -181,14 +181,18 @@ def check(outcome: Outcome, report: Report) -> None:
 
 
 def _check_sheared(rig: Rig, moves: Booleans) -> None:
-    """GeometryError where a clip drives some of the values of a turned joint that is sheared at rest.
+    """GeometryError where a clip drives some of the values of a joint that is sheared or flat at rest.
 
-    The rest of its values would come from a matrix that translation, rotation and scale cannot say.
+    The rest of its values would come from a matrix that translation, rotation and scale cannot say; where it
+    or its parent turns, they are to be others.
     """
-    sheared = rig.has_matrix & moves
+    sheared = rig.has_matrix & (moves | np.where(rig.parents >= 0, moves[rig.parents], False))
     if not sheared.any():
         return
-    sheared[sheared] = skew(rig.matrix[sheared]) > SKEW
+    matrices = rig.matrix[sheared]
+    with np.errstate(invalid="ignore"):
+        flat = ~np.isfinite(decompose(matrices)[1]).all(axis=1)
+    sheared[sheared] = flat | (skew(matrices) > SKEW)
     for clip in rig.clips:
         driven: dict[int, set[str]] = {}
         for track in clip.tracks:
@@ -197,10 +201,11 @@ def _check_sheared(rig: Rig, moves: Booleans) -> None:
         for node, paths in driven.items():
             missing = sorted({"translation", "rotation", "scale"} - paths)
             if missing:
+                turned = rig.title(node if moves[node] else int(rig.parents[node]))
                 raise GeometryError(
-                    f"'{rig.title(node)}' is sheared at rest, and '{clip.name}' gives it no "
+                    f"'{rig.title(node)}' is sheared or flat at rest, and '{clip.name}' gives it no "
                     f"{' and no '.join(missing)}, so how it stands then is undefined. Give it all three in "
-                    f"the animation, or leave it out with --exclude '{rig.title(node)}'."
+                    f"the animation, or use --exclude '{turned}'."
                 )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import refuse, why_locked
 from rigtri.formats.usd.opinions.edits import (
@@ -160,7 +160,20 @@ def _removals(source: Source, rig: Rig) -> list[Edit]:
                 f"<{rig.labels[node]}> is written in {stack[0].layer.identifier} and in "
                 f"{spec.layer.identifier}, so it cannot be taken out of one of them."
             )
+    _refuse_others_below(rig, {rig.labels[node] for node in gone})
     return [_erase(rig.labels[node]) for node in tops]
+
+
+def _refuse_others_below(rig: Rig, gone: Collection[str]) -> None:
+    """GeometryError where a prim that stays is below one that goes: !resetXformStack! makes it no child."""
+    for node, path in enumerate(rig.labels):
+        if kind(rig.keys[node]) != "prim" or path in gone:
+            continue
+        if above := max((k for k in gone if path.startswith(f"{k}/")), key=len, default=""):
+            raise GeometryError(
+                f"<{path}> is below <{above}>, which strip removes, and does not follow it "
+                "(!resetXformStack!). Move it elsewhere, or remove it; then strip again"
+            )
 
 
 def _erase(path: str) -> Edit:

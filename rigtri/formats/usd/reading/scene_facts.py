@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.model.scene_facts import Scenery
@@ -82,9 +82,10 @@ def _bound_materials(prim: Any, material: Any) -> dict[str, str]:
 
 
 def _network(stage: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """What a material and the shaders below it are set to and connected with."""
+    """What a material and the shaders below it are set to and connected with; nothing of any other prim."""
     prim = stage.GetPrimAtPath(path)
-    for below in Usd.PrimRange(prim, Usd.TraverseInstanceProxies()) if prim else ():
+    known = bool(prim) and prim.IsA(UsdShade.Material)
+    for below in Usd.PrimRange(prim, Usd.TraverseInstanceProxies()) if known else ():
         where = str(below.GetPath())[len(path) :].strip("/")
         for attribute in below.GetAuthoredAttributes():
             name = f"{where} {attribute.GetName()}".strip()

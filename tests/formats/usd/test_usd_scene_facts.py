@@ -1,0 +1,25 @@
+"""What a USD stage shows besides poses."""
+
+from __future__ import annotations
+
+import pytest
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
+
+from rigtri.formats.usd.reading.scene_facts import BINDING, read_scenery
+
+
+@pytest.mark.parametrize(
+    ("path", "facts"), [("/Paint", ["inputs:size of the material"]), ("/Skel", []), ("/Nobody", [])]
+)
+def test_a_binding_to_what_is_no_material_shows_nothing_of_it(path: str, facts: list[str]) -> None:
+    """Found by mutations: joints that were added to a Skeleton counted as another look of the mesh."""
+    stage = Usd.Stage.CreateInMemory()
+    mesh = UsdGeom.Mesh.Define(stage, "/Body").GetPrim()
+    UsdSkel.Skeleton.Define(stage, "/Skel").CreateJointsAttr(["a"])
+    UsdShade.Material.Define(stage, "/Paint").CreateInput("size", Sdf.ValueTypeNames.Float).Set(2.0)
+    mesh.CreateRelationship(BINDING).SetTargets([path])
+    found = read_scenery(stage, {0: "/Body"}, closely=True).nodes[0]
+    assert found["material"] == path
+    assert [name for name in facts if "of the material" in name] == (
+        [f"{fact} of the material"] if fact else []
+    )
