@@ -6,6 +6,7 @@ See benchmarks/README.md.
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import shutil
 import statistics
@@ -14,7 +15,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
@@ -26,7 +27,7 @@ from rigtri.pipeline.rigspec.load import load
 
 ROOT = Path(__file__).resolve().parent.parent
 SPEC = "steps: [{do: orient-joints, aim: x, up: y}]\n"
-WARM_UP = 10
+WARM_UP = 4
 
 BLENDER = """
 import bpy, sys, time
@@ -89,7 +90,8 @@ class Workers:
 
     def __call__(self, count: int) -> Times:
         """Of all processes together."""
-        self._run(WARM_UP)
+        if not self._made:  # a process of Python is warm from then on
+            self._run(WARM_UP)
         start, used = time.perf_counter(), self._used()
         self._run(count)
         files = count * len(self._children)
@@ -133,7 +135,7 @@ def printed(*command: str | Path) -> Times:
     words = [str(word) for word in command]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     (line,) = (text for text in done.stdout.splitlines() if text.startswith("SECONDS"))
-    wall, used = line.split()[1:]
+    wall, used = line.split()[1:3]
     return float(wall), float(used)
 
 
@@ -191,15 +193,55 @@ def measured(source: Path, folder: Path, count: int, rounds: int) -> list[str]:
     return [*lines, ""]
 
 
+def side_by_side(sources: Sequence[Path], folder: Path, rounds: int, seconds: float = 0.4) -> list[str]:
+    """A table with a row for each file: a worker of ours, verified, and glTF-Transform, in turns on one core.
+
+    seconds: of each loop in a round, about.
+    """
+    lines = ["## A file in a running process, verified, beside glTF-Transform's read and write", ""]
+    lines += [f"Milliseconds of processors, medians of {rounds} rounds. glTF-Transform {version()}.", ""]
+    lines += ["| file | MB | rigtri, verified | glTF-Transform | ratio | ratio by the clock |"]
+    lines += ["|---|---|---|---|---|---|"]
+    core = set(of_this_process()[:1])
+    for number, source in enumerate(sources):
+        place = folder / f"side{number}"
+        peer = transform(source, folder)
+        with closing(Workers(source, place, verify=True, cores=core)) as mine, kept_to(core):
+            loops = [mine, *([peer] if peer else [])]
+            counts = [max(3, round(seconds / loop(1)[0])) for loop in loops]
+            times = [[loop(n) for loop, n in zip(loops, counts, strict=True)] for _ in range(rounds)]
+        walls, used = (
+            [statistics.median(each[k][of] for each in times) for k in range(len(loops))] for of in (0, 1)
+        )
+        row = f"| {source.name} | {source.stat().st_size / 1e6:.2f} | {1000 * used[0]:.1f} |"
+        if peer:
+            row += f" {1000 * used[1]:.1f} | {used[0] / used[1]:.2f} | {walls[0] / walls[1]:.2f} |"
+        lines.append(row)
+    return [*lines, ""]
+
+
+def version() -> str:
+    """That of glTF-Transform, where it is installed."""
+    place = os.environ.get("RIGTRI_GLTF_TRANSFORM", "")
+    package = Path(place, "node_modules", "@gltf-transform", "core", "package.json")
+    return str(json.loads(package.read_text())["version"]) if package.is_file() else "is not installed"
+
+
 def main() -> None:
     """Measure, and print a table."""
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--file", type=Path, default=ROOT / "samples" / "biped.glb")
+    arguments.add_argument(
+        "--file", type=Path, action="append", help="a character; with several, one table of all"
+    )
     arguments.add_argument("--count", type=int, default=60, help="files of each loop in a round")
     arguments.add_argument("--rounds", type=int, default=5)
     given = arguments.parse_args()
     with tempfile.TemporaryDirectory() as name:
-        print("\n".join(measured(given.file, Path(name), given.count, given.rounds)))
+        files = given.file or [ROOT / "samples" / "biped.glb"]
+        if len(files) > 1:
+            print("\n".join(side_by_side(files, Path(name), given.rounds)))
+        else:
+            print("\n".join(measured(files[0], Path(name), given.count, given.rounds)))
 
 
 if __name__ == "__main__":
