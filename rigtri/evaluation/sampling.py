@@ -9,6 +9,7 @@ Source: glTF 2.0 §3.5.3, §3.7.3, §3.11 and appendix C; UsdSkel (joint-local S
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +19,11 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import norm, normalise, slerp, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, columns
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+
+_NONE = np.zeros(0, dtype=np.int64)
 
 
 def worlds(rig: Rig, local: Floats) -> Floats:
@@ -69,10 +72,10 @@ class Motion:
     """A clip of a rig with its tracks gathered into few arrays, ready to be evaluated in blocks."""
 
     def __init__(self, rig: Rig, clip: Clip) -> None:
-        tracks = [track for track in clip.tracks if track.path != "weights"]
+        columns = [column for column in clip.columns if column.path != "weights"]
         self.rig = rig
-        self.driven = np.array(sorted({track.node for track in tracks}), dtype=np.int64)
-        self.packs = [_Pack.of(alike, self.driven) for alike in _together(tracks)]
+        self.driven = np.flatnonzero(np.bincount(np.concatenate([_NONE, *(c.nodes for c in columns)])))
+        self.packs = [_Pack.of(alike, self.driven) for alike in _together(columns)]
 
     def locals_at(self, times: ArrayLike, *, normalised: bool = True) -> Floats:
         """Local matrices, (f, n, 4, 4), at ``times``, (f,); see the function of the same name."""
@@ -114,13 +117,13 @@ class Motion:
 
 def sample(track: Track, times: ArrayLike) -> Floats:
     """The values of one track, (f, c), at ``times``, (f,); held beyond its first and last key."""
-    pack = _Pack.of([track], np.array([track.node]))
+    pack = _Pack.of(columns([track]), np.array([track.node]))
     return pack.sample(np.atleast_1d(np.asarray(times, dtype=np.float64)))[:, 0]
 
 
 def key_times(clip: Clip) -> Floats:
     """All key times of a clip, sorted, each once."""
-    distinct = {id(track.times): track.times for track in clip.tracks}
+    distinct = {id(column.times): column.times for column in clip.columns}
     return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
 
@@ -168,17 +171,14 @@ def _held(values: Floats, count: int) -> Floats:
     return held
 
 
-def _together(tracks: list[Track]) -> list[list[Track]]:
-    """Tracks in groups that share path, interpolation, times and width."""
-    groups: dict[object, list[Track]] = {}
-    content: dict[int, bytes] = {}
-    for track in tracks:
+def _together(columns: Sequence[Column]) -> list[list[Column]]:
+    """Columns in groups that share path, interpolation, times and width: of two rigs, or with one key."""
+    groups: dict[object, list[Column]] = {}
+    for column in columns:
         # What has one key is the same at all times, whatever its time is.
-        times = content.get(id(track.times))
-        if times is None:
-            times = content[id(track.times)] = track.times.tobytes() if len(track.times) > 1 else b""
-        alike = (track.path, track.interpolation, times, track.values.shape)
-        groups.setdefault(alike, []).append(track)
+        times = column.times.tobytes() if len(column.times) > 1 else b""
+        alike = (column.path, column.interpolation, times, column.values.shape[1:])
+        groups.setdefault(alike, []).append(column)
     return list(groups.values())
 
 
@@ -197,15 +197,15 @@ class _Pack:
     columns: Integers | None
 
     @staticmethod
-    def of(tracks: list[Track], driven: Integers) -> _Pack:
-        tracks = sorted(tracks, key=lambda track: track.node)
-        first = tracks[0]
-        shape = len(first.values), len(tracks), *first.values.shape[1:]
+    def of(alike: Sequence[Column], driven: Integers) -> _Pack:
+        first = alike[0]
+        nodes = np.concatenate([column.nodes for column in alike])
+        order = np.argsort(nodes, kind="stable")
+        end_to_end = np.concatenate([column.values for column in alike])
+        shape = end_to_end.shape[1], len(nodes), *end_to_end.shape[2:]
         values: Floats = np.empty(shape[::-1]).transpose()
-        end_to_end = np.concatenate([track.values for track in tracks])
-        values[:] = end_to_end.reshape(len(tracks), *first.values.shape).swapaxes(0, 1)
-        nodes = np.array([track.node for track in tracks])
-        columns = None if np.array_equal(nodes, driven) else np.searchsorted(driven, nodes)
+        values[:] = end_to_end[order].swapaxes(0, 1)
+        columns = None if np.array_equal(nodes[order], driven) else np.searchsorted(driven, nodes[order])
         return _Pack(first.path, first.interpolation, first.times, values, columns)
 
     def sample(self, times: Floats) -> Floats:

@@ -18,7 +18,7 @@ from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
-from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.animation import Clip, Column, key_values
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -136,12 +136,13 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     low = np.sqrt(np.maximum(np.minimum.reduce([a - b for a, b in zip(square, aside, strict=True)]), 0.0))
     least, most, bones = low.copy(), high.copy(), length(local[:, 3, :3])
     moved, scaled = (
-        [t for clip in rig.clips for t in clip.tracks if t.path == path and len(t.values)]
+        [c for clip in rig.clips for c in clip.columns if c.path == path and len(c.times)]
         for path in ("translation", "scale")
     )
-    for track in (track for track in (*moved, *scaled) if track.interpolation == "CUBICSPLINE"):
-        (bones if track.path == "translation" else most)[track.node] = np.inf
-        least[track.node] = least[track.node] if track.path == "translation" else 0.0
+    for column in (column for column in (*moved, *scaled) if column.interpolation == "CUBICSPLINE"):
+        (bones if column.path == "translation" else most)[column.nodes] = np.inf
+        if column.path == "scale":
+            least[column.nodes] = 0.0
     for node, values, starts in _keys(moved):
         np.maximum.at(bones, node, np.maximum.reduceat(length(values), starts))
     for node, values, starts in _keys(scaled):
@@ -153,13 +154,13 @@ def _sizes_of_nodes(rig: Rig) -> tuple[tuple[Floats, Floats], tuple[Floats, Floa
     return (low, high), (least, most), bones
 
 
-def _keys(tracks: Sequence[Track]) -> Iterator[tuple[Integers, Floats, Integers]]:
+def _keys(columns: Sequence[Column]) -> Iterator[tuple[Integers, Floats, Integers]]:
     """The nodes, (t,), of tracks without splines, their values in one, (k, 3), and where each starts."""
-    plain = [track for track in tracks if track.interpolation != "CUBICSPLINE"]
+    plain = [column for column in columns if column.interpolation != "CUBICSPLINE"]
     if plain:
-        counts = np.array([len(track.values) for track in plain])
-        values = np.concatenate([track.values for track in plain])
-        yield np.array([track.node for track in plain]), values, np.cumsum(counts) - counts
+        counts = np.concatenate([np.full(len(column), column.rows) for column in plain])
+        values = np.concatenate([column.values.reshape(-1, 3) for column in plain])
+        yield np.concatenate([column.nodes for column in plain]), values, np.cumsum(counts) - counts
 
 
 def _along(rig: Rig, world: Floats, own: Floats) -> Floats:

@@ -21,7 +21,7 @@ from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import IDENTITY, norm, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import Track, key_values
+from rigtri.model.animation import Column
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 
@@ -62,13 +62,15 @@ class ScaleTable:
 
     @staticmethod
     def of(rig: Rig) -> ScaleTable:
-        tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "scale" and len(t.values)]
+        columns = [c for clip in rig.clips for c in clip.columns if c.path == "scale" and len(c.times)]
         sign = _signs(rig)
         rest = np.where(rig.has_matrix[:, np.newaxis], length(rig.matrix[:, :3, :3]) * sign, rig.scale)
-        keys = [_scale_rows(t) for t in tracks]
-        counts = np.array([1] * len(rig) + [len(rows) for rows in keys], dtype=np.int64)
-        nodes = np.array([*range(len(rig)), *(t.node for t in tracks)], dtype=np.int64)
-        rows, owner = np.concatenate([rest, *keys]), np.repeat(nodes, counts)
+        keys = [_scale_rows(column) for column in columns]
+        many = [np.full(len(rows), rows.shape[1]) for rows in keys]
+        counts = np.concatenate([np.ones(len(rig), dtype=np.int64), *many])
+        nodes = np.concatenate([np.arange(len(rig)), *(column.nodes for column in columns)])
+        rows = np.concatenate([rest, *(rows.reshape(-1, 3) for rows in keys)])
+        owner = np.repeat(nodes, counts)
         unsigned = rows * sign[owner]
         # Of each node's rest and each of its tracks, and then of each node.
         x, y, z = unsigned.T
@@ -163,12 +165,13 @@ def _signs(rig: Rig) -> Floats:
     return np.where(unknown, mirrored, sign)
 
 
-def _scale_rows(track: Track) -> Floats:
-    """All scales of a track, (k, 3); cubic tangents as what they add over the longest interval."""
-    if track.interpolation != "CUBICSPLINE":
-        return track.values
-    longest = float(np.diff(track.times).max(initial=0.0))
-    return np.concatenate([track.values[:, 1], track.values[:, ::2].reshape(-1, 3) * longest])
+def _scale_rows(column: Column) -> Floats:
+    """All scales of tracks, (t, r, 3); cubic tangents as what they add over the longest interval."""
+    if column.interpolation != "CUBICSPLINE":
+        return column.values
+    longest = float(np.diff(column.times).max(initial=0.0))
+    tangents = column.values[:, :, ::2].reshape(len(column), -1, 3)
+    return np.concatenate([column.key_values, tangents * longest], axis=1)
 
 
 def _permutes(axes: Floats) -> Booleans:
@@ -236,8 +239,8 @@ def _effect(fault: Floats, far: Floats) -> Floats:
 def _off_unit(rig: Rig) -> Floats:
     """The largest | |q|² − 1 | of each node's rotations, at rest and at keys, (n,)."""
     off = np.where(rig.has_matrix, 0.0, _off(rig.rotation))
-    for track in (t for clip in rig.clips for t in clip.tracks if t.path == "rotation"):
-        off[track.node] = max(off[track.node], float(_off(key_values(track)).max(initial=0.0)))
+    for column in (c for clip in rig.clips for c in clip.columns if c.path == "rotation"):
+        np.maximum.at(off, column.nodes, _off(column.key_values).max(axis=1, initial=0.0))
     return np.asarray(off)
 
 

@@ -27,7 +27,7 @@ from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, decompose, from_frame, rotate_after, rotate_before
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, multiply, rotate, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Track
+from rigtri.model.animation import Column, Track, Tracks, other_rows
 from rigtri.model.metadata import FrameRecord
 from rigtri.model.rig import Rig
 
@@ -174,19 +174,20 @@ def _reorient_skins(rig: Rig, delta: Floats) -> Rig:
 
 
 def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales: ScaleTable) -> Rig:
-    """Turn the keys of all clips; tracks of one kind go through the arithmetic together."""
+    """Turn the keys of all clips; columns of one kind go through the arithmetic together."""
     own, parents = rotates(delta), rotates(above)
-    tracks = [track for clip in rig.clips for track in clip.tracks]
-    changed: dict[int, Track] = {}
+    by_clip = [clip.columns for clip in rig.clips]
+    columns = [column for some in by_clip for column in some]
+    changed: dict[int, Column] = {}
     rescaled = _rescaled(delta, fold, scales)
     for path, moves in (("translation", parents), ("rotation", own | parents), ("scale", rescaled)):
-        mine = [k for k, t in enumerate(tracks) if t.path == path and moves[t.node]]
+        moving = {k: moves[c.nodes] for k, c in enumerate(columns) if c.path == path}
+        mine = [k for k, rows in moving.items() if rows.any()]
         if not mine:
             continue
-        width = 4 if path == "rotation" else 3
-        flat = [tracks[k].values.reshape(-1, width) for k in mine]
-        node = np.repeat([tracks[k].node for k in mine], [len(rows) for rows in flat])
-        rows = np.concatenate(flat)
+        flat = [columns[k].values[moving[k]] for k in mine]
+        node = np.concatenate([np.repeat(columns[k].nodes[moving[k]], columns[k].rows) for k in mine])
+        rows = np.concatenate([values.reshape(-1, values.shape[-1]) for values in flat])
         if path == "translation":
             rows = rotate(conjugate(above[node]), rows)
         elif path == "rotation":
@@ -195,14 +196,23 @@ def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales
             rows = _reoriented_scale(rows, node, delta, fold, scales)
         start = 0
         for k, old in zip(mine, flat, strict=True):
-            part, track = rows[start : start + len(old)], tracks[k]
-            start += len(old)
-            if path != "scale" or not np.array_equal(part, old):
-                changed[k] = track.having(part.reshape(track.values.shape))
+            end = start + old.size // old.shape[-1]
+            part, which = rows[start:end].reshape(old.shape), moving[k]
+            start = end
+            if path == "scale":  # most stay what they were, to the bit
+                other = other_rows(part, old)
+                which[which], part = other, part[other]
+            if which.any():
+                values = columns[k].values.copy()
+                values[which] = part
+                changed[k] = columns[k].having(values, which)
     if not changed:
         return rig
-    after = iter(changed.get(k, track) for k, track in enumerate(tracks))
-    clips = tuple(replace(clip, tracks=tuple(next(after) for _ in clip.tracks)) for clip in rig.clips)
+    after = iter(changed.get(k, column) for k, column in enumerate(columns))
+    clips = tuple(
+        replace(clip, tracks=Tracks([next(after) for _ in some]))
+        for clip, some in zip(rig.clips, by_clip, strict=True)
+    )
     return replace(rig, clips=clips)
 
 

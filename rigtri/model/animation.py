@@ -1,11 +1,21 @@
-"""Animation: tracks of nodes over time, and the clips that they form."""
+"""Animation: tracks of nodes over time, and the clips that they form.
+
+A clip of a character has hundreds of tracks, and most share few arrays of key times. `columns` has those
+that do in one array each, in which all of them are read, changed and compared at once.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain, repeat
+from operator import itemgetter
+from typing import Any, Literal, overload
 
+import numpy as np
+
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 
 Path = Literal["translation", "rotation", "scale", "weights"]
@@ -58,6 +68,133 @@ class Track:
         return Track(self.node, self.path, self.interpolation, self.times, values, self.key, self.unlisted)
 
 
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Tracks of a clip that share path, interpolation and key times, in one array of values, (t, k, [3,] c).
+
+    times: (k,). nodes: (t,). keys: the `Track.key` of each. places: where each stands among the tracks of the
+    clip. tracks: those that were asked for, by their row.
+    """
+
+    path: Path
+    interpolation: Interpolation
+    times: Floats
+    nodes: Integers
+    values: Floats
+    keys: Sequence[Hashable]
+    places: Sequence[int]
+    unlisted: frozenset[int] = frozenset()
+    tracks: dict[int, Track] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+    @property
+    def key_values(self) -> Floats:
+        """The values at the keys, (t, k, c), without the tangents of splines."""
+        return self.values[:, :, 1] if self.interpolation == "CUBICSPLINE" else self.values
+
+    @property
+    def rows(self) -> int:
+        """How many values, (c,), each track has: of splines, three a key."""
+        return int(self.values[0].size) // int(self.values.shape[-1])
+
+    def track(self, row: int) -> Track:
+        """One of the tracks; its values are a part of the column's."""
+        if row not in self.tracks:
+            self.tracks[row] = Track(
+                int(self.nodes[row]),
+                self.path,
+                self.interpolation,
+                self.times,
+                self.values[row],
+                self.keys[row],
+                self.unlisted,
+            )
+        return self.tracks[row]
+
+    def having(self, values: Floats, changed: Booleans) -> Column:
+        """The column with other values, in rows that are ``changed``, (t,)."""
+        same = {row: track for row, track in self.tracks.items() if not changed[row]}
+        return replace(self, values=values, tracks=same)
+
+    def moved(self, place: Integers) -> Column | None:
+        """The column on other nodes: ``place``, (n,), has where each went, −1 for those that are left out."""
+        nodes = place[self.nodes]
+        rows = np.flatnonzero(nodes >= 0)
+        if len(rows) == len(nodes):
+            return replace(self, nodes=nodes, tracks={})
+        if not len(rows):
+            return None
+        return replace(
+            self,
+            nodes=nodes[rows],
+            values=self.values[rows],
+            keys=[self.keys[row] for row in rows.tolist()],
+            places=[self.places[row] for row in rows.tolist()],
+            tracks={},
+        )
+
+
+class Tracks(Sequence[Track]):
+    """The tracks of columns in the order of their places, made when one is asked for."""
+
+    def __init__(self, columns: Iterable[Column]) -> None:
+        self.columns = tuple(columns)
+
+    @cached_property
+    def _all(self) -> tuple[Track, ...]:
+        placed = (zip(c.places, repeat(c), range(len(c))) for c in self.columns)
+        return tuple(c.track(row) for _, c, row in sorted(chain(*placed), key=itemgetter(0)))
+
+    def __len__(self) -> int:
+        return sum(map(len, self.columns))
+
+    def __iter__(self) -> Iterator[Track]:
+        return iter(self._all)
+
+    @overload
+    def __getitem__(self, index: int) -> Track: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Track, ...]: ...
+    def __getitem__(self, index: Any) -> Any:
+        return self._all[index]
+
+
+def other_rows(a: Floats, b: Floats) -> Booleans:
+    """Which rows of two arrays of one shape, (t, ...), are not the same, (t,)."""
+    return np.asarray((a != b).reshape(len(a), -1).any(axis=1))
+
+
+def columns(tracks: Sequence[Track]) -> tuple[Column, ...]:
+    """The columns of tracks, in the order in which they first appear."""
+    if isinstance(tracks, Tracks):
+        return tracks.columns
+    groups: dict[object, list[int]] = {}
+    for place, track in enumerate(tracks):
+        alike = track.path, track.interpolation, id(track.times), track.values.shape, track.unlisted
+        groups.setdefault(alike, []).append(place)
+    return tuple(_column([tracks[place] for place in places], places) for places in groups.values())
+
+
+def _column(tracks: Sequence[Track], places: Sequence[int]) -> Column:
+    first = tracks[0]
+    values = np.concatenate([track.values for track in tracks]).reshape(len(tracks), *first.values.shape)
+    nodes = np.array([track.node for track in tracks], dtype=np.int64)
+    keys = [track.key for track in tracks]
+    return Column(
+        first.path,
+        first.interpolation,
+        first.times,
+        nodes,
+        values,
+        keys,
+        places,
+        first.unlisted,
+        dict(enumerate(tracks)),
+    )
+
+
 def key_values(track: Track) -> Floats:
     """The values of a track at its keys, (k, c), without the tangents of splines."""
     return track.values[:, 1] if track.interpolation == "CUBICSPLINE" else track.values
@@ -73,13 +210,18 @@ class Clip:
     """
 
     name: str
-    tracks: tuple[Track, ...]
+    tracks: Sequence[Track]
     key: Hashable = None
     idle: bool = False
     fixed_times: bool = False
 
     def __repr__(self) -> str:
         return f"<Clip {self.name!r}: {len(self.tracks)} tracks>"
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The tracks in few arrays."""
+        return columns(self.tracks)
 
     @property
     def without_idle(self) -> Clip:

@@ -19,7 +19,7 @@ from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, decompose, multiply
 from rigtri.maths.quaternions import normalise
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Tracks
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
@@ -218,16 +218,15 @@ class Rig(NodeNames):
         """
         keep = sorted(set(nodes))
         place = {old: new for new, old in enumerate(keep)}
+        new = np.full(len(self), -1)
+        new[keep] = np.arange(len(keep))
         clips = tuple(
-            replace(
-                clip,
-                tracks=tuple(replace(t, node=place[node]) for node in keep for t in by_node.get(node, ())),
-            )
-            for clip, by_node in zip(self.clips, self._tracks_of, strict=True)
+            replace(clip, tracks=Tracks(filter(None, (column.moved(new) for column in clip.columns))))
+            for clip in self.clips
         )
         small = Rig(
             names=tuple(self.names[node] for node in keep),
-            parents=np.array([place.get(int(p), -1) for p in self.parents[keep]], dtype=np.int64),
+            parents=np.where(self.parents[keep] < 0, -1, new[self.parents[keep]]),
             translation=self.translation[keep],
             rotation=self.rotation[keep],
             scale=self.scale[keep],
@@ -239,17 +238,6 @@ class Rig(NodeNames):
             clips=clips,
         )
         return small, place
-
-    @cached_property
-    def _tracks_of(self) -> list[dict[int, list[Track]]]:
-        """The tracks of each clip by the node that they drive."""
-        found: list[dict[int, list[Track]]] = []
-        for clip in self.clips:
-            by_node: dict[int, list[Track]] = {}
-            for track in clip.tracks:
-                by_node.setdefault(track.node, []).append(track)
-            found.append(by_node)
-        return found
 
     def clip(self, name: str) -> Clip:
         """The clip called ``name`` (or ``#index``). Raises NameNotFoundError."""

@@ -193,8 +193,10 @@ def _check_numbers(before: Rig, after: Rig) -> None:
     """
     if after is before:
         return
-    known_tracks = {id(track) for clip in before.clips for track in clip.tracks}
-    for clip in after.clips:
+    least = _LARGEST_HALF if after.rules.raw_quaternions else _LARGEST
+    doubtful = [clip for clip in after.clips if any(_unfit(c.values, least).any() for c in clip.columns)]
+    known_tracks = {id(track) for clip in before.clips if doubtful for track in clip.tracks}
+    for clip in doubtful:
         for track in clip.tracks:
             # A SkelAnimation holds scales as half3.
             half = track.path == "scale" and after.rules.raw_quaternions and after.is_joint[track.node]

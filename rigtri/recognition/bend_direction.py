@@ -8,7 +8,7 @@ plane. So every answer says where it came from, and there may be none.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -184,9 +184,8 @@ def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None)
         normals.append(_bent_hinges(limb, other_pose[np.newaxis]))
         found = len(normals[-1]) > 0
     small, triple = between(rig, limb.triple)
-    for clip in (clip for clip in small.clips if clip.tracks and not clip.idle):
-        posed = worlds(small, locals_at(small, clip, thinned(key_times(clip), MOST_KEYS)))
-        normals.append(_bent_hinges(replace(limb, start=triple[0], middle=triple[1], end=triple[2]), posed))
+    mine = replace(limb, start=triple[0], middle=triple[1], end=triple[2])
+    normals += [_bent_hinges(mine, worlds(small, local)) for local in _keyed_poses(small)]
     everything = np.concatenate(normals)
     if not len(everything):
         return None
@@ -198,6 +197,18 @@ def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None)
     towards = _towards(limb, world, cross(c - a, normal), "clips", float(sin_cos(BENT)[0]))
     only_other = found and len(everything) == len(normals[1])
     return replace(towards, source="other pose") if towards and only_other else towards
+
+
+def _keyed_poses(rig: Rig) -> Iterator[Floats]:
+    """The local matrices of all clips at their keys, (f, n, 4, 4), of many clips at once."""
+    some: list[Floats] = []
+    for clip in (clip for clip in rig.clips if clip.tracks and not clip.idle):
+        some.append(locals_at(rig, clip, thinned(key_times(clip), MOST_KEYS)))
+        if sum(map(len, some)) >= MOST_KEYS:
+            yield np.concatenate(some)
+            some = []
+    if some:
+        yield np.concatenate(some)
 
 
 def _bent_hinges(limb: Limb, world: Floats) -> Floats:

@@ -14,7 +14,7 @@ from rigtri.evaluation.sampling import worlds
 from rigtri.maths.matrices import compose, transform_directions
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, key_values
+from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.
@@ -51,10 +51,10 @@ class Poses:
             return np.zeros((0, len(rig), 3))
         rotation = np.tile(rig.rotation, (len(clips), len(PARTS), 1, 1))
         for clip, moments in zip(clips, rotation, strict=True):
-            for track in clip.tracks:
-                if track.path == "rotation" and len(track.times):
-                    keys = [int(part * len(track.times)) for part in PARTS]
-                    moments[:, track.node] = key_values(track).take(keys, axis=0)
+            for column in clip.columns:
+                if column.path == "rotation" and len(column.times):
+                    keys = [int(part * len(column.times)) for part in PARTS]
+                    moments[:, column.nodes] = column.key_values[:, keys].swapaxes(0, 1)
         local = compose(rig.translation, rotation.reshape(-1, len(rig), 4), rig.scale)
         local[:, rig.has_matrix] = rig.matrix[rig.has_matrix]
         return finite(worlds(rig, local)[..., 3, :3])
@@ -63,13 +63,17 @@ class Poses:
         """Which way the highest of the joints that clips move goes in them; zero for on the spot."""
         rig, inside, total = self.rig, set(nodes), Vector()
         for clip in self.rig.shown_clips:
-            ways = {
-                t.node: key_values(t) for t in clip.tracks if t.path == "translation" and len(t.times) > 1
-            }
-            tops = [node for node in ways if node in inside]
+            moved = [c for c in clip.columns if c.path == "translation" and len(c.times) > 1]
+            tops = [
+                (node, k, row)
+                for k, column in enumerate(moved)
+                for row, node in enumerate(column.nodes.tolist())
+                if node in inside
+            ]
             if tops:
-                top = min(tops)  # parents come first
-                way = ways[top][-1] - ways[top][0]
+                top, k, row = min(tops)  # parents come first
+                keys = moved[k].key_values[row]
+                way = keys[-1] - keys[0]
                 above = int(rig.parents[top])
                 total = total + Vector(*(transform_directions(way, rig.world[above]) if above >= 0 else way))
         return total
@@ -96,7 +100,7 @@ def bind_pose(rig: Rig) -> Floats | None:
 
 
 def _rotations(clip: Clip) -> int:
-    return len([track for track in clip.tracks if track.path == "rotation" and len(track.times) > 1])
+    return sum(len(c) for c in clip.columns if c.path == "rotation" and len(c.times) > 1)
 
 
 def finite(numbers: Floats, other: float = 0.0) -> Floats:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Track, Tracks, columns
 
 TIMES = np.array([0.0, 1.0])
 TURN = Track(0, "rotation", "LINEAR", TIMES, np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)))
@@ -15,3 +15,26 @@ def test_an_idle_clip_plays_its_weights_alone() -> None:
     played = Clip("walk", (TURN, BULGE), idle=True).without_idle
     assert played.tracks == (BULGE,)
     assert not played.idle
+
+
+def test_columns_give_back_the_tracks_they_were_made_of() -> None:
+    later = Track(2, "rotation", "LINEAR", TIMES, TURN.values * 2, key=7)
+    tracks = (TURN, BULGE, later)
+    turns, weights = columns(tracks)
+    assert (turns.nodes.tolist(), weights.nodes.tolist()) == ([0, 2], [1])
+    assert turns.values.tolist() == [TURN.values.tolist(), later.values.tolist()]
+    assert tuple(Tracks((weights, turns))) == tracks
+
+
+def test_a_column_on_other_nodes_leaves_out_those_without_a_place() -> None:
+    (column,) = columns((TURN, Track(2, "rotation", "LINEAR", TIMES, TURN.values * 2, key=7)))
+    (track,) = Tracks(filter(None, (column.moved(np.array([-1, -1, 5])), column.moved(np.full(3, -1)))))
+    assert (track.node, track.key, track.values.tolist()) == (5, 7, (TURN.values * 2).tolist())
+
+
+def test_a_changed_column_keeps_the_tracks_that_did_not_change() -> None:
+    other = Track(2, "rotation", "LINEAR", TIMES, TURN.values * 2)
+    (column,) = columns((TURN, other))
+    kept, new = Tracks([column.having(-column.values, np.array([False, True]))])
+    assert kept is TURN
+    assert new.values.tolist() == (-other.values).tolist()

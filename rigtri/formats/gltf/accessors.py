@@ -5,6 +5,7 @@ Source: glTF 2.0 §3.6.2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ FULL = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 # An accessor without bytes could claim any size; no skeleton needs more numbers than this.
 MOST_ZEROS = 1 << 24
+_BOUNDS = {"min": None, "max": None}
 # So many layouts are kept for the writer.
 MOST_LAYOUTS = 1 << 14
 
@@ -71,18 +73,29 @@ class Layout(NamedTuple):
 class Accessors:
     """All accessors of a file. Bounds are checked before anything is allocated."""
 
-    def __init__(self, gltf: Value, buffers: Buffers) -> None:
+    def __init__(self, gltf: Value, buffers: Buffers, like: Accessors | None = None) -> None:
         self.buffers = buffers
         self._file = gltf.where
         self._items = gltf.object().get("accessors", [])
         self._views = gltf.object().get("bufferViews", [])
         self._known_views: dict[int, tuple[int, int, int, int]] = {}
-        self._layouts: dict[int, Layout] = {}
+        # Where numbers lie is found out once for a file and what is made of it.
+        self.known = like if like is not None and self._lies_as(like) else None
+        self._layouts: dict[int, Layout] = {} if self.known is None else dict(self.known._layouts)
         self._floats: dict[int, Floats] = {}
         self._decoded: dict[int, memoryview] = {}
 
     def __len__(self) -> int:
         return len(self._items)
+
+    def _lies_as(self, like: Accessors) -> bool:
+        """Whether the numbers of all accessors of another file lie here where they do there."""
+        return (
+            self.buffers.hold(like.buffers)
+            and self._views[: len(like._views)] == like._views
+            and len(self._items) >= len(like._items)
+            and all(map(_same_layout, self._items, like._items))
+        )
 
     def value(self, index: int) -> Value:
         """The JSON of an accessor."""
@@ -120,6 +133,21 @@ class Accessors:
         layout = self.layout(index)
         return self._read_plain(layout) if layout.plain else self._converted(index, layout)
 
+    def in_place(self, index: int) -> bool:
+        """Whether an accessor is plain numbers in a buffer that is there: reading them cannot fail."""
+        layout = self.layout(index)
+        return layout.plain and bool(len(self.buffers.content(layout.buffer)))
+
+    def read_alike(self, indices: Sequence[int]) -> Floats:
+        """The numbers of accessors with the same count, (a, count · width); plain ones are read at once."""
+        layouts = [self.layout(index) for index in indices]
+        first = layouts[0]
+        if any(not one.plain or one.buffer != first.buffer or one.start % 4 for one in layouts):
+            return np.stack([self.read_aloud(index).ravel() for index in indices])
+        starts = np.array([one.start // 4 for one in layouts])[:, np.newaxis]
+        numbers: Floats = self._singles(first.buffer)[starts + np.arange(first.rows * first.width)]
+        return numbers.astype(np.float64)
+
     def has_rows(self, index: int) -> bool:
         """Whether `rows` can read some rows alone: they are neither compressed nor sparse."""
         layout = self.layout(index)
@@ -155,17 +183,18 @@ class Accessors:
             return _whole(numbers.astype(np.float64), layout)
 
     def _read_plain(self, layout: Layout) -> Floats:
-        # One float32 view of a buffer serves all its accessors: slicing it is cheap.
         start, rest = divmod(layout.start, 4)
         if rest:
             return self._elements(layout).astype(np.float64)
-        whole = self._floats.get(layout.buffer)
-        if whole is None:
-            content = self.buffers.content(layout.buffer)
-            whole = np.frombuffer(content, "<f4", len(content) // 4)
-            self._floats[layout.buffer] = whole
-        part = whole[start : start + layout.rows * layout.width]
+        part = self._singles(layout.buffer)[start : start + layout.rows * layout.width]
         return part.astype(np.float64).reshape(layout.rows, layout.width)
+
+    def _singles(self, buffer: int) -> Floats:
+        """A buffer as float32: one view of it serves all its accessors."""
+        if buffer not in self._floats:
+            content = self.buffers.content(buffer)
+            self._floats[buffer] = np.frombuffer(content, "<f4", len(content) // 4)
+        return self._floats[buffer]
 
     def _lay_plain(self, raw: dict[str, Any]) -> Layout | None:
         """As `_lay`, for what is stored plainly, as nearly all is; None for what is not, or is wrong."""
@@ -222,6 +251,17 @@ class Accessors:
         return self._known_views[index]
 
     def _read_view(self, view: Value) -> tuple[int, int, int, int]:
+        raw = view.raw
+        if type(raw) is dict and "extensions" not in raw:
+            b, start, length = raw.get("buffer"), raw.get("byteOffset", 0), raw.get("byteLength")
+            stride = raw.get("byteStride", 0)
+            if (
+                type(b) is type(start) is type(length) is type(stride) is int
+                and min(b, start, length, stride) >= 0
+                and b < len(self.buffers)
+                and start + length <= self.buffers.length(b)
+            ):
+                return b, start, length, stride  # as nearly all are; what is wrong with others is said below
         buffer = view.natural("buffer")
         if buffer >= len(self.buffers):
             view.fail(f"there is no buffer {buffer}, the file has {len(self.buffers)}")
@@ -278,6 +318,11 @@ class Accessors:
         view = value.natural("bufferView")
         placed = Layout(layout.component, layout.width, layout.rows, False, False, view)
         return self._elements(self._within(value, placed, value.natural("byteOffset", 0)))
+
+
+def _same_layout(a: Any, b: Any) -> bool:
+    """Whether two accessors differ in no more than the bounds of their numbers."""
+    return bool(a == b or (type(a) is type(b) is dict and {**a, **_BOUNDS} == {**b, **_BOUNDS}))
 
 
 def _whole(numbers: Floats, layout: Layout) -> Floats:

@@ -6,8 +6,7 @@ Source: glTF 2.0 §3.11; KHR_animation_pointer.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -30,7 +29,7 @@ from rigtri.formats.gltf.rules import (
 from rigtri.formats.json_values import Value
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Column, Interpolation, Path, Tracks
 from rigtri.report import Notice
 
 POINTER = "KHR_animation_pointer"
@@ -80,11 +79,31 @@ def animated_nodes(gltf: Value) -> set[int]:
     return found
 
 
+class _Alike(NamedTuple):
+    """What the channels of a column share. input: the accessor of the times. width: numbers of a value."""
+
+    path: Path
+    interpolation: Interpolation
+    input: int
+    width: int
+
+
+class _Channel(NamedTuple):
+    """What a channel has of its own; number: among the channels. output: the accessor of its values."""
+
+    number: int
+    node: int
+    output: int
+
+
+_Groups = dict[_Alike, list[_Channel]]
+
+
 class ClipReader:
     """Reads the animations of one file; notices collects what it could live with.
 
-    times: of each accessor that has some. known: those of the file that this one was made of; what is the
-    same is taken from there, and then compared no more.
+    like: that of the file that this one was made of; what is the same is taken from there, and then neither
+    read by channel nor compared.
     """
 
     def __init__(
@@ -93,17 +112,17 @@ class ClipReader:
         accessors: Accessors,
         tree: Tree,
         notices: list[Notice],
-        known: Mapping[int, Floats],
+        like: ClipReader | None,
         *,
         lenient: bool,
     ) -> None:
         self._gltf, self._accessors, self._tree = gltf, accessors, tree
         self._notices, self._lenient = notices, lenient
         self._nodes = gltf.object().get("nodes", [])
-        self.times: dict[int, Floats] = {}
-        self._known = known
+        self._times: dict[int, Floats] = {}
+        self._groups_of: list[_Groups | None] = []
+        self._like = like
         self._rising: set[bytes] = set()  # times that are in order: most tracks have the same
-        self._values: dict[int, Floats] = {}
 
     def read(self) -> tuple[Clip, ...]:
         """All animations as clips. FileError, naming animation and channel, for what is broken."""
@@ -120,10 +139,35 @@ class ClipReader:
     def _clip(self, number: int, animation: Value) -> Clip:
         name = animation.object().get("name")
         name = name if isinstance(name, str) else ""
-        where = f"{self._gltf.where} animation '{name}' (#{number})"
+        groups = self._known_groups(number, animation.raw)
+        if groups is None:
+            noticed = len(self._notices)
+            groups = self._groups(number, animation, f"{self._gltf.where} animation '{name}' (#{number})")
+            self._groups_of.append(groups if len(self._notices) == noticed else None)
+        else:
+            self._groups_of.append(groups)
+        columns = [self._column(number, *group) for group in groups.items()]
+        return Clip(name, Tracks(columns), key=number)
+
+    def _known_groups(self, number: int, animation: Any) -> _Groups | None:
+        """The channels of an animation that is the same in the file that this one was made of."""
+        like = self._like
+        if like is None or number >= len(like._groups_of) or self._accessors.known is not like._accessors:
+            return None
+        groups, place = like._groups_of[number], like._tree.place
+        if groups is None or any(alike.path == "weights" for alike in groups):
+            return None
+        if self._tree.place[: len(place)] != place or animation != like._gltf.raw["animations"][number]:
+            return None
+        for alike in groups:
+            self._input(alike.input, self._gltf.where)
+        return groups
+
+    def _groups(self, number: int, animation: Value, where: str) -> _Groups:
+        """The channels of an animation by what they share."""
         samplers = Value(animation.object().get("samplers", []), f"{where} samplers").entries()
         channels = Value(animation.object().get("channels", []), f"{where} channels").entries()
-        tracks: list[Track] = []
+        groups: _Groups = {}
         seen: dict[tuple[int, str], int] = {}
         for index, channel in enumerate(channels):
             place = f"{where} channel {index}"
@@ -140,14 +184,15 @@ class ClipReader:
                 refuse(f"{place}:", twice_violation(title(self._nodes, node), path, seen[target]))
             seen[target] = index
             try:
-                tracks.append(self._track(channel, samplers, target, (number, index), place))
+                alike, own = self._channel(channel, samplers, target, index, place)
+                groups.setdefault(alike, []).append(own)
             except FileError as error:
                 if path != "weights":
                     raise
                 # Morph weights are only looked at; nothing wrong with them may cost an edit of the rig.
                 text = f"{error} (morph weights are kept, but not checked)"
                 self._notices.append(Notice("weights-unread", text))
-        return Clip(name, tuple(tracks), key=number)
+        return groups
 
     def _wonder(self, channel: dict[str, Any], place: str) -> None:
         """Say that a channel may drive a joint in a way that rigtri does not know."""
@@ -158,34 +203,48 @@ class ClipReader:
         text = f"{place}: nobody knows what the path {path!r} drives; the channel is kept as it is"
         self._notices.append(Notice("channel-unknown", text))
 
-    def _track(
-        self,
-        channel: dict[str, Any],
-        samplers: list[Any],
-        target: tuple[int, Any],
-        key: tuple[int, int],
-        place: str,
-    ) -> Track:
+    def _channel(
+        self, channel: dict[str, Any], samplers: list[Any], target: tuple[int, Any], index: int, place: str
+    ) -> tuple[_Alike, _Channel]:
         node, path = target
         width = WIDTH.get(path) or self._morph_targets(node, place)
         number: Any = channel.get("sampler")
         if violation := sampler_violation(number, len(samplers)):
             refuse(f"{place}:", violation)
-        sampler = Value(samplers[number], f"{place}: sampler {number}").object()
+        sampler = samplers[number]
+        if type(sampler) is not dict:
+            Value(sampler, f"{place}: sampler {number}").object()
         interpolation = sampler.get("interpolation", "LINEAR")
         if violation := interpolation_violation(interpolation):
             refuse(f"{place}:", violation)
-        times = self._input(sampler.get("input"), place)
-        values = self._output(sampler.get("output"), place)
-        per_key = 3 if interpolation == "CUBICSPLINE" else 1
-        if path == "weights":
-            values = values.reshape(-1, width) if values.size % width == 0 else values
-        violation = value_width_violation(path, width, values.shape[1])
-        violation = violation or count_violation(len(times), len(values), interpolation)
+        source = sampler.get("input")
+        times = self._input(source, place)
+        output = self._output(sampler.get("output"), place)
+        layout = self._accessors.layout(output)
+        rows, columns = layout.rows, layout.width
+        if path == "weights" and rows * columns % width == 0:
+            rows, columns = rows * columns // width, width
+        violation = value_width_violation(path, width, columns)
+        violation = violation or count_violation(len(times), rows, interpolation)
         if violation:
             refuse(f"{place}:", violation)
-        shaped = values.reshape(len(times), 3, width) if per_key == 3 else values
-        return Track(self._tree.place[node], path, interpolation, times, shaped, key)
+        return _Alike(path, interpolation, source, width), _Channel(index, self._tree.place[node], output)
+
+    def _column(self, number: int, alike: _Alike, channels: list[_Channel]) -> Column:
+        """The tracks of channels with the same path, interpolation and times, read at once."""
+        times = self._times[alike.input]
+        values = self._accessors.read_alike([channel.output for channel in channels])
+        per_key = (3,) if alike.interpolation == "CUBICSPLINE" else ()
+        places = [channel.number for channel in channels]
+        return Column(
+            alike.path,
+            alike.interpolation,
+            times,
+            np.array([channel.node for channel in channels], dtype=np.int64),
+            values.reshape(len(channels), len(times), *per_key, alike.width),
+            [(number, place) for place in places],
+            places,
+        )
 
     def _accessor(self, index: Any, place: str, what: str) -> int:
         if type(index) is not int or not 0 <= index < len(self._accessors):
@@ -193,27 +252,27 @@ class ClipReader:
         return index
 
     def _input(self, index: Any, place: str) -> Floats:
-        times = self.times.get(index) if type(index) is int else None
+        times = self._times.get(index) if type(index) is int else None
         if times is None:
             index = self._accessor(index, place, "input")
             times = self._accessors.read_aloud(index)
             if violation := time_width_violation(times.shape[1]):
                 refuse(f"{place}:", violation)
-            content, known = times.tobytes(), self._known.get(index)
+            content, known = times.tobytes(), None if self._like is None else self._like._times.get(index)
             if content not in self._rising:
                 for violation in time_violations(times[:, 0], lenient=self._lenient):
                     refuse(f"{place}:", violation)
                 self._rising.add(content)
             times = times[:, 0] if known is None or known.tobytes() != content else known
-            self.times[index] = times
+            self._times[index] = times
         return times
 
-    def _output(self, index: Any, place: str) -> Floats:
-        values = self._values.get(index) if type(index) is int else None
-        if values is None:
-            index = self._accessor(index, place, "output")
-            values = self._values[index] = self._accessors.read_aloud(index)
-        return values
+    def _output(self, index: Any, place: str) -> int:
+        """The accessor of a channel's values, which can be read."""
+        index = self._accessor(index, place, "output")
+        if not self._accessors.in_place(index):
+            self._accessors.read_aloud(index)
+        return int(index)
 
     def _morph_targets(self, node: int, place: str) -> int:
         mesh = self._nodes[node].get("mesh")
@@ -228,34 +287,37 @@ class ClipReader:
 
     def _check_values(self, clip: Clip) -> None:
         """No NaN, no zero rotation; one look at all values, a second only where something is wrong."""
-        tracks = [track for track in clip.tracks if track.path != "weights"]
-        if tracks and not np.isfinite(np.concatenate([t.values.ravel() for t in tracks])).all():
-            self._refuse(tracks, "is not a number", lambda values: ~np.isfinite(values).all(axis=-1))
-        turns = [track for track in tracks if track.path == "rotation"]
-        if not turns:
+        columns = [column for column in clip.columns if column.path != "weights"]
+        if columns and not np.isfinite(np.concatenate([c.values.ravel() for c in columns])).all():
+            self._refuse(clip, ("translation", "rotation", "scale"), "is not a number", _is_lost)
+        keys = [column.key_values.reshape(-1, 4) for column in columns if column.path == "rotation"]
+        if not keys:
             return
-        keys = [t.values[:, 1] if t.interpolation == "CUBICSPLINE" else t.values for t in turns]
         size = norm(np.concatenate(keys))
         if (size < _LEAST).any():
             like = "is" if (size == 0).any() else "is as good as"
-            self._refuse(turns, f"{like} 0 0 0 0, which is no rotation", _is_zero)
+            self._refuse(clip, ("rotation",), f"{like} 0 0 0 0, which is no rotation", _is_zero)
         off = float(np.abs(size - 1.0).max())
         if off > NON_UNIT:
             name = f"animation '{clip.name}' (#{clip.key})"
             text = f"Rotations of {name} are not unit, the worst is off by {off:.2g}"
             self._notices.append(Notice("rotation-not-unit", text))
 
-    def _refuse(self, tracks: list[Track], what: str, wrong: Any) -> NoReturn:
-        for track in tracks:
+    def _refuse(self, clip: Clip, paths: tuple[str, ...], what: str, wrong: Any) -> NoReturn:
+        for track in (track for track in clip.tracks if track.path in paths):
             keys = np.argwhere(wrong(track.values))
             if len(keys):
-                clip, channel = track.key if isinstance(track.key, tuple) else (0, 0)
-                name = self._gltf.object()["animations"][clip].get("name", "")
+                number, channel = track.key if isinstance(track.key, tuple) else (0, 0)
+                name = self._gltf.object()["animations"][number].get("name", "")
                 raise FileError(
-                    f"{self._gltf.where} animation '{name}' (#{clip}) channel {channel}: "
+                    f"{self._gltf.where} animation '{name}' (#{number}) channel {channel}: "
                     f"{track.path} key {keys[0][0]} {what}; export the animation anew"
                 )
         raise AssertionError("a wrong value was seen and is gone")
+
+
+def _is_lost(values: Floats) -> Any:
+    return ~np.isfinite(values).all(axis=-1)
 
 
 def _is_zero(values: Floats) -> Any:

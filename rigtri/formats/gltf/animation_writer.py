@@ -9,6 +9,7 @@ Source: glTF 2.0 §3.7.3, §3.11; KHR_animation_pointer.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ from rigtri.formats.gltf.float32_rounding import Singles, round_tracks, to_singl
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Column, Track, Tracks, other_rows
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -36,13 +37,16 @@ KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 
 def refuse_early(before: Rig, after: Rig) -> None:
     """GeometryError for a key before 0 that an edit makes, which glTF does not have; old ones stay."""
-    known = {id(track) for clip in before.clips for track in clip.tracks}
-    olds = {clip.key: clip.tracks for clip in before.clips}
+    olds = {clip.key: clip.columns for clip in before.clips}
     for k, clip in enumerate(after.clips):
         old = olds.get(clip.key, ())
-        times = {id(track.times) for track in old}
-        made = [t for t in clip.tracks if id(t.times) not in times and id(t) not in known and len(t.times)]
-        first = min((float(track.times[0]) for track in old if made and len(track.times)), default=0.0)
+        times = {id(column.times) for column in old}
+        made = [t for c in clip.columns if id(c.times) not in times and len(c.times) for t in Tracks([c])]
+        if not made:
+            continue
+        known = {id(track) for clip in before.clips for track in clip.tracks}
+        made = [track for track in made if id(track) not in known]
+        first = min((float(column.times[0]) for column in old if len(column.times)), default=0.0)
         for track in made:
             if track.times[0] < min(first, 0.0):
                 raise GeometryError(
@@ -200,11 +204,20 @@ class ClipWriter:
 
     def _compare(self, number: int, clip: Clip, old: Clip | None) -> list[tuple[Track, Track]]:
         """Tracks with other values, each with what it was; channels that move, come or go are noted."""
-        known = {track.key: track for track in old.tracks} if old is not None else {}
+        mine, theirs = clip.columns, old.columns if old is not None else ()
         if old is not None and clip.name != old.name:
             self._draft.edit("animations", number)["name"] = clip.name
-        changed = []
-        for track in clip.tracks:
+        pairs = self._alike(mine, theirs)
+        rows = [
+            (column.places[row], column.track(row), then.track(row))
+            for column, then in pairs
+            for row in np.flatnonzero(other_rows(column.values, then.values)).tolist()
+        ]
+        # New accessors come in the order of the channels.
+        changed = [(track, before) for _, track, before in sorted(rows, key=itemgetter(0))]
+        done = {id(column) for pair in pairs for column in pair}
+        known = {track.key: track for track in Tracks(c for c in theirs if id(c) not in done)}
+        for track in Tracks(column for column in mine if id(column) not in done):
             then = known.pop(track.key, None) if track.key is not None else None
             if track is then:
                 continue
@@ -220,6 +233,22 @@ class ClipWriter:
         if known:
             self._lost[number] = {_place(track)[1] for track in known.values()}
         return changed
+
+    def _alike(self, mine: Sequence[Column], theirs: Sequence[Column]) -> list[tuple[Column, Column]]:
+        """Columns and what they were, where all tracks are of the same channels, nodes and key times."""
+        known = {(column.interpolation, *column.keys): column for column in theirs}
+        pairs = [(column, known.get((column.interpolation, *column.keys))) for column in mine]
+        return [
+            (column, then)
+            for column, then in pairs
+            if then is not None
+            and column.values.shape == then.values.shape
+            and _same(column.times, then.times)
+            and self._nodes_of(column, self._rig) == self._nodes_of(then, self._source)
+        ]
+
+    def _nodes_of(self, column: Column, rig: Rig) -> list[Any]:
+        return [rig.keys[node] for node in column.nodes.tolist()]
 
     def _node_of(self, track: Track, rig: Rig) -> Any:
         return rig.keys[track.node]

@@ -42,6 +42,16 @@ class Buffers:
     def __len__(self) -> int:
         return len(self._items)
 
+    def hold(self, others: Buffers) -> bool:
+        """Whether all others have theirs here, of at least that length and in the same kind of place."""
+        pairs = [(self.raw(k), others.raw(k)) for k in range(min(len(self), len(others)))]
+        lengths = [(a.get("byteLength"), b.get("byteLength")) for a, b in pairs]
+        return (
+            len(pairs) == len(others)
+            and all(self.place(k) == others.place(k) for k in range(len(pairs)))
+            and all(type(a) is type(b) is int and a >= b for a, b in lengths)
+        )
+
     def uri(self, index: int) -> str:
         """The URI of a buffer, "" where it has none."""
         uri = self._items[index].get("uri")

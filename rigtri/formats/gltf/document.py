@@ -48,7 +48,6 @@ from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_
 from rigtri.formats.json_values import Value
 from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm1 import read_bindings
-from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
 from rigtri.model.format_rules import FormatRules
@@ -76,14 +75,13 @@ class GltfDocument:
         check_references(gltf)
         check_extensions(gltf, self.notices)
         self._buffers = Buffers(gltf, container, allow_external=options.allow_external_paths)
-        self.accessors = Accessors(gltf, self._buffers)
+        self.accessors: Accessors = Accessors(gltf, self._buffers, None if like is None else like.accessors)
         self.tree = read_tree(gltf)
         self._reader = MeshReader(gltf, self.accessors, self.tree, self.notices)
         self.rest: Rest = read_rest(
             gltf, self.tree, animated_nodes(gltf), self.notices, lenient=options.lenient
         )
-        self._times: Mapping[int, Floats] = {} if like is None else like._times
-        self._rig = self._read_rig(gltf)
+        self._rig = self._read_rig(gltf, like)
         self.accessors.forget_layouts()
 
     @classmethod
@@ -236,7 +234,7 @@ class GltfDocument:
                 f"without is refused by viewers; give the output the suffix {source.suffix}"
             )
 
-    def _read_rig(self, gltf: Value) -> Rig:
+    def _read_rig(self, gltf: Value, like: GltfDocument | None) -> Rig:
         tree, rest, options = self.tree, self.rest, self.options
         nodes = gltf.object().get("nodes", [])
         ordered = [nodes[index] for index in tree.order]
@@ -246,8 +244,11 @@ class GltfDocument:
             gltf, self.accessors, tree, self.notices, self._reader.weighted, lenient=options.lenient
         )
         self._drawn = Drawn(self._reader, skins)
-        reader = ClipReader(gltf, self.accessors, tree, self.notices, self._times, lenient=options.lenient)
-        clips, self._times = reader.read(), reader.times
+        known = None if like is None else like._clips
+        self._clips: ClipReader = ClipReader(
+            gltf, self.accessors, tree, self.notices, known, lenient=options.lenient
+        )
+        clips = self._clips.read()
         bindings = read_bindings(gltf, tree.above)
         self.notices += bindings.notices
         self._pointers = [pointer for _, _, pointer in bindings.bound]

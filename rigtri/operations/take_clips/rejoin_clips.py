@@ -85,7 +85,7 @@ def _is(parts: Sequence[Timeline], title: str) -> bool:
     return len(parts) == 1 and title in (parts[0].clip.name, parts[0].name)
 
 
-def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report) -> tuple[Track, ...]:
+def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report) -> Sequence[Track]:
     """The tracks of a clip in the time range of the other file's, with a warning about lost motion."""
     tracks = whole.clip.tracks
     if whole.home is None or not both.of:

@@ -6,7 +6,7 @@ has no partner is lost or added, in words for people.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, get_args
@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import dot
-from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.animation import Clip, Column, Track, Tracks, key_values
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
@@ -100,14 +100,14 @@ def _gathered(rig: Rig, other: Rig, by_key: bool) -> Rig:
         (timeline(clip), *target): k
         for k, clip in enumerate(rig.clips)
         if k not in partner and timeline(clip) is not None
-        for target in by_target(clip)
+        for target in by_target(clip.tracks)
     }
     tracks = [list(clip.tracks) for clip in rig.clips]
     taken: set[int] = set()
     for targets, k in zip(targets_of, partner, strict=True):
         if k < 0 or not loose:
             continue
-        missing = targets - by_target(rig.clips[k]).keys()
+        missing = targets - by_target(rig.clips[k].tracks).keys()
         found = {loose.get((timeline(rig.clips[k]), *target), -1) for target in missing} - taken - {-1}
         for copy in sorted(found):
             tracks[k] += rig.clips[copy].tracks
@@ -141,9 +141,25 @@ def partner_track(track: Track, among: dict[tuple[int, str], Track], m: Correspo
     return among.get(_target(track, m.node, m.shown))
 
 
-def by_target(clip: Clip) -> dict[tuple[int, str], Track]:
-    """The tracks of a clip by node and path."""
-    return {(track.node, track.path): track for track in clip.tracks}
+def by_target(tracks: Iterable[Track]) -> dict[tuple[int, str], Track]:
+    """Tracks of a clip by node and path."""
+    return {(track.node, track.path): track for track in tracks}
+
+
+def paired_columns(
+    mine: Sequence[Column], theirs: Sequence[Column], node: Integers
+) -> list[tuple[Column, Column]]:
+    """The columns of two clips that drive the same properties at the same key times; not of morph weights."""
+    known = {(c.path, c.interpolation, c.nodes.tobytes()): c for c in theirs}
+    pairs = ((c, known.get((c.path, c.interpolation, node[c.nodes].tobytes()))) for c in mine)
+    moving = ((c, d) for c, d in pairs if d is not None and c.path != "weights")
+    return [(c, d) for c, d in moving if same_array(c.times, d.times)]
+
+
+def unpaired(columns: Sequence[Column], pairs: Sequence[tuple[Column, Column]]) -> Tracks:
+    """The tracks of columns that are in none of the pairs."""
+    paired = {id(column) for pair in pairs for column in pair}
+    return Tracks(column for column in columns if id(column) not in paired)
 
 
 def same_array(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> bool:
@@ -323,9 +339,11 @@ def _clip_differences(
             continue
         if before.clips[k].idle != after.clips[partner].idle:
             yield "changed", f"{title} is played {'now' if before.clips[k].idle else 'no longer'}"
-        theirs = by_target(after.clips[partner])
+        columns = before.clips[k].columns, after.clips[partner].columns
+        pairs = paired_columns(*columns, node)
+        theirs = by_target(unpaired(columns[1], pairs))
         times: dict[tuple[int, int], bool] = {}
-        for track in before.clips[k].tracks:
+        for track in unpaired(columns[0], pairs):
             if before.keys[track.node] is None:
                 continue
             target = _target(track, node, shown)

@@ -16,7 +16,7 @@ from rigtri.evaluation import sampling
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Clip, Tracks
 from rigtri.model.rig import Rig
 from rigtri.progress import count_done
 from rigtri.verification.compare.correspondence import Correspondence, timeline
@@ -138,8 +138,8 @@ def compared(
 def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
     """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
     some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
-    tracks = [t for clip in rig.clips for t in clip.tracks if t.path == "rotation" and some[t.node]]
-    keys = [t.values[:, 1] if t.interpolation == "CUBICSPLINE" else t.values for t in tracks]
+    turns = (c for clip in rig.clips for c in clip.columns if c.path == "rotation")
+    keys = [column.key_values[some[column.nodes]].reshape(-1, 4) for column in turns]
     off = np.abs(norm(np.concatenate([rig.rotation[~rig.has_matrix & some], *keys])) - 1.0)
     return float(off[np.isfinite(off)].max(initial=0.0))
 
@@ -233,6 +233,7 @@ def _animation(clip: Clip) -> Hashable:
 def joined(before: Rig, after: Rig) -> Rig:
     """All nodes of both as one rig, those of ``after`` behind, and their clips as one each: to be posed."""
     count = len(before)
+    behind = count + np.arange(len(after))
     return Rig(
         names=before.names + after.names,
         parents=np.concatenate([before.parents, np.where(after.parents < 0, -1, after.parents + count)]),
@@ -245,11 +246,7 @@ def joined(before: Rig, after: Rig) -> Rig:
         keys=before.keys + after.keys,
         labels=before.labels + after.labels,
         clips=tuple(
-            Clip(one.name, one.tracks + tuple(_behind(track, count) for track in other.tracks))
+            Clip(one.name, Tracks([*one.columns, *filter(None, (c.moved(behind) for c in other.columns))]))
             for one, other in zip(before.clips, after.clips, strict=True)
         ),
     )
-
-
-def _behind(track: Track, count: int) -> Track:
-    return Track(count + track.node, track.path, track.interpolation, track.times, track.values)

@@ -15,12 +15,19 @@ from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
-from rigtri.model.animation import Clip
+from rigtri.model.animation import Clip, other_rows
 from rigtri.model.bounding_boxes import boxes, corners, extent
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.verification.compare.correspondence import Correspondence, by_target, partner_track, same_track
+from rigtri.verification.compare.correspondence import (
+    Correspondence,
+    by_target,
+    paired_columns,
+    partner_track,
+    same_track,
+    unpaired,
+)
 from rigtri.verification.compare.probes import FramePoints, mesh_title
 
 # Where no points can be read: how thick a body is at least, as a share of its longest side.
@@ -59,12 +66,16 @@ def _with_below(marked: list[bool], parents: list[int]) -> list[bool]:
 
 
 def _mark_tracks(mine: Clip, theirs: Clip, m: Correspondence, differs: list[bool]) -> None:
-    """Mark the nodes whose tracks are others; of those that are marked nothing is compared."""
-    others = by_target(theirs)
+    """Mark the nodes whose tracks are others."""
+    pairs = paired_columns(mine.columns, theirs.columns, m.node)
+    for column, other in pairs:
+        for node in column.nodes[other_rows(column.values, other.values)].tolist():
+            differs[node] = True
+    tracks, others = unpaired(mine.columns, pairs), by_target(unpaired(theirs.columns, pairs))
     partners = m.node.tolist()
     back = {partner: node for node, partner in enumerate(partners)}
-    ours = {(partners[track.node], track.path) for track in mine.tracks}
-    for track in mine.tracks:
+    ours = {(partners[track.node], track.path) for track in tracks}
+    for track in tracks:
         if track.path == "weights" or differs[track.node]:
             continue
         now = partner_track(track, others, m)

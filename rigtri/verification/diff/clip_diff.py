@@ -44,7 +44,7 @@ def _title(clip: Clip, number: int) -> str:
 def _tracks(
     before: Rig, after: Rig, m: Correspondence, clips: tuple[Clip, Clip], title: str, tolerance: float
 ) -> Iterator[Change]:
-    there = by_target(clips[1])
+    there = by_target(clips[1].tracks)
     found = set()
     for track in clips[0].tracks:
         where = f"{title}: {track.path} of {before.title(track.node)}"

@@ -357,7 +357,7 @@ def test_clips_gain_lose_and_retime_tracks(tmp_path: Path) -> None:
     assert first.tracks[1].times.tolist() == [0.0, 1.0]
     assert (second.name, second.tracks[0].times.tolist()) == ("new", [0.0, 4.0])
     none = replace(document.rig, clips=(replace(clip, tracks=()),))
-    assert GltfDocument.read(written(document, none, tmp_path / "c.glb")).rig.clips[0].tracks == ()
+    assert len(GltfDocument.read(written(document, none, tmp_path / "c.glb")).rig.clips[0].tracks) == 0
 
 
 def test_a_new_name_is_the_only_change(tmp_path: Path) -> None:
