@@ -18,12 +18,9 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.operations.registry import OPERATIONS
 
 # What cannot be carried, and what says so.
-NO_ROOT = "a USD joint is named by its path"
 REFUSED = {
     "strip": "that motion would be lost",
     "snap": "has no IK end|follows",
-    "add-root": NO_ROOT,
-    "root-motion": NO_ROOT,
 }
 # What moves more than it may, as docs/carrying.md says.
 STRAIGHT = "a limb that is straight bends by the root of what is rounded"
