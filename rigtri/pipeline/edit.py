@@ -237,8 +237,8 @@ def _check_order(rig: Rig) -> None:
         key is None and node not in rig.pending.removed for node, key in enumerate(rig.keys)
     ):
         raise UsageError(
-            "strip has taken nodes out of the file, and others were added after it: write what strip has "
-            "left, read that, and add to it"
+            "Nodes were taken out of the file, and others added in the same edit: write the file after each "
+            "of the two"
         )
 
 

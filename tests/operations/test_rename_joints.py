@@ -91,6 +91,21 @@ def test_controls_find_their_joints_by_the_new_names(suffix: str, tmp_path: Path
     assert "upper_arm_L" not in {name.rpartition("/")[2] for name in joints}
 
 
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_renamed_joints_go_in_the_same_edit(suffix: str, tmp_path: Path) -> None:
+    source, out = SAMPLES / f"biped{suffix}", tmp_path / f"out{suffix}"
+    rig = rigtri.rename_joints(rigtri.read(source), to="mixamo")
+    rigtri.write(rigtri.prune_joints(rig), out)
+    assert rigtri.read(out).find("mixamorig:Hips" if suffix == ".glb" else "mixamorig_Hips") >= 0
+    socketed = rigtri.add_socket(rigtri.read(source), name="grip", on="hand_L")
+    merged = rigtri.merge_joints(socketed, still=True)
+    if suffix == ".glb":
+        rigtri.write(merged, tmp_path / "merged.glb")
+    else:  # a skeleton whose rows move while others go
+        with pytest.raises(UsageError, match="write the file after each of the two"):
+            rigtri.write(merged, tmp_path / "merged.usda")
+
+
 def test_maps_of_characters_follow_in_gltf(tmp_path: Path) -> None:
     source, out = tmp_path / "in.gltf", tmp_path / "out.gltf"
     gltf = json.loads((SAMPLES / "biped.gltf").read_text())

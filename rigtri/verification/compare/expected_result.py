@@ -188,11 +188,16 @@ def declared_differences(
 
 def _compare_remaining(expected: ExpectedResult, source: Source, written: Source) -> Comparison:
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
-    before, removed = expected.source.rig, expected.rig.pending.removed
+    before, rig = expected.source.rig, expected.rig
+    left = {key: rig.names[node] for node, key in enumerate(rig.keys) if node not in rig.pending.removed}
+    removed = {node for node, key in enumerate(before.keys) if key not in left}
+    names = [left.get(key, name) for key, name in zip(before.keys, before.names, strict=True)]
     # Nodes without a key are not looked for; those without a name are known by their order.
-    keys = tuple(None if node in removed else key for node, key in enumerate(source.rig.keys))
-    labels = [before.names[k] or before.labels[k] for k in range(len(before)) if k not in removed]
-    source = DocumentView(source, replace(source.rig, keys=keys, names=_labelled(source.rig)))
+    keyed = _keyed(before, rig, written.rig)
+    keys = tuple(None if node in removed else key for node, key in enumerate(keyed.keys))
+    named = tuple(name or label for name, label in zip(names, before.labels, strict=True))
+    labels = [named[k] for k in range(len(before)) if k not in removed]
+    source = DocumentView(source, replace(source.rig, keys=keys, names=named))
     if len(labels) == len(written.rig) and not all(before.names):
         written = DocumentView(written, replace(written.rig, names=tuple(labels)))
     # Nodes are counted in another way now: morph targets are found by addresses.
@@ -220,10 +225,6 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
     unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
     return replace(result, different=different, lost=(*result.lost, *unit))
-
-
-def _labelled(rig: Rig) -> tuple[str, ...]:
-    return tuple(name or label for name, label in zip(rig.names, rig.labels, strict=True))
 
 
 def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:

@@ -55,16 +55,21 @@ def _remove_rows(edit: UsdEdit) -> None:
             (old.inverse_bind[keep], new.inverse_bind),
         )
         if not all(np.array_equal(one, other, equal_nan=True) for one, other in pairs):
-            raise UsageError(
-                f"strip has taken joints out of <{skeleton.path}>, and others of it were changed in the same "
-                "edit: write what strip has left, read that, and go on with it"
-            )
+            raise changed_besides(skeleton.path)
         skins[number] = replace(new, joints=old.joints, inverse_bind=old.inverse_bind)
         check_joints_editable(source.stage, skeleton, "removed")
         edits += list(_without_rows(source, skeleton, keep)) if keep.any() else [remove_prim(skeleton.path)]
     if edits:
         edit.rig = replace(rig, skins=tuple(skins))
         edit.removals += edits
+
+
+def changed_besides(path: str) -> UsageError:
+    """The error for a skeleton that loses joints, and whose other joints change in the same edit."""
+    return UsageError(
+        f"Joints were taken out of <{path}>, and others of it were added or changed in the same edit: write "
+        "the file after each of the two"
+    )
 
 
 def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:

@@ -15,6 +15,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import ORDER
 from rigtri.formats.usd.opinions.skin_influences import check_editable, read_influences, set_influences
+from rigtri.formats.usd.passes.remove_joints import changed_besides
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.mesh_reader import seen_at_start
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -47,6 +48,8 @@ def write_skin_weights(edit: UsdEdit) -> None:
         if path in by_path:
             edit.values += _of_mesh(query, tokens, by_path[path], edit.notices)
         if path in merges:
+            if len(merges[path].rows) != len(tokens):
+                raise changed_besides(path)
             node = source.rig.known(str(query.GetPrim().GetPath()))
             width = 0 if node is None else merges[path].widths.get(node, 0)
             edit.values += _merged(query, tokens, merges[path], width)
