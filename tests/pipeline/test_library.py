@@ -304,7 +304,7 @@ def test_objects_of_options_do_what_keywords_do() -> None:
             TypeError,
             "options or aim, not both",
         ),
-        ("add-socket", {"on": "head"}, TypeError, "add_socket() needs name"),
+        ("add_socket", {"on": "head"}, TypeError, "add_socket() needs name"),
         ("orient_joints", {"preset": "vrm", "aim": "x"}, UsageError, "parallel to the world"),
         ("add_controls", {"joints": "*", "color": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),
         ("add_controls", {"joints": "*", "shape": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),
