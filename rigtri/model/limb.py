@@ -12,7 +12,10 @@ LimbKind = Literal["arm", "leg", ""]
 
 @dataclass(frozen=True)
 class Limb:
-    """Node indices of root, middle and end; ``evidence`` says how the limb is known."""
+    """Node indices of root, middle and end; ``evidence`` says how the limb is known.
+
+    front: a leg in front of a body on four legs, whose middle joint is an elbow.
+    """
 
     start: int
     middle: int
@@ -20,7 +23,13 @@ class Limb:
     kind: LimbKind = ""
     side: Side = ""
     evidence: Literal["given", "vrm", "names", "shape"] = "given"
+    front: bool = False
 
     @property
     def triple(self) -> tuple[int, int, int]:
         return self.start, self.middle, self.end
+
+    @property
+    def bends_back(self) -> bool:
+        """Whether its middle joint is an elbow, and no knee."""
+        return self.kind == "arm" or self.front

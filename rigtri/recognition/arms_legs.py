@@ -150,7 +150,7 @@ def _shaped(body: Body, limbs: Limbs) -> LimbKind:
 
 def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     """How sure the limbs of a body are by its shape."""
-    sure = _body_confidence(draft, body) * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
+    sure = _body_confidence(draft, body, limbs) * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
     if len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
         sure -= 0.2 * (1.0 - within(limbs.lead, _TIE, 3.0 * _TIE))
     if limbs is body.arms and _lacks_hand(draft, limbs):
@@ -198,8 +198,11 @@ def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:
         yield f"ends in {limbs.fingers} {'toes' if kind == 'leg' else 'fingers'}"
 
 
-def _body_confidence(draft: Draft, body: Body) -> float:
-    """How sure a shape alone can be of its arms and legs, 0 to `_SUREST`."""
+def _body_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
+    """How sure a shape alone can be of its arms, or of its legs, 0 to `_SUREST`.
+
+    Another way to see the body that has the same limbs there says nothing against these.
+    """
     sure = _LEAST + (_SUREST - _LEAST) * within(body.score, _GUESS, _CLEAR)
     if body.arms is None or body.legs is None:
         return min(sure, _HALF)
@@ -208,15 +211,11 @@ def _body_confidence(draft: Draft, body: Body) -> float:
     moving = [k for k in draft.shape.limbs if any(map(draft.poses.moves_points, k.joints(0)))]
     if body.doubt or stands_too(draft.tree, body, moving):
         return min(sure, _HALF)
-    others = [k.score for k in draft.shape.bodies[1:] if not {k.legs, k.arms} & {None} and not _same(k, body)]
+    ways = (k for k in draft.shape.bodies[1:] if not {k.legs, k.arms} & {None})
+    others = [k.score for k in ways if limbs is not (k.legs if limbs is body.legs else k.arms)]
     if body.score - max(others, default=0.0) < _CLOSE:
         sure -= 0.2
     return sure
-
-
-def _same(one: Body, other: Body) -> bool:
-    """Whether two ways to see a body have the same limbs."""
-    return {one.legs, one.arms} == {other.legs, other.arms}
 
 
 def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> None:

@@ -104,7 +104,7 @@ def bend(
             if found is not None:
                 return found
     if facing is not None and limb.kind:
-        forward = facing if limb.kind == "leg" else -facing
+        forward = -facing if limb.bends_back else facing
         return _towards(limb, world, forward, "facing", 1.0)
     return None
 
@@ -119,13 +119,13 @@ def believable(
     """
     if facing is None or not limb.kind or found.source not in ("pose", "other side") or found.sine >= CLEAR:
         return found
-    natural = _towards(limb, world, facing if limb.kind == "leg" else -facing, "facing", 1.0)
+    natural = _towards(limb, world, -facing if limb.bends_back else facing, "facing", 1.0)
     if natural is None or dot(found.direction, natural.direction) >= NATURAL:
         return found
     off = float(np.degrees(angle(found.direction, natural.direction)))
     bent = float(np.degrees(bend_angle(*world[list(limb.triple), 3, :3])))
     title = " - ".join(rig.title(node) for node in limb.triple)
-    does = "knees bend forward" if limb.kind == "leg" else "elbows bend back"
+    does = "elbows bend back" if limb.bends_back else "knees bend forward"
     report.warn(
         "bends-otherwise",
         f"{title} is bent {bent:.2g}° to a side {off:.0f}° off the one that is natural ({does}); "

@@ -193,11 +193,13 @@ def _in_order(
     named: what names say of a chain's first joint.
     By knuckles and first bones, which a fist does not exchange: where a finger ends says nothing.
     """
-    if len(chains) < 3 or len(chains) > 5:
-        return [("", chain) for chain in chains]
     at = draft.tree.at
+    if not 3 <= len(chains) <= 6:
+        return [("", chain) for chain in chains]
     thumb = next((k for k in chains if named.get(k[0]) == "Thumb"), []) or _thumb(draft, hand, chains)
     others = [chain for chain in chains if chain is not thumb]
+    if len(others) > 4:  # which of them has one too many nobody knows
+        return [("Thumb" if chain is thumb else "", chain) for chain in chains]
     start, end = max(combinations(others, 2), key=lambda two: (at[two[0][0]] - at[two[1][0]]).length)
     if thumb and (at[end[0]] - at[thumb[0]]).length < (at[start[0]] - at[thumb[0]]).length:
         start, end = end, start

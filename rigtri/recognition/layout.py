@@ -85,6 +85,11 @@ class Chain:
         """Whether it may be acted upon."""
         return self.confidence >= CONFIDENT
 
+    @property
+    def is_front(self) -> bool:
+        """Whether it is a front leg of a body on four legs."""
+        return self.kind == "leg" and "front leg" in self.name
+
 
 @dataclass(frozen=True)
 class Character:

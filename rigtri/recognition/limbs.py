@@ -6,6 +6,7 @@ A limb is given by name, or one of those that `rigtri.recognition` is sure of. A
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -38,7 +39,7 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
         raise UsageError(f"the limb '{start}', '{middle}', '{end}' is upside down; name it from root to end")
     known = {limb.triple: limb for limb in recognise(rig)}
     if triple in known:
-        return Limb(*triple, kind=known[triple].kind, side=known[triple].side)
+        return replace(known[triple], evidence="given")
     kinds = {limb_kind_in_name(rig.names[node]) for node in triple} - {""}
     sides = {side(rig.names[node]) for node in triple}
     kind: LimbKind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
@@ -74,6 +75,7 @@ def recognise(rig: Rig) -> list[Limb]:
             kind="arm" if chain.kind == "arm" else "leg",
             side=chain.side,
             evidence=_source(chain),
+            front=chain.is_front,
         )
         for chain in sure_limbs(rig)
         if len(chain.bend) == 3

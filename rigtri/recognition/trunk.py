@@ -26,7 +26,7 @@ def lay_trunk(draft: Draft, found: Sequence[Found]) -> None:
         return
     legs, arms = pairs_of_limbs(draft, found)
     draft.hips, draft.chest = _hips(draft, legs, arms), _hang(draft, arms)
-    _spine(draft, found)
+    _spine(draft, legs if len(legs) == 2 else found)
     _head(draft, arms or legs)
     _tail(draft, legs)
 
@@ -74,6 +74,7 @@ def _hips(draft: Draft, legs: Sequence[Found], arms: Sequence[Found]) -> int:
 
 
 def _spine(draft: Draft, found: Sequence[Found]) -> None:
+    """found: what it is as sure as: two legs, from which a spine leads to whatever hangs above them."""
     tree, bones = draft.tree, draft.known_bones
     if draft.hips >= 0:
         draft.call("hips", draft.hips)

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from places import asset_files
 from posed_bodies import Pose, posed_body
+from recognition_bodies.skeletons import HORSE, both, line, rig_with
 from rigs import chain, rig_of
 
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats import read
 from rigtri.model.rig import Rig
+from rigtri.recognition.bend_direction import bend
 from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.limbs import along, given, recognise
 from rigtri.recognition.recognise import recognise as recognise_characters
@@ -91,6 +93,19 @@ def test_limbs_of_real_characters_are_found(name: str, assets: Path) -> None:
     limbs = recognise(read(path).rig)
     assert len(limbs) == LIMBS[name]
     assert all(len(set(limb.triple)) == 3 for limb in limbs)
+
+
+def test_straight_front_legs_of_an_animal_bend_at_elbows() -> None:
+    heights = (1.2, 0.8, 0.42, 0.08)
+    legs = line("upper_arm.L forearm.L hand.L finger.L", "chest", *((0.2, y, 0.7) for y in heights))
+    moved = {name: place for name, _, place in both(legs)}
+    rig = rig_with([(name, over, moved.get(name, place)) for name, over, place in HORSE])
+    front = [limb for limb in recognise(rig) if limb.front]
+    assert len(front) == 2
+    for limb in front:
+        found = bend(rig, limb, rig.world, least_sine=0.01, facing=np.array([0.0, 0.0, 1.0]))
+        assert found is not None
+        assert found.direction[2] < -0.99
 
 
 def test_fingers_close_with_a_sure_hand_whichever_they_are() -> None:
