@@ -51,6 +51,7 @@ from rigtri.operations.rigtri_nodes import (
 )
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
 from rigtri.operations.skin_sections import SkinSections
+from rigtri.progress import count_done
 from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
@@ -142,7 +143,8 @@ class _Builder:
         if options.root_control or (options.whole_character and self._root_carries(joints)):
             self._root()
         self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
-        for joint in joints:
+        for number, joint in enumerate(joints):
+            count_done(number, len(joints), "controls")
             address = self.rig.address(joint)
             self.controls[joint] = self._control(joint, "fk", self.fk.get(address), {"joint": address})
         self._add()

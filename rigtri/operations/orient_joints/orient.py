@@ -16,7 +16,7 @@ from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.mirroring import parting
 from rigtri.frames.nonuniform_scale import ScaleTable, same_scales, ties
 from rigtri.frames.reframe import reframe, split
-from rigtri.frames.reoriented_constraints import axes_compared, broken
+from rigtri.frames.reoriented_constraints import axes_compared
 from rigtri.frames.scale_noise import Frozen, frozen, noisy_joints
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.maths.trigonometry import Floats
@@ -95,7 +95,6 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     messages.warn_straight(outcome, report)
     messages.check(outcome, report)
     messages.record(outcome, report)
-    _refuse_broken(rig, constrained.delta)
     out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
     return split(_marked(out, outcome), splits)
 
@@ -197,16 +196,6 @@ def _at_joints(
     joints = [joint for joint in targets.tree.joints if joint not in splits]
     taken[joints] = delta[[rig.frame_of.get(joint, joint) for joint in joints]]
     return taken
-
-
-def _refuse_broken(rig: Rig, delta: Floats) -> None:
-    """GeometryError for node constraints that no policy could keep, for scales ask for other deltas."""
-    if lost := broken(rig, delta):
-        names = ", ".join(f"'{rig.title(constraint.node)}'" for constraint in lost[:6])
-        raise GeometryError(
-            f"the constraints of {names} compare axes that would differ after this, for scales forbid the "
-            f"same for both; leave the joint out with --exclude '{rig.title(lost[0].node)}'"
-        )
 
 
 def _zeroed(rig: Rig, before: Rig) -> Rig:
