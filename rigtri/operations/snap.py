@@ -43,6 +43,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.progress import count_done
+from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
 # Joints that move by more, as a share of the size, are reported.
@@ -87,6 +88,7 @@ def _chains(rig: Rig, options: SnapOptions) -> list[tuple[int, int, int]]:
     chains = [(rig.find(a), rig.find(b), rig.find(c)) for a, b, c in options.limb] or known
     for chain in chains:
         if chain not in known:
+            given(rig, *map(rig.address, chain))
             names = ", ".join(f"'{rig.title(node)}'" for node in chain)
             raise GeometryError(f"The limb {names} has no IK end; make one with: rigtri add-controls --ik")
     if not chains:

@@ -22,21 +22,33 @@ from rigtri.recognition.layout import MAP, NAMES, Chain
 from rigtri.recognition.naming_schemes import limb_kind_in_name
 from rigtri.recognition.recognise import recognise as layout_of
 from rigtri.recognition.recognise import sure_limbs
+from rigtri.text import listed
 
 # Who looks less far from up or down than this (a sine) looks nowhere in a picture.
 _LEVEL = 0.1
+# Chains that hang at the end of a limb, wherever that hangs.
+_AT_ENDS = ("hand", "finger", "foot")
 
 
 def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     """The limb of three named nodes; its kind and side are read from the names where they say.
 
-    Raises UsageError when two of the names are the same node.
+    Raises UsageError when they are no line down the hierarchy. Only in flat IK rigs the end hangs elsewhere.
     """
     triple = (rig.find(start), rig.find(middle), rig.find(end))
     if len(set(triple)) < 3:
         raise UsageError(f"a limb has three different joints, not '{start}', '{middle}', '{end}'")
     if rig.is_below(triple[0], triple[1]) or rig.is_below(triple[1], triple[2]):
         raise UsageError(f"the limb '{start}', '{middle}', '{end}' is upside down; name it from root to end")
+    chains = [chain for character in layout_of(rig).characters for chain in character.chains]
+    if pair := _no_line(rig, triple, chains):
+        above, below = map(rig.title, pair)
+        likely = [chain for chain in chains if len(chain.bend) == 3 and _has_one(rig, chain, triple)]
+        shown = listed([limb_title(rig, chain) for chain in likely], 4)
+        hint = f"Recognised: {shown}" if shown else "See what is recognised with: rigtri recognise FILE"
+        raise UsageError(
+            f"'{start}', '{middle}', '{end}' is no limb: '{below}' does not lie below '{above}'. {hint}"
+        )
     known = {limb.triple: limb for limb in recognise(rig)}
     if triple in known:
         return replace(known[triple], evidence="given")
@@ -44,6 +56,36 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
     sides = {side(rig.names[node]) for node in triple}
     kind: LimbKind = "arm" if kinds == {"arm"} else "leg" if kinds == {"leg"} else ""
     return Limb(*triple, kind=kind, side=sides.pop() if len(sides) == 1 else "")
+
+
+def _no_line(rig: Rig, triple: tuple[int, int, int], chains: list[Chain]) -> tuple[int, ...]:
+    """The two joints of a limb of which the second ought to lie below the first; () where it is a line.
+
+    The end of a flat IK rig hangs above the limb, at the root or at a control: never at the limb's own root,
+    and never in the trunk or another limb.
+    """
+    start, middle, end = triple
+    if not rig.is_below(middle, start):
+        return start, middle
+    if rig.is_below(end, middle) or any(chain.bend == triple for chain in chains):
+        return ()
+    others = {
+        node
+        for chain in chains
+        if chain.kind not in _AT_ENDS and not {start, middle}.intersection(chain.joints)
+        for node in chain.joints
+    }
+    node = end
+    while node >= 0 and not rig.is_below(start, node):
+        if node in others:
+            return middle, end
+        node = int(rig.parents[node])
+    return (middle, end) if node == start else ()
+
+
+def _has_one(rig: Rig, chain: Chain, nodes: tuple[int, ...]) -> bool:
+    """Whether one of the nodes is in a chain, or hangs below where that begins to bend."""
+    return any(node in chain.joints or rig.is_below(node, chain.bend[0]) for node in nodes)
 
 
 def named_limbs(rig: Rig, limbs: Iterable[Limb | tuple[str, str, str]]) -> list[Limb]:
@@ -61,8 +103,7 @@ def along(rig: Rig, start: int, end: int) -> list[int]:
         path.append(int(rig.parents[path[-1]]))
     if path[-1] != start:
         raise UsageError(
-            f"'{rig.title(end)}' does not lie below '{rig.title(start)}', so there is no chain "
-            "between them. Name the limb's three joints with --limb instead."
+            f"'{rig.title(end)}' does not lie below '{rig.title(start)}': there is no chain between them"
         )
     return path[::-1]
 

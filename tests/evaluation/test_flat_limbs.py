@@ -101,18 +101,11 @@ def test_motion_goes_to_the_controls_of_a_flat_leg_and_back(tmp_path: Path) -> N
     assert any(track.node == foot for clip in read(onto).rig.clips for track in clip.tracks)
 
 
-@pytest.mark.parametrize(
-    ("parents", "words"),
-    [
-        ({"forearm_L": "chest"}, "'forearm_L' is not a descendant of 'upper_arm_L'"),
-        ({"hand_L": "upper_arm_L"}, "'hand_L' is a descendant of 'upper_arm_L', but not of 'forearm_L'"),
-    ],
-)
-def test_a_limb_that_ik_cannot_move_is_refused_by_name(parents: dict[str, str], words: str) -> None:
-    rig = moved_below(read(SAMPLES / "biped.glb").rig, parents)
-    with pytest.raises(GeometryError, match="IK cannot move this limb") as caught:
+def test_a_limb_that_ik_cannot_move_is_refused_by_name() -> None:
+    rig = moved_below(read(SAMPLES / "biped.glb").rig, {"hand_L": "upper_arm_L"})
+    words = "'hand_L' is a descendant of 'upper_arm_L', but not of 'forearm_L'"
+    with pytest.raises(GeometryError, match=f"IK cannot move this limb: {words}"):
         add_controls(rig, options=AddControlsOptions(ik=[("upper_arm_L", "forearm_L", "hand_L")]))
-    assert words in str(caught.value)
 
 
 def test_a_recognised_limb_that_ik_cannot_move_is_left_out_with_a_warning() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import asset_files
+from places import SAMPLES, asset_files
 from posed_bodies import Pose, posed_body
 from recognition_bodies.skeletons import HORSE, both, line, rig_with
 from rigs import chain, rig_of
@@ -66,6 +66,27 @@ def test_a_limb_has_three_different_joints() -> None:
         given(rig, "a", "b", "b")
     with pytest.raises(NameNotFoundError, match="'elbow'"):
         given(rig, "a", "elbow", "b")
+
+
+@pytest.mark.parametrize(
+    ("names", "below", "above"),
+    [
+        ("hand_L head toe_L", "head", "hand_L"),
+        ("thigh_L shin_L thigh_R", "thigh_R", "shin_L"),
+        ("hips thigh_L hand_R", "hand_R", "thigh_L"),
+    ],
+)
+def test_joints_of_several_branches_are_no_limb(names: str, below: str, above: str) -> None:
+    rig = read(SAMPLES / "biped.glb").rig
+    words = rf"'{below}' does not lie below '{above}'. Recognised: .*left leg \(thigh_L - shin_L - foot_L"
+    with pytest.raises(UsageError, match=words):
+        given(rig, *names.split())
+
+
+@pytest.mark.parametrize("names", ["thigh shin foot", "thigh shin toe", "thigh shin knee_pole"])
+def test_the_end_of_a_flat_limb_may_hang_at_the_root(names: str) -> None:
+    rig = read(SAMPLES / "flat_ik.glb").rig
+    assert given(rig, *names.split()).triple == tuple(map(rig.find, names.split()))
 
 
 def test_no_chain_leads_from_one_branch_to_another() -> None:

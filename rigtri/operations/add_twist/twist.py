@@ -119,7 +119,7 @@ def _bones(rig: Rig, options: AddTwistOptions, report: Report) -> list[_Bone]:
     for limb in limbs:
         mine = limb in named
         found += [_Bone(limb.start, limb.middle, True, mine)] if both or options.upper else []
-        if (both or options.lower) and (mine or rig.is_below(limb.end, limb.middle)):
+        if (both or options.lower) and rig.is_below(limb.end, limb.middle):
             found.append(_Bone(limb.middle, limb.end, False, mine))
         elif both or options.lower:
             report.warn(
