@@ -7,6 +7,8 @@ how far they move. A target that drives no morph gets a node whose x translation
 Examples:
     rigtri add-posereader hero.glb -o out.glb --driver upperarm_L --target up=0,1,0 --morph up Body bulge
     rigtri add-posereader hero.glb -o out.glb --driver knee --reader cone --outer 60 --target walk@0.4
+    rigtri add-posereader hero.glb -o out.glb --driver forearm_L --target bent=walk@0.4 \\
+        --joint bent elbow_L tx=.02,rz=15
     rigtri add-posereader hero.usdz -o out.usdz --driver head --reader rbf --target rest --target nod@12
 """
 
@@ -28,6 +30,7 @@ def summary(report: Report) -> str:
     return (
         f"{entry['reader']} reader of {entry['driver']}: at rest {rest}; {keys} keys in "
         f"{counted(len(entry['keys']), 'clip')}, {counted(entry['morphs'], 'morph target')} driven"
+        + (f", {counted(entry['joints'], 'joint')} driven" if entry["joints"] else "")
         + (f"; rivets rebaked: {', '.join(rivets)}" if rivets else "")
     )
 

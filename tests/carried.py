@@ -121,6 +121,17 @@ def _reader(**more: Any) -> Step:
     return build
 
 
+def _corrective(rig: Rig) -> Rig:
+    """A helper beside the mid joint of a limb, which moves and turns with it."""
+    start, middle, _ = _limb(rig)
+    place = rig.world[rig.find(middle), 3, :3]
+    size = float(np.linalg.norm(place - rig.world[rig.find(start), 3, :3]))
+    points: Any = (tuple(place), tuple(place + np.array([0.0, 0.0, 0.2 * size])))
+    rig = rigtri.make_limb(rig, points=points, parent=start, name="helper", up_from="world:+x")
+    change = (("up", "helper_1", f"tx={0.1 * size:.6g},rz=20"),)
+    return rigtri.add_posereader(rig, driver=middle, target=("up=0,1,0",), joint=change, name="reader")
+
+
 def _poses(rig: Rig) -> tuple[str, ...]:
     if not rig.clips:
         raise GeometryError("no clip has poses")
@@ -150,6 +161,7 @@ THINGS: dict[str, Step] = {
     "pose reader: dot": _reader(),
     "pose reader: cone": _reader(reader="cone"),
     "pose reader: rbf": _reader(reader="rbf", mode="both"),
+    "pose reader: joint": _corrective,
 }
 
 

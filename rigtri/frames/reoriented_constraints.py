@@ -35,6 +35,7 @@ from rigtri.model.constraints import Constraint, constraint_record, constraints_
 from rigtri.model.metadata import (
     ConstraintRecord,
     OffsetRecord,
+    OutputRecord,
     PoseReaderRecord,
     Quaternion,
     Record,
@@ -77,6 +78,10 @@ def axes_compared(rig: Rig) -> tuple[NodeConstraint, ...]:
         elif rule.space == "roll":
             axis = np.eye(3)["xyz".index(rule.roll)]
             found += [NodeConstraint("roll", rule.child, node, axis) for node in rule.drivers]
+    for reader in rig.records(PoseReaderRecord).values():
+        # Its scale is along its own axes.
+        grown = (rig.known(output.joint) for output in reader.outputs if output.scale is not None)
+        found += [_kept(node) for node in grown if node is not None]
     return tuple(found)
 
 
@@ -179,9 +184,18 @@ def _reoriented_reader(rig: Rig, reader: PoseReaderRecord, delta: Floats) -> Pos
         direction = None if one.direction is None else _seen(one.direction, above)
         return replace(one, direction=direction, rotation=_rotation_seen(one.rotation, own, above))
 
+    def output(one: OutputRecord) -> OutputRecord:
+        joint = rig.known(one.joint) if one.joint else None
+        if joint is None:
+            return one
+        mine, over = _of(delta, joint), _of(delta, int(rig.parents[joint]))
+        moved = None if one.translation is None else _seen(one.translation, over)
+        return replace(one, translation=moved, rotation=_rotation_seen(one.rotation, mine, mine))
+
+    outputs = tuple(map(output, reader.outputs))
     targets = tuple(map(target, reader.targets))
     rest = _rotation_seen(reader.rest, own, above)
-    return replace(reader, axis=_seen(reader.axis, own), targets=targets, rest=rest)
+    return replace(reader, axis=_seen(reader.axis, own), targets=targets, rest=rest, outputs=outputs)
 
 
 def _reoriented_twist(rig: Rig, node: int, twist: TwistRecord, delta: Floats) -> TwistRecord:

@@ -247,13 +247,21 @@ class TargetRecord(Stored):
 
 @dataclass(frozen=True, kw_only=True)
 class OutputRecord(Stored):
-    """What the weight of a target drives: a morph target of a mesh, or an attribute of a control."""
+    """What the weight of a target drives: a morph target of a mesh, an attribute of a control, or a joint.
+
+    translation, rotation, scale: what the joint does from rest at a weight of 1, seen from its parent, in its
+    own axes and along them.
+    """
 
     target: str
     mesh: str = ""
     morph: str = ""
     control: str = ""
     attribute: str = ""
+    joint: str = ""
+    translation: Triple | None = None
+    rotation: Quaternion | None = None
+    scale: Triple | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,9 +17,10 @@ from rigtri.errors import GeometryError
 from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.arrays import Booleans
 from rigtri.model.bindings import NodeConstraint
-from rigtri.model.metadata import TwistRecord
+from rigtri.model.metadata import PoseReaderRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
+from rigtri.operations.add_posereader.corrective_joints import driven_paths, without_driven
 from rigtri.operations.add_posereader.replaced_keys import restore_replaced_keys
 from rigtri.operations.bake.unbaked import refuse_unbaked
 from rigtri.operations.operation import operation
@@ -41,6 +42,10 @@ def strip(rig: Rig, *, options: StripOptions, report: Report) -> Rig:
         refuse_unbaked(rig)
     readers = [node for node in gone if rig.type_of(node) == "poseReader"]
     rig, driven = restore_replaced_keys(rig, readers, report)
+    for record in rig.records(PoseReaderRecord).values():
+        joints = driven_paths(record, rig)
+        rig = without_driven(rig, joints)
+        report.reposed |= bool(joints)
     for node, columns in driven.items():
         report.morph_changes.setdefault(rig.keys[node], set()).update(columns)
     holders = frozenset[int]() if options.splits else rig.holders

@@ -12,13 +12,16 @@ import pytest
 from conftest import Golden
 from morphs import WEIGHT_TIMES, WEIGHTS, arm, arm_usd
 from numpy.testing import assert_allclose
+from places import SAMPLES
 from program import cli
 from pxr import Usd
 from second_opinions import khronos_errors, usd_errors, validator
 
+import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_readers import PoseReader, Target, twist, weights
+from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import read
 from rigtri.maths.matrices import compose, identity
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
@@ -484,3 +487,106 @@ def test_a_signed_reader_is_the_cosine_on_both_sides_and_a_target_met_at_rest_is
         validator("node").validate(dict(note))
     with pytest.raises(UsageError, match="is for --reader dot"):
         add_posereader(rig, driver="forearm_L", target=("0,1,0",), reader="cone", signed=True)
+
+
+# --- corrective joints
+
+
+ELBOW: Any = {"driver": "forearm_L", "target": ("bent=walk@0.5", "rest"), "reader": "rbf", "name": "elbow"}
+
+
+def _helped(name: str = "biped.glb") -> Rig:
+    """The biped with a helper at the left elbow and its end."""
+    rig, points = rigtri.read(SAMPLES / name), ((0.4, 1.25, -0.03), (0.4, 1.2, -0.05))
+    helper: Any = {"name": "fix", "side": "left", "parent": "upper_arm_L", "up_from": "world:+z"}
+    return rigtri.make_limb(rig, points=points, **helper)
+
+
+def _bent(*joint: tuple[str, str, str]) -> Rig:
+    return rigtri.add_posereader(_helped(), joint=joint, **ELBOW)
+
+
+def _local(rig: Rig, joint: str, time: float) -> Floats:
+    clip = next(clip for clip in rig.clips if clip.name == "walk")
+    found: Floats = locals_at(rig, clip, np.array([time]))[0, rig.find(joint)]
+    return found
+
+
+def test_a_corrective_joint_moves_turns_and_grows_with_the_weight() -> None:
+    rig = _bent(("bent", "fix_1_L", "tx=0.02,ty=-0.01,rz=30,sx=2"))
+    rest = rig.local[rig.find("fix_1_L")]
+    found = _local(rig, "fix_1_L", 0.5)
+    assert_allclose(found[3, :3] - rest[3, :3], [0.02, -0.01, 0], atol=1e-5)
+    half, root = 0.5, np.sqrt(0.75)
+    turned = np.array([[2 * root, 2 * half, 0], [-half, root, 0], [0, 0, 1]]) @ rest[:3, :3]
+    assert_allclose(found[:3, :3], turned, atol=1e-4)
+    assert _local(rig, "fix_1_L", 0.5).tolist() != _local(rig, "fix_1_L", 0.25).tolist()
+    other = rigtri.add_posereader(
+        _helped(), joint=(("bent", "fix_1_L", "tx=0.02"),), **ELBOW | {"name": "twin"}
+    )
+    bare = rigtri.strip(other)
+    assert [len(clip.tracks) for clip in bare.clips] == [len(clip.tracks) for clip in _helped().clips]
+
+
+def test_a_second_run_of_corrective_joints_changes_nothing_and_another_takes_back() -> None:
+    rig = _bent(("bent", "fix_1_L", "tx=0.02"))
+    again = rigtri.add_posereader(rig, joint=(("bent", "fix_1_L", "tx=0.02"),), **ELBOW)
+    assert again.metadata == rig.metadata
+    assert all(a is b for a, b in zip(again.clips, rig.clips, strict=True))
+    other = rigtri.add_posereader(rig, joint=(("bent", "fix_2_L", "rx=5"),), **ELBOW)
+    tracks = {(other.names[t.node], t.path) for t in other.clips[0].tracks if "fix_" in other.names[t.node]}
+    assert tracks == {("fix_2_L", "rotation")}
+
+
+def test_corrective_joints_go_along_with_other_axes_and_to_the_other_side() -> None:
+    rig = _bent(("bent", "fix_1_L", "tx=0.02,ry=20"))
+    turned = rigtri.orient_joints(rig, preset="blender")
+    baked = rigtri.bake(turned, to="joints")
+    for other in (turned, baked):
+        before, after = (
+            worlds(one, locals_at(one, one.clips[0], np.array([0.4])))[0, one.find("fix_1_L")]
+            for one in (rig, other)
+        )
+        assert_allclose(after[3, :3], before[3, :3], atol=1e-5)
+    mirrored = rigtri.mirror(rig, from_side="left")
+    records = [r for r in mirrored.records(PoseReaderRecord).values() if r.driver == "forearm_R"]
+    assert [output.joint for output in records[0].outputs] == ["fix_1_R"]
+
+
+@pytest.mark.parametrize(
+    ("joint", "error", "words"),
+    [
+        (("bent", "fix_1_L", "qx=1"), UsageError, "give changes such as"),
+        (("bent", "fix_1_L", "tx=inf"), UsageError, "give changes such as"),
+        (("bend", "fix_1_L", "tx=1"), UsageError, "no target 'bend'"),
+        (("bent", "upper_arm_L", "tx=1"), GeometryError, "moves with it"),
+        (("bent", "head", "rx=1"), GeometryError, "keys of its own"),
+    ],
+)
+def test_what_no_corrective_joint_can_do_is_refused(
+    joint: tuple[str, str, str], error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        _bent(joint)
+
+
+def test_corrective_joints_are_written_as_they_were_declared(tmp_path: Path) -> None:
+    for name in ("biped.glb", "biped.usda"):
+        out = tmp_path / name
+        time = "0.5" if name.endswith("glb") else "12"
+        source = tmp_path / f"helped_{name}"
+        rigtri.write(_helped(name), source)
+        words = [
+            "--driver",
+            "forearm_L",
+            "--target",
+            f"bent=walk@{time}",
+            "--joint",
+            "bent",
+            "fix_1_L",
+            "tz=0.01",
+        ]
+        result = cli("add-posereader", source, "-o", out, *words, "--name", "elbow")
+        assert result.exit_code == 0, result.stderr
+        rig = rigtri.read(out)
+        assert [output.joint for r in rig.records(PoseReaderRecord).values() for output in r.outputs]

@@ -157,7 +157,9 @@ def test_a_step_takes_the_choices_of_its_command(name: str) -> None:
 
 
 # How the help of commands calls what nodes are named by.
-NODES = re.compile(r"GLOB|NAME|CHILD|A B C|START END|ROOT MIDDLE END|(JOINT|NODE)(\[?=.*)?|TARGET NODE NAME")
+NODES = re.compile(
+    r"GLOB|NAME|CHILD|A B C|START END|ROOT MIDDLE END|(JOINT|NODE)(\[?=.*)?|TARGET (NODE NAME|JOINT CHANGES)"
+)
 # Options whose names are no nodes', although they are called so.
 OF_OTHERS = {"skin", "clip", "name", "names", "mesh"}
 

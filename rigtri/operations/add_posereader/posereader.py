@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +26,7 @@ from rigtri.model.metadata import (
     Triple,
 )
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader import replaced_keys
+from rigtri.operations.add_posereader import corrective_joints, replaced_keys
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
 from rigtri.operations.add_posereader.targets import ReaderFrame, morph_drives, named_goals
 from rigtri.operations.add_rivet.rebind import rebind_rivets
@@ -72,7 +72,8 @@ def options_of(record: PoseReaderRecord) -> AddPosereaderOptions:
         reader=record.reader,
         target=tuple(Goal(target.name, node=target.node) for target in record.targets),
         morph=tuple((o.target, o.mesh, o.morph) for o in record.outputs if o.morph),
-        attribute=tuple((o.target, o.control, o.attribute) for o in record.outputs if not o.morph),
+        attribute=tuple((o.target, o.control, o.attribute) for o in record.outputs if o.attribute),
+        joint=tuple((o.target, o.joint, corrective_joints.changes_of(o)) for o in record.outputs if o.joint),
         **own,
         name=record.name,
         within=record.within,
@@ -107,6 +108,7 @@ class _Builder:
         self.clips = clips
         self.rig, self.options, self.report = rig, options, report
         self.goals = named_goals(rig, options)
+        _refuse_unknown_targets(self.goals, options)
         self.driver = rig.find(options.driver)
         self.frame = self._frame()
         self.seen = ReaderFrame(rig, self.driver, self.frame, report)
@@ -136,6 +138,8 @@ class _Builder:
     def build(self) -> Rig:
         rig, parent = group(self.rig)
         node = find(rig, PoseReaderRecord, name=self.name)
+        before = None if node is None else rig.records(PoseReaderRecord)[node]
+        corrective_joints.refuse_moving(rig, self.record, before)
         if node is None:
             if self.options.name:
                 refuse_taken(rig, self.options.name)
@@ -160,6 +164,8 @@ class _Builder:
             )
             counts[timeline.name] = len(times)
             tracks = [*self._morph_tracks(timeline, times, found), *value_tracks(values, times, found)]
+            names = [goal.name for goal in self.goals]
+            tracks += corrective_joints.joint_tracks(self.rig, self.record, names, timeline, times, found)
             self.rig = put_tracks(self.rig, timeline, tracks)
         self.rig = with_record(self.rig, node, self.record)
         if not counts:
@@ -167,6 +173,7 @@ class _Builder:
                 "reader-without-clips",
                 f"There is no clip to bake '{self.name}' into; it is stored, and drives nothing",
             )
+        self.report.reposed |= bool(counts) and any(output.joint for output in self.record.outputs)
         for drive in self.drives if counts else ():
             self.report.morph_changes.setdefault(self.rig.keys[drive.mesh.node], set()).update(drive.columns)
         self._record(node, counts)
@@ -175,6 +182,11 @@ class _Builder:
     def _given_back(self, rig: Rig, node: int) -> Rig:
         """The rig with the keys back that this reader has replaced, where it drives others from now on."""
         old = rig.records(PoseReaderRecord)[node]
+        stay = corrective_joints.driven_paths(self.record, rig)
+        was = corrective_joints.driven_paths(old, rig)
+        idle = {joint: paths - stay.get(joint, set()) for joint, paths in was.items()}
+        rig = corrective_joints.without_driven(rig, idle)
+        self.report.reposed |= any(idle.values())
         required, had = ({(o.mesh, o.morph) for o in record.outputs} for record in (self.record, old))
         if had <= required:
             return rig
@@ -195,6 +207,10 @@ class _Builder:
             *(
                 OutputRecord(target=t, control=rig.address(controls[control]), attribute=attribute)
                 for t, control, attribute in options.attribute
+            ),
+            *(
+                corrective_joints.joint_output(rig, t, joint, changes, (self.driver, self.frame))
+                for t, joint, changes in options.joint
             ),
         ]
         return PoseReaderRecord(
@@ -249,6 +265,8 @@ class _Builder:
     def _value_nodes(self, reader: int) -> dict[int, int]:
         """The nodes whose x translation is a weight, by target: of targets that drive no morph."""
         driving = {column for drive in self.drives for column in drive.columns.values()}
+        moving = {output.target for output in self.record.outputs if output.joint}
+        driving |= {column for column, goal in enumerate(self.goals) if goal.name in moving}
         rest = self.motion.weights_at_rest(self.reader)
         found = {}
         outputs = {t: (control, attribute) for t, control, attribute in self.options.attribute}
@@ -311,10 +329,19 @@ class _Builder:
                 "reader": self.options.reader,
                 "new": self.rig.keys[node] is None,
                 "rest": {g.name: float(r) for g, r in zip(self.goals, rest, strict=True)},
+                "joints": len(corrective_joints.driven_paths(self.record, self.rig)),
                 "morphs": sum(len(drive.columns) for drive in self.drives) if counts else 0,
                 "keys": dict(counts),
             }
         )
+
+
+def _refuse_unknown_targets(goals: Sequence[Goal], options: AddPosereaderOptions) -> None:
+    names = [goal.name for goal in goals]
+    for target, joint, changes in options.joint:
+        if target not in names:
+            text = f"there is no target '{target}'; they are {', '.join(names)}"
+            raise UsageError(f"--joint {target} {joint} {changes}: {text}")
 
 
 def along_bone(rig: Rig, joint: int) -> Floats:

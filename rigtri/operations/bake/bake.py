@@ -43,8 +43,9 @@ from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Path, Track
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import ControlRecord, PoseReaderRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.corrective_joints import driven_paths
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (
     rebake_followers,
@@ -220,6 +221,8 @@ class _Baker:
         """
         held = rivets_of_constraints(self.rig)
         follow = set(self.rig.nodes_of(*_FOLLOW)) - held
+        for record in self.rig.records(PoseReaderRecord).values():
+            follow |= driven_paths(record, self.rig).keys()
         kept = tuple(
             t
             for t in timeline.clip.tracks

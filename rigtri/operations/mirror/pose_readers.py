@@ -15,6 +15,7 @@ from rigtri.model.joint_names import Side, twin
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import OutputRecord, PoseReaderRecord, TargetRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.corrective_joints import changes_of
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader, options_of
 from rigtri.operations.mirror.counterparts import (
     OTHER,
@@ -70,6 +71,7 @@ def _twin_options(
         target=_goals(rig, record, (here, there), seen_from, options),
         morph=morphs,
         attribute=attributes,
+        joint=_joints(rig, node, record, options, report),
         name=name,
     )
 
@@ -107,7 +109,7 @@ Triples = tuple[tuple[str, str, str], ...]
 def _outputs(rig: Rig, node: int, record: PoseReaderRecord, report: Report) -> tuple[Triples, Triples]:
     """The morph targets and attributes that the twin drives; what has no twin is reported."""
     morphs, attributes = [], []
-    for output in record.outputs:
+    for output in (one for one in record.outputs if not one.joint):
         here = rig.known(output.mesh or output.control)
         there = None if here is None else other(rig, here)
         morph = None if there is None else _morph(rig, there, output, same=there == here)
@@ -119,6 +121,46 @@ def _outputs(rig: Rig, node: int, record: PoseReaderRecord, report: Report) -> t
         else:
             attributes.append((output.target, rig.address(there), output.attribute))
     return tuple(morphs), tuple(attributes)
+
+
+def _joints(rig: Rig, node: int, record: PoseReaderRecord, options: MirrorOptions, report: Report) -> Triples:
+    """What the twin does to the twins of joints; what cannot be mirrored is reported."""
+    found = []
+    for output in (one for one in record.outputs if one.joint):
+        here = rig.known(output.joint)
+        there = None if here is None else other(rig, here)
+        there = None if there == here else there
+        changed = None if here is None or there is None else _changed(rig, output, here, there, options)
+        if there is None or changed is None:
+            why = "it has no twin" if there is None else "the axes that it scales are others there"
+            warn_not_mirrored(rig, node, report, f"joint '{output.joint}' of pose reader", why)
+        else:
+            found.append((output.target, rig.address(there), changes_of(changed)))
+    return tuple(found)
+
+
+def _changed(
+    rig: Rig, output: OutputRecord, here: int, there: int, options: MirrorOptions
+) -> OutputRecord | None:
+    """A joint's changes as those of its twin; None where no scale is the mirrored one."""
+    moved, turned, grown = output.translation, output.rotation, output.scale
+    if moved is not None:
+        above, other_above = (world_rotation(rig, int(rig.parents[joint])) for joint in (here, there))
+        seen = options.across.directions(rotate(above, np.array(moved)))
+        x, y, z = rotate(conjugate(other_above), seen).tolist()
+        moved = x, y, z
+    own, twins = world_rotation(rig, here), world_rotation(rig, there)
+    if turned is not None:
+        turn = options.across.rotation(multiply(multiply(own, np.array(turned)), conjugate(own)))
+        a, b, c, d = multiply(multiply(conjugate(twins), turn), twins).tolist()
+        turned = a, b, c, d
+    if grown is not None:
+        axes = np.abs([direction(rig, here, there, axis, options) for axis in np.eye(3)])
+        if (axes != np.rint(axes)).any() and len(set(grown)) > 1:
+            return None
+        sizes = [float(grown[int(np.argmax(axes[:, k]))]) for k in range(3)]
+        grown = sizes[0], sizes[1], sizes[2]
+    return replace(output, translation=moved, rotation=turned, scale=grown)
 
 
 def _morph(rig: Rig, mesh: int, output: OutputRecord, *, same: bool) -> str | None:

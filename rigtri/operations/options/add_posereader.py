@@ -43,6 +43,7 @@ class Goal:
 Goals = Annotated[tuple[Goal | str, ...], Kind("assignments", "[NAME=]X,Y,Z|CLIP@TIME|rest|NODE")]
 Morphs = Annotated[tuple[tuple[str, str, str], ...], Kind("triples", "TARGET MESH MORPH")]
 Attributes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET NODE NAME")]
+Changes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET JOINT CHANGES")]
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ class AddPosereaderOptions(OneCharacter):
     """Let morph targets or values follow a joint's pose, baked to keys of every clip.
 
     target: the target poses, in Python also a `Goal` each, or a mapping with its fields. morph: (target,
-    mesh, morph target); a target may drive several. attribute: (target, control, attribute).
+    mesh, morph target); a target may drive several. attribute: (target, control, attribute). joint:
+    (target, joint, changes).
     """
 
     driver: Node = option(metavar="JOINT", help="The joint whose pose is read.", group="what")
@@ -88,6 +90,12 @@ class AddPosereaderOptions(OneCharacter):
     )
     attribute: Attributes = option(
         (), help="Let a target drive a value called NAME of a control. Repeatable.", group="what"
+    )
+    joint: Changes = option(
+        (),
+        help="Let a target drive a corrective joint from rest: changes at weight 1 as tx=0.02,rz=15,sx=1.1, "
+        "degrees about its own axes. Repeatable.",
+        group="what",
     )
     name: str = option(
         "", help="Name of the reader, by which it is found again. [JOINT_reader]", group="what"

@@ -1,0 +1,161 @@
+"""Corrective joints: how a joint moves, turns and grows with the weights of a pose reader, baked to its keys.
+
+A joint stands at rest and goes from there by each target's share of its change: positions and scales add up
+and multiply, rotations follow one another in the order of the targets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.pose_cache import PoseCache
+from rigtri.evaluation.timelines import Timeline
+from rigtri.maths.euler import from_angles, to_angles
+from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, slerp
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import PATHS, Interpolation, Path, Track, key_values
+from rigtri.model.metadata import CHANNELS, OutputRecord, PoseReaderRecord, Quaternion, Triple
+from rigtri.model.rig import Rig
+
+_DEGREE = np.pi / 180.0
+# Keys that differ from rest by less are the rounding of float32.
+_SAME = 1e-5
+_STILL = {"t": 0.0, "r": 0.0, "s": 1.0}
+
+
+def joint_output(rig: Rig, target: str, name: str, changes: str, readers: Iterable[int]) -> OutputRecord:
+    """What a target does to a joint: ``tx=0.02,rz=15,sx=1.1``, degrees about x, then y, then z of the joint.
+
+    readers: the driver and the frame, which may not move with the joint.
+    """
+    node = rig.find(name, "node")
+    if any(reader >= 0 and (reader == node or rig.is_below(reader, node)) for reader in readers):
+        raise GeometryError(
+            f"'{rig.title(node)}' cannot be driven by a pose that moves with it; name a joint beside it"
+        )
+    values = {channel: _STILL[channel[0]] for channel in CHANNELS["parent"]}
+    for part in changes.split(","):
+        channel, mark, number = part.strip().partition("=")
+        try:
+            values[channel if channel in values and mark else ""] = float(number)
+        except ValueError:
+            values[""] = 0.0
+        if "" in values or not np.isfinite(values[channel]):
+            text = "give changes such as tx=0.02,rz=15,sx=1.1, of tx, ty, tz, rx … sz"
+            raise UsageError(f"--joint {target} {name} {changes}: {text}")
+    moved, angles, sizes = (np.array([values[f"{c}{k}"] for k in "xyz"]) for c in "trs")
+    return OutputRecord(
+        target=target,
+        joint=rig.address(node),
+        translation=_triple(moved) if moved.any() else None,
+        rotation=_quaternion(from_angles(angles * _DEGREE, "xyz")) if angles.any() else None,
+        scale=_triple(sizes) if (sizes != 1).any() else None,
+    )
+
+
+def changes_of(output: OutputRecord) -> str:
+    """The words that make such an output again."""
+    rows = (
+        ("t", output.translation),
+        ("r", None if output.rotation is None else to_angles(np.array(output.rotation), "xyz") / _DEGREE),
+        ("s", output.scale),
+    )
+    return ",".join(
+        f"{letter}{k}={float(value)!r}"
+        for letter, values in rows
+        if values is not None
+        for k, value in zip("xyz", values, strict=True)
+    )
+
+
+def driven_paths(record: PoseReaderRecord, rig: Rig) -> dict[int, set[Path]]:
+    """The joints that a pose reader drives, and what of each."""
+    found: dict[int, set[Path]] = {}
+    for output in record.outputs:
+        node = rig.known(output.joint) if output.joint else None
+        if node is not None:
+            found.setdefault(node, set()).update(_paths(output))
+    return found
+
+
+def _paths(output: OutputRecord) -> list[Path]:
+    changes = (output.translation, output.rotation, output.scale)
+    return [path for path, change in zip(PATHS, changes, strict=True) if change is not None]
+
+
+def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord | None) -> None:
+    """GeometryError where a joint moves by keys of its own. before: the reader as it was.
+
+    Keys that hold it where it rests, as exporters write for every joint, are no motion.
+    """
+    mine = driven_paths(before, rig) if before is not None else {}
+    driven = driven_paths(record, rig)
+    for clip in rig.clips:
+        for track in clip.tracks:
+            own = driven.get(track.node, set()) - mine.get(track.node, set())
+            if track.path in own and not _at_rest(rig, track):
+                raise GeometryError(
+                    f"'{rig.title(track.node)}' has keys of its own in clip '{clip.name}', which a pose "
+                    "reader would replace; drive a joint that stands still, below it or beside it"
+                )
+
+
+def _at_rest(rig: Rig, track: Track) -> bool:
+    rest = PoseCache(rig).part(track.node)[PATHS.index(track.path)]
+    values = key_values(track)
+    if track.path == "rotation":
+        return bool(angle_between(values, rest).max() <= _SAME)
+    return bool(np.abs(values - rest).max() <= _SAME * max(1.0, float(np.abs(rest).max())))
+
+
+def without_driven(rig: Rig, driven: Mapping[int, set[Path]]) -> Rig:
+    """The rig without the keys that pose readers gave to joints."""
+    clips = tuple(
+        replace(clip, tracks=kept)
+        if len(kept := tuple(t for t in clip.tracks if t.path not in driven.get(t.node, ())))
+        < len(clip.tracks)
+        else clip
+        for clip in rig.clips
+    )
+    same = all(a is b for a, b in zip(clips, rig.clips, strict=True))
+    return rig if same else replace(rig, clips=clips)
+
+
+def joint_tracks(
+    rig: Rig,
+    record: PoseReaderRecord,
+    names: Sequence[str],
+    timeline: Timeline,
+    times: Floats,
+    weights: Floats,
+) -> Iterator[Track]:
+    """Keys of the joints in a timeline. weights: (k, t), of the targets, by ``names``, at times, (k,)."""
+    way: Interpolation = "LINEAR" if len(times) > 1 else "STEP"
+    still = PoseCache(rig)
+    for node, paths in driven_paths(record, rig).items():
+        rest = still.part(node)
+        moved, turned, grown = (np.repeat(row[:1], len(times), axis=0) for row in rest)
+        for output in record.outputs:
+            if output.joint and rig.known(output.joint) == node:
+                share = weights[:, names.index(output.target)]
+                moved = moved + share[:, np.newaxis] * np.array(output.translation or (0.0, 0.0, 0.0))
+                change = slerp(IDENTITY, np.array(output.rotation or IDENTITY), share)
+                turned = multiply(turned, change)
+                grown = grown * (1.0 + share[:, np.newaxis] * (np.array(output.scale or (1.0,) * 3) - 1.0))
+        for path, values in zip(PATHS, (moved, turned, grown), strict=True):
+            if path in paths:
+                yield Track(node, path, way, times, values)
+
+
+def _triple(values: Floats) -> Triple:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+def _quaternion(values: Floats) -> Quaternion:
+    x, y, z, w = values.tolist()
+    return x, y, z, w
