@@ -122,6 +122,13 @@ class Character:
         return (chain for chain in self.chains if chain.bend)
 
     @property
+    def is_mirrored(self) -> bool:
+        """Whether what its names call left is on the right of where it faces."""
+        (x, y, z), (a, b, c) = self.up, self.facing
+        across = (y * c - z * b, z * a - x * c, x * b - y * a)
+        return sum(one * other for one, other in zip(across, self.normal, strict=True)) < 0
+
+    @property
     def bones(self) -> dict[str, int]:
         """Node indices by VRM 1.0 bone name."""
         return {part.bone: part.joint for part in self.parts if part.bone}

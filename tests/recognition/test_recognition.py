@@ -36,11 +36,13 @@ from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.recognition import output
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
 from rigtri.recognition.recognise import recognise, sure_limbs
+from rigtri.report import Report
 
 FOUR = {
     "left arm": "upper_arm.L forearm.L hand.L",
@@ -285,6 +287,8 @@ def test_what_names_call_left_stays_left_and_the_contradiction_is_reported() -> 
     layout = recognise(rig_with(joints))
     assert bends(joints, layout) == FOUR
     assert any("call left is on the right" in remark for remark in layout.remarks)
+    orient_joints(rig_with(joints), report=(report := Report()))
+    assert "sides-disagree" in [notice.code for notice in report.warnings]
 
 
 def test_only_what_is_sure_is_a_limb_to_work_on() -> None:

@@ -109,13 +109,20 @@ def test_left_and_right_by_other_signs_are_named() -> None:
     assert "left elbow by -y, right elbow by +y" in text
 
 
-@pytest.mark.parametrize("part", ["left_thumb_2", "right_hand", "left_foot"])
+@pytest.mark.parametrize("part", ["left_thumb_2", "right_hand", "left_foot", "right_clavicle"])
 @pytest.mark.parametrize("degrees", [90.0, 180.0])
-def test_rolled_hands_thumbs_and_feet_are_named(part: str, degrees: float) -> None:
+def test_rolled_hands_thumbs_feet_and_clavicles_are_named(part: str, degrees: float) -> None:
     body = posed_body(Pose(arms=70.0))
     ((rule, node, text),) = axis_findings(rolled(body, **{part: degrees}))
     assert (rule, node) == ("axes.roll", body.parts[part.replace("_", " ")])
     assert "+y" in text
+
+
+def test_a_joint_within_a_finger_that_is_rolled_is_named() -> None:
+    body = posed_body(Pose())
+    found = list(axis_findings(rolled(body, left_ring_2=90.0)))
+    assert ("axes.roll", body.parts["left ring 2"]) in [(rule, node) for rule, node, _ in found]
+    assert rules(rolled(body, left_ring_2=25.0)) == set()
 
 
 def test_a_hand_whose_fingers_all_close_the_other_way_is_named() -> None:

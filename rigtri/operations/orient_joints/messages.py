@@ -88,6 +88,13 @@ def warn_unsure(targets: Targets, report: Report) -> None:
             continue
         if all(targets.styles[k].world for k in targets.joints):
             continue
+        if character.is_mirrored:
+            report.warn(
+                "sides-disagree",
+                f"What the names of the {character.form} call left is on the right of where it faces: left "
+                "and right are as named, and knees bend to where it faces. See: rigtri recognise FILE",
+                geometry=True,
+            )
         if character.confidence >= CONFIDENT:
             _warn_unsure_limbs(targets, joints, report)
             continue

@@ -168,6 +168,7 @@ class _Seen:
             yield from self._hand(side, hand, off)
             closing[hand[0].joints[0]] = self._closing_hand(hand)
             yield from self._rolled_hand(side, hand, closing[hand[0].joints[0]])
+            yield from self._rolled_fingers(hand)
         if len(closing) > 1 and all(closing.values()) and not set.intersection(*closing.values()):
             what = ", ".join(f"'{self.rig.title(joint)}' by {_text(axes)}" for joint, axes in closing.items())
             yield "axes.hands", next(iter(closing)), f"no one axis and sign closes both hands: {what}"
@@ -247,6 +248,15 @@ class _Seen:
         for joint, target, least in bones:
             yield from self._rolled(joint, target, least, closing, "closes the fingers")
 
+    def _rolled_fingers(self, hand: Sequence[Chain]) -> Iterator[Found]:
+        """The joints within a finger that are rolled against the one above."""
+        for finger in hand:
+            aim = self._aim([*pairwise(finger.joints)], [])
+            for above, joint in pairwise(finger.joints if aim else ()):
+                roll = self._roll(aim, above, joint) if aim else 0.0
+                if roll > FINGERS:
+                    yield "axes.roll", joint, f"is rolled by {roll:.0f}° against '{self.rig.title(above)}'"
+
     def _rolled(
         self, joint: int, target: int, least: float, flexing: set[Signed], what: str
     ) -> Iterator[Found]:
@@ -295,7 +305,12 @@ class _Seen:
                 if foot and len(foot.joints) > 1:
                     ankle, toes = foot.joints[:2]
                     yield from self._rolled(ankle, toes, FLEXES, axes, "bends the knee")
-        if flexing and not set.intersection(*(axes for _, axes in flexing)):
+        common = set.intersection(*(axes for _, axes in flexing)) if flexing else set()
+        for limb, _ in flexing if common else ():
+            clavicle = self.character.bones.get(f"{limb.side}Shoulder") if limb.kind == "arm" else None
+            if clavicle is not None:
+                yield from self._rolled(clavicle, limb.start, FLEXES, common, "bends the elbow")
+        if flexing and not common:
             what = ", ".join(f"{limb.side} {_BENDS[limb.kind]} by {_text(axes)}" for limb, axes in flexing)
             yield "axes.flex", flexing[0][0].middle, f"no one axis and sign bends all limbs: {what}"
 
