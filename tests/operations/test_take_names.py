@@ -106,3 +106,26 @@ def test_the_command_takes_both_spellings(tmp_path: Path) -> None:
     assert "RIG has no clip 'nope'" in done.output
     cli(*words, "--as", "walk=", code=2)
     assert "#0" in cli("take-clips", "--help").output
+
+
+def test_accents_may_be_composed_in_one_file_and_not_in_the_other() -> None:
+    rig, edited = (playing(**{name: (LONG, far)}) for name, far in (("gehe\u0301", 0.1), ("geh\u00e9", 0.7)))
+    edited = replace(edited, names=("ra\u0301", *edited.names[1:]))
+    far, notices = taken(replace(rig, names=("r\u00e1", *rig.names[1:])), edited)
+    assert far == {"gehe\u0301": 0.7}
+    assert not notices
+
+
+def test_a_clip_of_no_channels_gets_those_of_edited() -> None:
+    rig, edited = playing(walk=(LONG, 0.1)), playing(idle=(LONG, 0.7))
+    far, notices = taken(replace(rig, clips=(Clip("idle", ()), *rig.clips)), edited)
+    assert far == {"idle": 0.7, "walk": 0.1}
+    assert not notices
+
+
+def test_two_clips_of_one_name_in_edited_are_one_warning() -> None:
+    rig = playing(walk=(LONG, 0.1))
+    edited = replace(rig, clips=(*rig.clips, *playing(walk=(LONG, 0.7)).clips))
+    far, notices = taken(rig, edited)
+    assert far == {"walk": 0.1}
+    assert "more than one part of 'walk': 'walk' (#0), 'walk' (#1)" in notices["two-parts"]

@@ -19,7 +19,8 @@ from rigtri.evaluation.timelines import PLAYED, Timeline, timelines
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.generated_names import MadeNames, span
-from rigtri.operations.take_clips.node_matching import as_usd
+from rigtri.operations.take_clips.messages import list_names
+from rigtri.operations.take_clips.node_matching import as_usd, composed
 from rigtri.report import Report
 
 _NUMBER = re.compile(r"#[0-9]+$")
@@ -100,9 +101,10 @@ class ClipNames:
             return name
         if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
             return self.ours[0].name  # a USD file has one clip, whose name means nothing
-        spelled = [known for known in self.known if _as_usd(known) == _as_usd(name)]
-        if len(spelled) == 1:
-            return spelled[0]
+        for spell in (composed, _as_usd):
+            spelled = [known for known in self.known if spell(known) == spell(name)]
+            if len(spelled) == 1:
+                return spelled[0]
         return self.made.part_of(name, self.known) or self._by_times(timeline) or name
 
     def _by_times(self, timeline: Timeline) -> str | None:
@@ -196,9 +198,10 @@ class ClipNames:
         left = [name for name in self.known if name not in together]
         # What has no motion at all gets its one clip, whatever that is called.
         motionless = self.one_timeline and not self.ours
+        known = {*self.known, *(clip.name for clip in self.rig.clips if not clip.tracks)}
         for name, parts in together.items():
             called = parts[0].name
-            if self.warn_unsure(name, parts) or name in self.known or motionless:
+            if self.warn_unsure(name, parts) or name in known or motionless:
                 continue
             if self.user_names.get(called) != called:
                 close = get_close_matches(name, list(self.known), n=3) or left[:3]
@@ -275,15 +278,18 @@ class ClipNames:
             raise AmbiguousNameError("clip", name, [f"#{t.members[0]}" for t in homes])
         parts = sorted(parts, key=lambda part: part.name != name)
         tracks: dict[tuple[int, str], Track] = {}
+        twice = dict[str, None]()
         for part in parts:
             for track in part.clip.tracks:
-                known = tracks.setdefault((track.node, track.path), track)
-                if known is not track:
-                    self.report.warn(
-                        "two-parts",
-                        f"'{self.edited.title(track.node)}' has keys in more than one part of '{name}' "
-                        f"({', '.join(p.name for p in parts)}); those of the first were taken",
-                    )
+                if tracks.setdefault((track.node, track.path), track) is not track:
+                    twice[self.edited.title(track.node)] = None
+        if twice:
+            called = ", ".join(f"'{p.name}' (#{p.members[0]})" for p in parts)
+            self.report.warn(
+                "two-parts",
+                f"{list_names(twice)} have keys in more than one part of '{name}': {called}. Those of the "
+                "first were taken; give what is another clip another name in EDITED",
+            )
         clip = Clip(name, tuple(tracks.values()))
         return Taken(name, homes[0] if homes else None, clip, tuple(part.name for part in parts), self.key)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from unicodedata import normalize
 
 import numpy as np
 
@@ -27,13 +28,14 @@ class Pairs:
 
 
 def pairs(rig: Rig, other: Rig) -> Pairs:
-    """Nodes of two rigs that have one name: exactly, else as USD spells it; joints go before other nodes.
+    """Nodes of two rigs that have one name: exactly, else composed as Unicode's NFC, else as USD spells it.
 
-    Controls and poles that a DCC has given the names of their curves, by what is stored on them.
+    Joints go before other nodes. Controls and poles that a DCC has given the names of their curves, by what
+    is stored on them.
     """
     found = _by_records(rig, other)
     unclear: dict[str, None] = {}
-    for spell in (str, as_usd):
+    for spell in (str, composed, as_usd):
         ours, theirs = _spelled(rig, spell), _spelled(other, spell)
         taken = set(found.values())
         for name, nodes in ours.items():
@@ -104,6 +106,11 @@ def _by_place(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
     if not left or any(node != theirs for node, theirs in found.items()) or why_apart(rig, other):
         return {}
     return {node: node for node in left}
+
+
+def composed(name: str) -> str:
+    """A name with accents in one sign with their letters: file systems and programs take them apart."""
+    return normalize("NFC", name)
 
 
 def as_usd(name: str) -> str:

@@ -304,6 +304,10 @@ class _Taking:
             return self.rig
         clip = Clip(self.taken.name, tuple(self.changed), self.taken.key)
         rig = self.rig.with_parts(track.node for track in self.changed if track.path != "weights")
+        for number, known in enumerate(rig.clips):
+            if known.name == clip.name and not known.tracks and clip.key is None:
+                filled = replace(known, tracks=clip.tracks)
+                return replace(rig, clips=(*rig.clips[:number], filled, *rig.clips[number + 1 :]))
         return replace(rig, clips=(*rig.clips, clip))
 
     def _warn(self) -> None:
