@@ -29,6 +29,7 @@ _WHERE = {
     "add_socket": "rigtri.operations.add_socket",
     "root_motion": "rigtri.operations.root_motion",
     "conform": "rigtri.operations.conform",
+    "convert": "rigtri.pipeline.convert",
     "set_rest": "rigtri.operations.set_rest",
     "prune_joints": "rigtri.operations.prune_joints",
     "rename_joints": "rigtri.operations.rename_joints",
@@ -87,6 +88,7 @@ __all__ = [
     "check",
     "conform",
     "constrain",
+    "convert",
     "describe",
     "diff",
     "draw",
@@ -163,6 +165,7 @@ if TYPE_CHECKING:
     from rigtri.operations.strip import strip as strip
     from rigtri.operations.take_clips.restore_metadata import as_described as as_described
     from rigtri.operations.take_clips.take_clips import take_clips as take_clips
+    from rigtri.pipeline.convert import convert as convert
     from rigtri.pipeline.edit import edit as edit
     from rigtri.pipeline.files import read as read
     from rigtri.pipeline.files import verify as verify

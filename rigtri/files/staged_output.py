@@ -73,6 +73,7 @@ class StagedOutput:
         self._on_disk = False
         self._syncing: threading.Thread | None = None
         self.placed: list[tuple[Path, Path | None]] = []
+        self._folders: list[Path] = []  # those that were not there before
         self.beside: list[Path] = []  # all companions, also those that were there
         self._orphans = _our_buffers(final, final)
         self._backup = _backup_path(final, os.getpid())
@@ -95,7 +96,7 @@ class StagedOutput:
                 "it is replaced only with --overwrite"
             )
         check_not_an_input(place, [*self._needed, (self.final, "the output itself")])
-        place.parent.mkdir(parents=True, exist_ok=True)
+        self._make_folder(place.parent)
         content = companion.content
         there = isinstance(content, Path) and self._ahead.take(content, temp_path(place))
         if not there and not self._shared:
@@ -110,6 +111,12 @@ class StagedOutput:
                 fresh.write_bytes(content)
             elif not there:
                 copy_file(content, fresh)
+
+    def _make_folder(self, folder: Path) -> None:
+        if not folder.is_dir():
+            self._make_folder(folder.parent)
+            folder.mkdir(exist_ok=True)
+            self._folders.append(folder)
 
     def fsync_in_background(self) -> None:
         """Let the disk take the part meanwhile, so that the rename need not wait for that."""
@@ -154,6 +161,9 @@ class StagedOutput:
                 _put_back(backup, place)
             else:
                 place.unlink(missing_ok=True)
+        for folder in [] if self._shared else reversed(self._folders):
+            with suppress(OSError):  # somebody else has put something there
+                folder.rmdir()
         with suppress(OSError):  # the reason for undoing is raised, not this
             self._backup.unlink(missing_ok=True)
             self.part.unlink(missing_ok=True)

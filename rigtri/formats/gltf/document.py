@@ -132,12 +132,12 @@ class GltfDocument:
         facts = read_scenery(self.container.gltf, self.tree)
         if not closely:
             return facts
-        materials = Materials(self.container.gltf, self._image)
+        materials = Materials(self.container.gltf, self.image)
         nodes = {k: {**own, **materials.of(self.tree.order[k])} for k, own in facts.nodes.items()}
         avatar, driven = read_facts(self.container.gltf, self.tree.place, self._pointers)
         return replace(facts, nodes=nodes, whole={**facts.whole, **avatar}, own=driven)
 
-    def _image(self, image: dict[str, object]) -> bytes | memoryview:
+    def image(self, image: dict[str, object]) -> bytes | memoryview:
         """The bytes of an image. FileError where they are not to be had."""
         uri, where = image.get("uri"), f"{self.container.path}: image"
         if isinstance(uri, str):
@@ -153,7 +153,7 @@ class GltfDocument:
     def embedded(self) -> Embedded:
         """The file as it is, and the files of buffers and images."""
         allowed = self.options.allow_external_paths
-        return embedded(self.container.gltf, self.container.path, self._image, allow_external=allowed)
+        return embedded(self.container.gltf, self.container.path, self.image, allow_external=allowed)
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """The files of buffers, images and extensions."""

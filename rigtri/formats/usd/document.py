@@ -60,6 +60,11 @@ class UsdDocument:
         return self._source.rig
 
     @property
+    def source(self) -> Source:
+        """The stage, and what of it the nodes, skins and clips of the rig are."""
+        return self._source
+
+    @property
     def warnings(self) -> Sequence[Notice]:
         """What the reader noticed; after `write`, also what the writer had to do."""
         return tuple(self._notices)

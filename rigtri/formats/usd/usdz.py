@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import struct
 import zlib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
@@ -81,6 +82,19 @@ def empty(name: str) -> Package:
     raw = name.encode("utf-8")
     flags = 0 if raw.isascii() else _UTF8
     return Package(b"", (Entry(name, raw, 0, 0, 0, 10, 10, flags, 0, 0x21, b"", b"", b"", 0, 0),), b"")
+
+
+def write_new(files: Mapping[str, bytes], part: Path) -> None:
+    """Write a package of files by their names, the root layer first; their date is that of no file, 1980."""
+    entries, start = [], 0
+    for name, content in files.items():
+        plain = empty(name).root
+        entries.append(
+            replace(plain, start=start, size=len(content), unpacked=len(content), crc=zlib.crc32(content))
+        )
+        start += len(content)
+    whole = b"".join(files.values())
+    write(Package(whole, tuple(entries), b""), next(iter(files.values())), part)
 
 
 def read(path: Path) -> Package:

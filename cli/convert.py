@@ -1,0 +1,77 @@
+"""Write a glTF, GLB or VRM file as USD.
+
+Nodes become prims and joints, skins Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
+UsdPreviewSurface; images lie in a folder beside OUT, or in it (.usdz). Both files are skinned at every key
+and between, and compared before OUT appears. What USD cannot say is listed, and an error with --strict.
+
+\b
+Examples:
+    rigtri convert hero.glb -o hero.usdz
+    rigtri convert hero.vrm -o hero.usda --clip 'walk*' --fps 30
+    rigtri convert hero.glb -o hero.usdc --up-axis z --meters-per-unit 0.01
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from rigtri.operations.declaration import made
+from rigtri.operations.options.convert import ConvertOptions
+from rigtri.report import Report
+
+from .edit_command import declared_options
+from .editing import run
+from .help_format import Command
+from .options import (
+    dry_run_option,
+    needed_output,
+    output_option,
+    output_options,
+    overwrite_option,
+    reading_options,
+    report_option,
+    source_argument,
+    strict_option,
+    tolerance_option,
+    verify_option,
+)
+from .parameters import destination, given, given_options, read_options
+from .text import counted
+
+
+@click.command("convert", cls=Command, help=__doc__)
+@source_argument
+@output_option("The file to write, in the other format. Required unless --dry-run.", callback=needed_output)
+@declared_options(ConvertOptions)
+@reading_options
+@overwrite_option()
+@dry_run_option
+@report_option("Write what was done, and what the other format cannot say")
+@strict_option("Make anything that the other format cannot say, and any warning, an error (5).")
+@verify_option()
+@tolerance_option()
+@output_options
+@click.pass_context
+def command(ctx: click.Context, /, **values: Any) -> None:
+    from rigtri.pipeline.convert import convert_file
+    from rigtri.pipeline.edit import EditRequest
+
+    options = made(ConvertOptions, values, given(ctx))
+    same = {name: values[name] for name in ("overwrite", "verify", "tolerance", "dry_run", "strict")}
+    request = EditRequest(values["source"], destination(values), read_options(values), **same)
+    values["sidecar"] = False
+
+    def done(report: Report) -> Any:
+        return convert_file(request, options, report)
+
+    run("convert", values, done, given_options(ctx), summary)
+
+
+def summary(report: Report) -> str:
+    """What was done, in a line."""
+    lost = sum(notice.code == "lost" for notice in report.warnings)
+    return (
+        f"converted; {counted(lost, 'thing')} could not be said in the other format" if lost else "converted"
+    )

@@ -1,0 +1,132 @@
+"""What glTF and USD have in common: a rig with what its nodes show, independent of either format."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from rigtri.model.mesh import Mesh, Surface
+from rigtri.model.rig import Rig
+
+Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive"]
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Image:
+    """An image file. name: a plain file name with its suffix, unique in the scene."""
+
+    name: str
+    content: bytes
+
+
+@dataclass(frozen=True)
+class Texture:
+    """An image on a surface, in glTF's terms: v runs downwards.
+
+    texcoord: the number of the texture coordinates. wrap: ``repeat``, ``clamp`` or ``mirror`` for u and v.
+    offset, rotation (radians), scale: KHR_texture_transform.
+    """
+
+    image: Image
+    texcoord: int = 0
+    wrap: tuple[str, str] = ("repeat", "repeat")
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+
+    @property
+    def is_transformed(self) -> bool:
+        return (self.offset, self.rotation, self.scale) != ((0.0, 0.0), 0.0, (1.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Material:
+    """A metallic-roughness material, in glTF's terms; each texture is multiplied by its factor."""
+
+    name: str
+    base: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    metallic: float = 1.0
+    roughness: float = 1.0
+    emissive: Colour = (0.0, 0.0, 0.0)
+    alpha: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
+    cutoff: float = 0.5
+    double_sided: bool = False
+    unlit: bool = False
+    normal_scale: float = 1.0
+    occlusion_strength: float = 1.0
+    clearcoat: float = 0.0
+    clearcoat_roughness: float = 0.0
+    ior: float = 1.5
+    textures: Mapping[Slot, Texture] = field(default_factory=dict)
+    extras: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera that looks along −z. height: yfov in radians, or the whole height of what an orthographic one
+    shows; aspect: width by height, None for the viewport's; far: None for infinite."""
+
+    name: str
+    orthographic: bool
+    height: float
+    aspect: float | None
+    near: float
+    far: float | None
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light that shines along −z: ``directional`` in lux, ``point`` or ``spot`` in candela; angles in
+    radians.
+    """
+
+    name: str
+    kind: str
+    colour: Colour = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    inner: float = 0.0
+    outer: float = 0.7853981633974483
+
+
+@dataclass(frozen=True, eq=False)
+class Primitive:
+    """A mesh of one material. material: its number in the scene. shared: equal where two nodes show the
+    same.
+    """
+
+    mesh: Mesh
+    surface: Surface
+    name: str
+    material: int | None = None
+    shared: Any = None
+
+
+@dataclass(eq=False)
+class Scene:
+    """All that is converted; what is not, is in ``lost``, in words for users.
+
+    primitives, cameras, lights, extras: by node. hidden: nodes that are not shown. omitted: those that are
+    left out. up: ``Y`` or ``Z``; unit: the metres of one length unit. per_second: the time units of
+    clips in a second.
+    """
+
+    rig: Rig
+    name: str
+    primitives: dict[int, list[Primitive]] = field(default_factory=dict)
+    materials: list[Material] = field(default_factory=list)
+    cameras: dict[int, Camera] = field(default_factory=dict)
+    lights: dict[int, Light] = field(default_factory=dict)
+    extras: dict[int, Any] = field(default_factory=dict)
+    hidden: set[int] = field(default_factory=set)
+    omitted: set[int] = field(default_factory=set)
+    up: Literal["Y", "Z"] = "Y"
+    unit: float = 1.0
+    per_second: float = 1.0
+    lost: list[str] = field(default_factory=list)
+
+    def lose(self, what: str) -> None:
+        """Note what the other format cannot say; the same words only once."""
+        if what not in self.lost:
+            self.lost.append(what)

@@ -1,0 +1,164 @@
+"""Clips as SkelAnimations, one for each clip and Skeleton that it moves, and as samples of Xforms.
+
+A stage has one time, so Xforms can move as one clip has it: the one that is bound (`skel:animationSource`).
+Source: UsdSkelAnimation (joint-local; translations float3, rotations quatf, scales half3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from pxr import UsdGeom, UsdSkel, Vt
+
+from rigtri.conversion import usd_values as values
+from rigtri.conversion.usd_samples import sample_times, time_codes
+from rigtri.conversion.usd_skeletons import Skeleton
+from rigtri.evaluation.sampling import sample
+from rigtri.frames.rig_size import size_of
+from rigtri.maths.quaternions import make_continuous, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Path, Track
+from rigtri.model.rig import Rig
+
+# Scales that a half float holds to this share need no word: it is half of what a conversion may be off.
+_HALF = 5e-6
+_SETTERS: Mapping[Path, Callable[[Floats], Any]] = {
+    "translation": values.vectors,
+    "rotation": lambda rows: values.quaternions(unit(rows)),
+    "scale": values.halves,
+}
+
+
+def write_animation(
+    stage: Any,
+    path: str,
+    rig: Rig,
+    skeleton: Skeleton,
+    clip: Clip,
+    shapes: Mapping[tuple[int, int], str],
+    rate: float,
+) -> bool:
+    """A SkelAnimation with what a clip moves of a skeleton; False where it moves nothing of it.
+
+    shapes: the blend shapes of its meshes, by node and number of the morph target.
+    """
+    tracks = {(track.node, track.path): track for track in clip.tracks}
+    joints = [node for node in skeleton.joints if any((node, one) in tracks for one in _SETTERS)]
+    weighted = [(node, number) for node, number in shapes if (node, "weights") in tracks]
+    if not joints and not weighted:
+        return False
+    prim = UsdSkel.Animation.Define(stage, path)
+    if joints:
+        token = dict(zip(skeleton.joints, skeleton.tokens, strict=True))
+        prim.CreateJointsAttr(Vt.TokenArray([token[node] for node in joints]))
+        attributes = {
+            "translation": prim.CreateTranslationsAttr(),
+            "rotation": prim.CreateRotationsAttr(),
+            "scale": prim.CreateScalesAttr(),
+        }
+        rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}
+        for one, setter in _SETTERS.items():
+            times, rows = _columns([tracks.get((node, one)) for node in joints], rest[one][joints], rig)
+            if one == "rotation" and len(rows):
+                rows = np.stack([make_continuous(unit(column)) for column in rows.swapaxes(0, 1)], axis=1)
+            _set(attributes[one], time_codes(times, rate), [setter(row) for row in rows])
+    if shapes:
+        write_weights(prim, clip, shapes, rig, rate)
+    return True
+
+
+def write_weights(
+    prim: Any, clip: Clip | None, shapes: Mapping[tuple[int, int], str], rig: Rig, rate: float
+) -> None:
+    """Weights of blend shapes: as a clip has them, else as they are at rest."""
+    weights = {track.node: track for track in clip.tracks if track.path == "weights"} if clip else {}
+    resting = {mesh.node: mesh.morph_weights for mesh in rig.meshes}
+    keys = list(shapes)
+    columns = [_column(weights[node], number) if node in weights else None for node, number in keys]
+    rest = np.array([[resting[node][number]] for node, number in keys])
+    times, rows = _columns(columns, rest, rig)
+    prim.CreateBlendShapesAttr(Vt.TokenArray([shapes[key] for key in keys]))
+    weighed = prim.CreateBlendShapeWeightsAttr(values.floats(rest))
+    _set(weighed, time_codes(times, rate), [values.floats(row) for row in rows])
+
+
+def _column(track: Track, number: int) -> Track:
+    return track.having(track.values[..., number : number + 1])
+
+
+def _columns(tracks: Sequence[Track | None], rest: Floats, rig: Rig) -> tuple[Floats, Floats]:
+    """Times (k,) that all need together, and what they have then, (k, j, c); no times where none moves."""
+    moving = [track for track in tracks if track is not None]
+    times = sample_times(moving, size_of(rig, rig.meshes))
+    rows = np.broadcast_to(rest, (max(len(times), 1), *rest.shape)).copy()
+    for k, track in enumerate(tracks):
+        if track is not None:
+            rows[:, k] = sample(track, times)
+    return times, rows
+
+
+def _set(attribute: Any, codes: Floats, rows: Sequence[Any]) -> None:
+    if not len(codes):
+        attribute.Set(rows[0])
+    for code, row in zip(codes.tolist(), rows, strict=False):
+        attribute.Set(row, code)
+
+
+def write_xform(prim: Any, rig: Rig, node: int, clip: Clip | None, rate: float) -> None:
+    """The place of a node: translate, orient and scale, or a matrix where it has one."""
+    if rig.has_matrix[node]:
+        prim.AddTransformOp().Set(values.matrix(rig.matrix[node]))
+        return
+    tracks = {track.path: track for track in clip.tracks if track.node == node} if clip else {}
+    parts = {
+        one: _columns([tracks.get(one)], given[node][np.newaxis], rig) for one, given in _rest(rig).items()
+    }
+    place_by(prim, parts, rate, {one: given[node] for one, given in _rest(rig).items()})
+
+
+def _rest(rig: Rig) -> dict[Path, Floats]:
+    return {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}
+
+
+def place_by(
+    prim: Any,
+    parts: Mapping[Path, tuple[Floats, Floats]],
+    rate: float,
+    rest: Mapping[Path, Floats],
+) -> None:
+    """Ops of a prim from times (k,) and values (k or 1, 1, c) of each part; none for what does nothing."""
+    none: dict[Path, list[float]] = {
+        "translation": [0.0] * 3,
+        "rotation": [0.0, 0.0, 0.0, 1.0],
+        "scale": [1.0] * 3,
+    }
+    double = UsdGeom.XformOp.PrecisionDouble
+    for one, (times, rows) in parts.items():
+        still, rows = rest[one], rows[:, 0]
+        if not len(times) and still.tolist() == none[one]:
+            continue
+        codes = time_codes(times, rate)
+        if one == "rotation":
+            op = prim.AddOrientOp(double)
+            op.Set(values.quaternion(unit(still)))
+            _set(op, codes, [values.quaternion(row) for row in make_continuous(unit(rows))])
+        else:
+            op = prim.AddTranslateOp(double) if one == "translation" else prim.AddScaleOp(double)
+            op.Set(tuple(still.tolist()))
+            _set(op, codes, [tuple(row) for row in rows.tolist()])
+
+
+def half_scales(rig: Rig, skeleton: Skeleton, clip: Clip) -> list[int]:
+    """Joints that a clip moves whose scales a half float does not hold."""
+    moved = {track.node for track in clip.tracks if track.path != "weights"}
+    scales = {track.node: track.values for track in clip.tracks if track.path == "scale"}
+    found = []
+    for node in skeleton.joints:
+        if node in moved:
+            given = np.asarray(scales.get(node, rig.scale[node]))
+            off = np.abs(given.astype(np.float16).astype(np.float64) - given)
+            if (off > _HALF * np.maximum(np.abs(given), 1.0)).any():
+                found.append(node)
+    return found

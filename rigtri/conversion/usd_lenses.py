@@ -1,0 +1,70 @@
+"""Cameras and lights as prims.
+
+USD's units are those of photography: apertures and focal lengths in tenths of the scene's unit, of which
+only the ratio matters in a perspective. With ``normalize`` a sphere's intensity is its power over all
+directions, so a point light of one candela has 4: π r² of the 4 π r² of its surface are seen. Source:
+UsdGeomCamera, UsdLux.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Gf, UsdGeom, UsdLux
+
+from rigtri.conversion.scene import Camera, Light, Scene
+from rigtri.conversion.usd_materials import DEGREES
+from rigtri.maths.trigonometry import sin_cos
+
+# The height of the film, in tenths of a unit: that of 35 mm film, where a unit is a centimetre.
+FILM = 24.0
+TENTHS = 10.0
+# For a camera that sees without end: USD has no word for it.
+FAR = 1e6
+# A light of glTF is a point; USD's has a size, which only its highlights show.
+RADIUS = 0.01
+CANDELA = 4.0
+
+
+def define_camera(stage: Any, path: str, camera: Camera, scene: Scene) -> Any:
+    """A Camera prim, in the place of its parent."""
+    prim = UsdGeom.Camera.Define(stage, path)
+    if camera.aspect is None:
+        scene.lose(f"camera '{camera.name}' has the viewport's aspect: written with 16:9")
+    if camera.far is None:
+        scene.lose(f"camera '{camera.name}' sees without end: written with {FAR:g}")
+    aspect = 16.0 / 9.0 if camera.aspect is None else float(camera.aspect)
+    if camera.orthographic:
+        prim.CreateProjectionAttr(UsdGeom.Tokens.orthographic)
+        height = camera.height * TENTHS
+    else:
+        height = FILM
+        sine, cosine = (float(x) for x in sin_cos(np.array(camera.height / 2.0)))
+        prim.CreateFocalLengthAttr(height * cosine / (2.0 * sine))
+    prim.CreateVerticalApertureAttr(height)
+    prim.CreateHorizontalApertureAttr(height * aspect)
+    prim.CreateClippingRangeAttr(Gf.Vec2f(camera.near, FAR if camera.far is None else camera.far))
+    return prim
+
+
+def define_light(stage: Any, path: str, light: Light, scene: Scene) -> Any:
+    """A DistantLight or SphereLight, in the place of its parent."""
+    if light.kind == "directional":
+        prim = UsdLux.DistantLight.Define(stage, path)
+        prim.CreateIntensityAttr(light.intensity)
+    elif light.kind in ("point", "spot"):
+        prim = UsdLux.SphereLight.Define(stage, path)
+        prim.CreateRadiusAttr(RADIUS)
+        prim.CreateTreatAsPointAttr(True)
+        prim.CreateIntensityAttr(light.intensity * CANDELA)
+    else:
+        scene.lose(f"light '{light.name}' of type {light.kind}")
+        return None
+    prim.CreateNormalizeAttr(True)
+    prim.CreateColorAttr(Gf.Vec3f(*light.colour))
+    if light.kind == "spot":
+        shaping = UsdLux.ShapingAPI.Apply(prim.GetPrim())
+        shaping.CreateShapingConeAngleAttr(light.outer * DEGREES)
+        shaping.CreateShapingConeSoftnessAttr(1.0 - light.inner / light.outer if light.outer else 0.0)
+    return prim

@@ -1,0 +1,172 @@
+"""Materials as networks of UsdPreviewSurface, and back.
+
+USD's v runs upwards, glTF's downwards, so texture coordinates are written as (u, 1 − v) and transforms to
+match. Source: UsdPreviewSurface specification 2.6; glTF 2.0 §3.9; KHR_texture_transform.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, UsdShade
+
+from rigtri.conversion.scene import Image, Material, Scene, Slot, Texture
+from rigtri.maths.trigonometry import sin_cos
+
+_TYPES = Sdf.ValueTypeNames
+DEGREES = 180.0 / 3.141592653589793
+
+
+def primvar(texcoord: int) -> str:
+    """What texture coordinates are called: ``st``, as everywhere in USD, then ``st1`` and so on."""
+    return f"st{texcoord}" if texcoord else "st"
+
+
+class MaterialWriter:
+    """Writes the materials of a scene below a prim. place: the asset path of an image."""
+
+    def __init__(self, stage: Any, scene: Scene, place: Callable[[Image], str]) -> None:
+        self._stage, self._scene, self._place = stage, scene, place
+
+    def write(self, material: Material, path: str, *, coloured: bool) -> Any:
+        """One material; coloured: meshes with it have colours of their own, ``displayColor``."""
+        prim = UsdShade.Material.Define(self._stage, path)
+        surface = self._shader(f"{path}/Surface", "UsdPreviewSurface")
+        prim.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
+        self._say_unsayable(material, coloured=coloured)
+        readers = {slot: self._texture(path, slot, material) for slot in material.textures}
+        self._colour(surface, material, readers, path, coloured=coloured)
+        self._channels(surface, material, readers)
+        if material.unlit:
+            prim.GetPrim().SetCustomDataByKey("unlit", True)
+        return prim
+
+    def _say_unsayable(self, material: Material, *, coloured: bool) -> None:
+        if material.unlit:
+            self._scene.lose(f"material '{material.name}' is unlit: shown as light that it emits")
+        if coloured and ("base" in material.textures or material.base[:3] != (1.0, 1.0, 1.0)):
+            text = "vertex colours times texture or colour: USD shows the latter, and keeps displayColor"
+            self._scene.lose(f"material '{material.name}': {text}")
+
+    def _colour(
+        self, surface: Any, material: Material, readers: dict[Slot, Any], path: str, *, coloured: bool
+    ) -> None:
+        name = "emissiveColor" if material.unlit else "diffuseColor"
+        colour = surface.CreateInput(name, _TYPES.Color3f)
+        if "base" in readers:
+            colour.ConnectToSource(readers["base"].ConnectableAPI(), "rgb")
+        elif coloured and material.base[:3] == (1.0, 1.0, 1.0):
+            reader = self._shader(f"{path}/VertexColor", "UsdPrimvarReader_float3")
+            reader.CreateInput("varname", _TYPES.String).Set("displayColor")
+            reader.CreateOutput("result", _TYPES.Float3)
+            colour.ConnectToSource(reader.ConnectableAPI(), "result")
+        else:
+            colour.Set(Gf.Vec3f(*material.base[:3]))
+        if material.unlit:
+            surface.CreateInput("diffuseColor", _TYPES.Color3f).Set(Gf.Vec3f(0.0))
+        if material.alpha != "OPAQUE":
+            opacity = surface.CreateInput("opacity", _TYPES.Float)
+            if "base" in readers:
+                opacity.ConnectToSource(readers["base"].ConnectableAPI(), "a")
+            else:
+                opacity.Set(material.base[3])
+        if material.alpha == "MASK":
+            surface.CreateInput("opacityThreshold", _TYPES.Float).Set(material.cutoff)
+
+    def _channels(self, surface: Any, material: Material, readers: dict[Slot, Any]) -> None:
+        """What is a number or one channel of a texture, and normals and emission."""
+        both = readers.get("metal_rough")
+        for name, value, channel in (
+            ("metallic", material.metallic, "b"),
+            ("roughness", material.roughness, "g"),
+        ):
+            given = surface.CreateInput(name, _TYPES.Float)
+            if both is None:
+                given.Set(value)
+            else:
+                given.ConnectToSource(both.ConnectableAPI(), channel)
+        if "normal" in readers:
+            normal = surface.CreateInput("normal", _TYPES.Normal3f)
+            normal.ConnectToSource(readers["normal"].ConnectableAPI(), "rgb")
+        if "occlusion" in readers:
+            occlusion = surface.CreateInput("occlusion", _TYPES.Float)
+            occlusion.ConnectToSource(readers["occlusion"].ConnectableAPI(), "r")
+        if not material.unlit and "emissive" in readers:
+            emissive = surface.CreateInput("emissiveColor", _TYPES.Color3f)
+            emissive.ConnectToSource(readers["emissive"].ConnectableAPI(), "rgb")
+        elif not material.unlit and material.emissive != (0.0, 0.0, 0.0):
+            surface.CreateInput("emissiveColor", _TYPES.Color3f).Set(Gf.Vec3f(*material.emissive))
+        for name, value, plain in (
+            ("clearcoat", material.clearcoat, 0.0),
+            ("clearcoatRoughness", material.clearcoat_roughness, 0.0),
+            ("ior", material.ior, 1.5),
+        ):
+            if value != plain:
+                surface.CreateInput(name, _TYPES.Float).Set(value)
+
+    def _shader(self, path: str, kind: str) -> Any:
+        shader = UsdShade.Shader.Define(self._stage, path)
+        shader.CreateIdAttr(kind)
+        return shader
+
+    def _texture(self, path: str, slot: Slot, material: Material) -> Any:
+        """An image on the surface, times its factor."""
+        texture = material.textures[slot]
+        reader = self._shader(f"{path}/{slot}_st", "UsdPrimvarReader_float2")
+        reader.CreateInput("varname", _TYPES.String).Set(primvar(texture.texcoord))
+        reader.CreateOutput("result", _TYPES.Float2)
+        if texture.is_transformed:
+            reader = self._transform(f"{path}/{slot}_transform", texture, reader)
+        image = self._shader(f"{path}/{slot}", "UsdUVTexture")
+        image.CreateInput("file", _TYPES.Asset).Set(Sdf.AssetPath(self._place(texture.image)))
+        image.CreateInput("st", _TYPES.Float2).ConnectToSource(reader.ConnectableAPI(), "result")
+        for name, wrap in zip(("wrapS", "wrapT"), texture.wrap, strict=True):
+            image.CreateInput(name, _TYPES.Token).Set(wrap)
+        colour = "sRGB" if slot in ("base", "emissive") else "raw"
+        image.CreateInput("sourceColorSpace", _TYPES.Token).Set(colour)
+        scale, bias = _factors(slot, material)
+        if scale != (1.0,) * 4:
+            image.CreateInput("scale", _TYPES.Float4).Set(Gf.Vec4f(*scale))
+        if bias != (0.0,) * 4:
+            image.CreateInput("bias", _TYPES.Float4).Set(Gf.Vec4f(*bias))
+        for name in ("r", "g", "b", "a"):
+            image.CreateOutput(name, _TYPES.Float)
+        image.CreateOutput("rgb", _TYPES.Float3)
+        return image
+
+    def _transform(self, path: str, texture: Texture, reader: Any) -> Any:
+        shader = self._shader(path, "UsdTransform2d")
+        shader.CreateInput("in", _TYPES.Float2).ConnectToSource(reader.ConnectableAPI(), "result")
+        offset, rotation, scale = flipped(texture.offset, texture.rotation, texture.scale)
+        shader.CreateInput("scale", _TYPES.Float2).Set(Gf.Vec2f(*scale))
+        shader.CreateInput("rotation", _TYPES.Float).Set(rotation * DEGREES)
+        shader.CreateInput("translation", _TYPES.Float2).Set(Gf.Vec2f(*offset))
+        shader.CreateOutput("result", _TYPES.Float2)
+        return shader
+
+
+Pair = tuple[float, float]
+
+
+def flipped(offset: Pair, rotation: float, scale: Pair) -> tuple[Pair, float, Pair]:
+    """A texture's transform for coordinates with v upwards in place of downwards, or the other way round."""
+    sine, cosine = (float(x) for x in sin_cos(np.array(rotation)))
+    return (offset[0] + scale[1] * sine, 1.0 - offset[1] - scale[1] * cosine), rotation, scale
+
+
+def _factors(slot: Slot, material: Material) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The scale and bias of a texture's four channels."""
+    none = (0.0,) * 4
+    if slot == "base":
+        return material.base, none
+    if slot == "metal_rough":
+        return (1.0, material.roughness, material.metallic, 1.0), none
+    if slot == "emissive":
+        return (*material.emissive, 1.0), none
+    if slot == "normal":
+        n = material.normal_scale
+        return (2.0 * n, 2.0 * n, 2.0, 1.0), (-n, -n, -1.0, 0.0)
+    s = material.occlusion_strength
+    return (s, s, s, 1.0), (1.0 - s,) * 3 + (0.0,)

@@ -1,0 +1,50 @@
+"""Names that USD allows for the nodes of a rig: the same for the same rig, and each once in a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pxr import Sdf
+
+
+def identifier(name: str, otherwise: str) -> str:
+    """A name as USD spells it: letters of any script, digits and underscores.
+
+    >>> identifier("Arm.L 2", "node"), identifier("2nd", "node"), identifier("", "node")
+    ('Arm_L_2', '_2nd', 'node')
+    """
+    word = "".join(c if Sdf.Path.IsValidIdentifier(f"_{c}") else "_" for c in name)
+    if not word:
+        return otherwise
+    return word if Sdf.Path.IsValidIdentifier(word) else f"_{word}"
+
+
+class Names:
+    """Identifiers that are given out once each, whatever their case: file systems may not tell them apart."""
+
+    def __init__(self, taken: Sequence[str] = ()) -> None:
+        self._taken = {word.lower() for word in taken}
+
+    def unique(self, name: str, otherwise: str = "node") -> str:
+        """An identifier of ``name`` that no other has."""
+        word = identifier(name, otherwise)
+        found, number = word, 1
+        while found.lower() in self._taken:
+            found, number = f"{word}_{number}", number + 1
+        self._taken.add(found.lower())
+        return found
+
+
+def node_identifiers(names: Sequence[str], labels: Sequence[str]) -> list[str]:
+    """The identifiers of the nodes of a rig, in order; those without a name go by their labels."""
+    given = Names()
+    # Names that are right as they are stay so, whoever stands before them.
+    first: dict[str, int] = {}
+    for k, name in enumerate(names):
+        if name and identifier(name, "") == name and name.lower() not in first:
+            first[name.lower()] = k
+    kept = {k: given.unique(names[k]) for k in first.values()}
+    return [
+        kept[k] if k in kept else given.unique(name, f"node{label.replace('#', '_')}")
+        for k, (name, label) in enumerate(zip(names, labels, strict=True))
+    ]

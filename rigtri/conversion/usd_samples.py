@@ -1,0 +1,96 @@
+"""Tracks of glTF as time samples of USD, which goes in straight lines (rotations: along arcs) from one to
+the next.
+
+LINEAR keys are samples as they are. STEP keys get a second sample right before them. Splines get as many
+samples as keep the motion. Source: glTF 2.0 appendix C; UsdTimeCode (SafeStep); UsdAttribute (interpolation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from pxr import Usd
+
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.sampling import sample, sorted_unique
+from rigtri.maths.quaternions import dot, slerp, unit
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
+
+# How far splines may be off between two samples: rotations in radians, translations as a share of the size of
+# what they move, scales and weights as numbers. Chains of joints add them up, so it is a part of what a
+# conversion may be off.
+WITHIN = 1.5e-6
+# The rates at which programs play; the first that has all keys on whole frames is taken.
+RATES = (24.0, 30.0, 60.0, 25.0, 50.0, 48.0, 120.0, 100.0)
+# A key this share of its time from a whole frame is on it: what float32 leaves of a time in seconds.
+_ROUNDING = 2e-7
+# Samples that are nearer to each other than this, in frames, are where rounding one would show.
+_CROWDED = 1e-2
+
+
+def rate_of(clips: Sequence[Clip]) -> float:
+    """The frames a second of USD's time: the first rate at which all keys are on whole frames, else 24."""
+    times = [track.times for clip in clips for track in clip.tracks]
+    every = sorted_unique(np.concatenate([*times, np.zeros(1)]))
+    for rate in RATES:
+        codes = every * rate
+        if (np.abs(codes - np.round(codes)) <= _ROUNDING * np.maximum(np.abs(codes), 1.0)).all():
+            return rate
+    return RATES[0]
+
+
+def time_codes(seconds: Floats, rate: float) -> Floats:
+    """Times in USD's unit; what is on a whole frame but for float32's rounding is made so."""
+    codes, step = seconds * rate, float(Usd.TimeCode.SafeStep())
+    whole = np.round(codes)
+    near = np.abs(codes - whole) <= _ROUNDING * np.maximum(np.abs(codes), 1.0)
+    # The sample before a step stays before it, and samples of what is fast stay where they are.
+    gaps = np.diff(codes)
+    before = np.append(gaps < 2 * step, False)
+    crowded = np.append(gaps < _CROWDED, False) | np.append(False, (gaps < _CROWDED) & ~before[:-1])
+    return np.where(near & (before | ~crowded), np.where(before, whole - step, whole), codes)
+
+
+def sample_times(tracks: Sequence[Track], size: float) -> Floats:
+    """At which seconds tracks that share their samples need some. size: of what they move, in file units."""
+    times = [np.zeros(0)]
+    for track in tracks:
+        if track.interpolation == "CUBICSPLINE" and len(track.times) > 1:
+            times.append(_spline_times(track, size))
+        else:
+            times.append(track.times)
+        if track.interpolation == "STEP":
+            times.append(track.times[1:] - step_before(track.times[1:]))
+    return sorted_unique(np.concatenate(times))
+
+
+def step_before(times: Floats) -> Floats:
+    """How long before a step the sample stands that holds what was before: USD's own smallest step."""
+    return np.maximum(np.abs(times) * 1e-12, float(Usd.TimeCode.SafeStep()) / RATES[-2])
+
+
+def _spline_times(track: Track, size: float) -> Floats:
+    def values(times: Floats) -> Floats:
+        found = sample(track, times)
+        return unit(found) if track.path == "rotation" else found
+
+    def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
+        if track.path == "rotation":
+            between = slerp(left, right, share)
+            apart = np.abs(found - np.where(dot(found, between)[:, np.newaxis] < 0, -between, between))
+            return np.asarray(2.0 * apart.max(axis=1))
+        return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
+
+    far = size if track.path == "translation" else 1.0
+    return adaptive_key_times(values, error, track.times, within=WITHIN * far)
+
+
+def motion_times(sampled: Callable[[Floats], Floats], times: Floats, within: float) -> Floats:
+    """As many times, those given among them, as straight lines need to follow what is sampled, (f, c)."""
+
+    def error(found: Floats, left: Floats, right: Floats, share: Floats, _: Floats) -> Floats:
+        return np.asarray(np.abs(found - left - (right - left) * share[:, np.newaxis]).max(axis=1))
+
+    return adaptive_key_times(sampled, error, times, within=within) if len(times) > 1 else times

@@ -1,0 +1,157 @@
+"""Which nodes of a glTF become joints of which Skeleton, and the bind poses that hold all of its skins.
+
+A prim cannot stand below a joint, and a SkelAnimation moves joints alone. So what stands below a joint is a
+joint too, and so is what a clip moves above one: each clip then is whole by itself.
+
+Source: UsdSkel schemas (bindTransforms in world space at bind time, restTransforms joint-local).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.conversion.scene import Scene
+from rigtri.maths.matrices import inverse, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.rig import Rig
+
+# Bind matrices of two skins are the same within this share: float32 files hold them with as much noise.
+SAME_BIND = 1e-6
+
+
+@dataclass(eq=False)
+class Skeleton:
+    """One Skeleton prim to be. parent: the node of the prim that it stands below, −1 for the root.
+
+    joints: nodes, parents first; none where a mesh with morph targets alone asks for it, with itself as the
+    one joint. bind: world matrices by node. skins: for each skin by number, the matrix that takes the points
+    of its meshes into the bind pose. path, tokens: once they have names.
+    """
+
+    parent: int
+    joints: list[int]
+    name: str
+    bind: dict[int, Floats] = field(default_factory=dict)
+    skins: dict[int, Floats] = field(default_factory=dict)
+    morphed: int = -1
+    path: str = ""
+    tokens: list[str] = field(default_factory=list)
+
+    def add(self, skin: int, joints: list[int], inverse_bind: Floats) -> bool:
+        """Take a skin up; False where it has another bind pose."""
+        binds = inverse(inverse_bind)
+        shared = [k for k, joint in enumerate(joints) if joint in self.bind]
+        before = multiply(inverse_bind[shared[0]], self.bind[joints[shared[0]]]) if shared else np.eye(4)
+        for k in shared:
+            known = self.bind[joints[k]]
+            off = np.abs(multiply(binds[k], before) - known).max()
+            if not off <= SAME_BIND * np.abs(known).max():
+                return False
+        for k, joint in enumerate(joints):
+            self.bind.setdefault(joint, multiply(binds[k], before))
+        self.skins[skin] = before
+        return True
+
+
+def plan_skeletons(scene: Scene) -> tuple[list[Skeleton], set[int]]:
+    """All Skeletons of a scene, and the nodes that become joints of them."""
+    rig = scene.rig
+    joints = _joints(scene)
+    groups = _groups(rig, joints)
+    skeletons: list[Skeleton] = []
+    for parent, nodes, skins in groups:
+        mine: list[Skeleton] = []
+        for skin in skins or [-1]:
+            if skin < 0:
+                mine.append(Skeleton(parent, nodes, "Skeleton"))
+                continue
+            found = rig.skins[skin]
+            own = found.joints.tolist()
+            if not any(known.add(skin, own, found.inverse_bind) for known in mine):
+                fresh = Skeleton(parent, nodes, found.name or "Skeleton")
+                fresh.add(skin, own, found.inverse_bind)
+                mine.append(fresh)
+        for skeleton in mine:
+            for node in nodes:
+                world = rig.normalised_world[node]
+                flat = not np.isfinite(inverse(world)).all()
+                skeleton.bind.setdefault(node, np.eye(4) if flat else world)
+        skeletons += mine
+    for node, primitives in scene.primitives.items():
+        if (
+            node not in joints
+            and any(len(p.mesh.morphs) for p in primitives)
+            and primitives[0].mesh.skin is None
+        ):
+            skeletons.append(Skeleton(node, [], "Morphs", morphed=node))
+    return skeletons, joints
+
+
+def _joints(scene: Scene) -> set[int]:
+    rig = scene.rig
+    marked = set(np.flatnonzero(rig.is_joint).tolist()) | {j for s in rig.skins for j in s.joints.tolist()}
+    moved = {track.node for clip in rig.clips for track in clip.tracks if track.path != "weights"}
+    marked |= {node for node in rig.with_ancestors(marked) if node in moved}
+    found: set[int] = set()
+    while marked - found:
+        for node in sorted(marked - found):
+            found.update(k for k in [node, *rig.below(node)] if k not in scene.omitted)
+        # All roots of a skin stand below one node; what is between that and them is a joint.
+        for skin in rig.skins:
+            tops = {_top(rig, joint, found) for joint in skin.joints.tolist()}
+            above = _common(rig, [int(rig.parents[top]) for top in tops])
+            for top in tops:
+                parent = int(rig.parents[top])
+                while parent != above and parent >= 0:
+                    marked.add(parent)
+                    parent = int(rig.parents[parent])
+        marked |= found
+        if marked == found:
+            break
+    return found
+
+
+def _top(rig: Rig, node: int, among: set[int]) -> int:
+    while int(rig.parents[node]) in among:
+        node = int(rig.parents[node])
+    return node
+
+
+def _common(rig: Rig, nodes: list[int]) -> int:
+    """The lowest node that all are, or stand below; −1 where there is none."""
+    lines = [[-1, *rig.path_to_root(node)[::-1]] if node >= 0 else [-1] for node in nodes]
+    above = -1
+    for level in zip(*lines, strict=False):
+        if len(set(level)) > 1:
+            break
+        above = level[0]
+    return above
+
+
+def _groups(rig: Rig, joints: set[int]) -> list[tuple[int, list[int], list[int]]]:
+    """Trees of joints that common skins hold together: the node above them, the joints, and the skins."""
+    owner: dict[int, int] = {}
+
+    def root(node: int) -> int:
+        while owner.setdefault(node, node) != node:
+            node = owner[node]
+        return node
+
+    top = {node: _top(rig, node, joints) for node in sorted(joints)}
+    for skin in rig.skins:
+        tops = [root(top[joint]) for joint in skin.joints.tolist()]
+        for other in tops[1:]:
+            owner[root(other)] = root(tops[0])
+    members: dict[int, list[int]] = {}
+    for node in sorted(joints):
+        members.setdefault(root(top[node]), []).append(node)
+    return [
+        (
+            int(rig.parents[top[nodes[0]]]),
+            nodes,
+            [k for k, skin in enumerate(rig.skins) if root(top[int(skin.joints[0])]) == group],
+        )
+        for group, nodes in members.items()
+    ]

@@ -1,0 +1,364 @@
+"""A scene as one USD layer: prims for its nodes, Skeletons, clips, materials, cameras and lights.
+
+Source: UsdGeom, UsdSkel, UsdShade and UsdLux schemas; docs/convert.md says what becomes what, and why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pxr import Kind, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
+
+from rigtri.conversion import usd_clips, usd_meshes
+from rigtri.conversion import usd_values as values
+from rigtri.conversion.scene import Image, Primitive, Scene
+from rigtri.conversion.usd_lenses import define_camera, define_light
+from rigtri.conversion.usd_materials import MaterialWriter
+from rigtri.conversion.usd_names import Names, identifier, node_identifiers
+from rigtri.conversion.usd_samples import motion_times, rate_of
+from rigtri.conversion.usd_skeletons import Skeleton, plan_skeletons
+from rigtri.evaluation.sampling import Motion, key_times, worlds
+from rigtri.formats.usd.composition import layers
+from rigtri.maths.arrays import Integers
+from rigtri.maths.matrices import decompose, identity
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Path
+from rigtri.text import and_more
+
+# How far a baked camera or light may be off between samples, as a share of how far it is from the origin.
+BAKED = 1e-6
+
+
+@dataclass(frozen=True)
+class UsdLook:
+    """What a stage is like. rate: frames a second, None to choose. up: ``Y`` or ``Z``; unit: in metres."""
+
+    rate: float | None = None
+    up: str = "Y"
+    unit: float = 1.0
+
+
+@dataclass(eq=False)
+class WrittenStage:
+    """A layer, and where what it was made of is in it.
+
+    nodes: by node of the scene, the prim's path, or a Skeleton's and the joint's token. primitives: by
+    node, the paths of their prims, "" for one that is not there. clips: by clip, the SkelAnimations by
+    Skeleton. halves: by clip, the joints whose scales half floats do not hold. rate: time codes a second.
+    images: by asset path.
+    """
+
+    layer: Any
+    rate: float
+    nodes: dict[int, tuple[str, ...]] = field(default_factory=dict)
+    primitives: dict[int, list[str]] = field(default_factory=dict)
+    clips: list[dict[str, str]] = field(default_factory=list)
+    halves: list[set[int]] = field(default_factory=list)
+    images: dict[str, Image] = field(default_factory=dict)
+
+
+def write_stage(scene: Scene, look: UsdLook, place: Callable[[Image], str]) -> WrittenStage:
+    """The layer of a scene. place: the asset path of an image."""
+    return _Writer(scene, look, place).write()
+
+
+class _Writer:
+    """One pass over a scene."""
+
+    def __init__(self, scene: Scene, look: UsdLook, place: Callable[[Image], str]) -> None:
+        self.scene, self.rig, self.look = scene, scene.rig, look
+        self.rate = look.rate or rate_of(self.rig.clips)
+        layer = layers.empty()
+        self.stage = Usd.Stage.Open(layer)
+        self.result = WrittenStage(layer, self.rate)
+        self.clip: Clip | None = self.rig.clips[0] if self.rig.clips else None
+        self.skeletons, self.joints = plan_skeletons(scene)
+        self.words = node_identifiers(self.rig.names, self.rig.labels)
+        self.root = f"/{identifier(scene.name, 'Root')}"
+        self.names = Names([*self.words, self.root[1:], "Materials", "Animations", "Looks"])
+        self._place = place
+        self._prototypes: dict[Any, str] = {}
+        self._bound: dict[int, str] = {}
+
+    def write(self) -> WrittenStage:
+        self._metadata()
+        above = self._xforms()
+        self._skeletons(above)
+        self._materials()
+        for node, primitives in self.scene.primitives.items():
+            self.result.primitives[node] = [self._primitive(node, one, above) for one in primitives]
+        self._lenses(above)
+        self._clips()
+        return self.result
+
+    def _metadata(self) -> None:
+        stage, rig = self.stage, self.rig
+        skinned = bool(self.skeletons)
+        root = (UsdSkel.Root if skinned else UsdGeom.Xform).Define(stage, self.root)
+        stage.SetDefaultPrim(root.GetPrim())
+        Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
+        UsdGeom.SetStageUpAxis(stage, self.look.up)
+        UsdGeom.SetStageMetersPerUnit(stage, self.look.unit)
+        if rig.clips:
+            stage.SetTimeCodesPerSecond(self.rate)
+            stage.SetFramesPerSecond(self.rate)
+            times = key_times(self.clip) if self.clip else np.zeros(1)
+            ends = [keys[-1] for clip in rig.clips if len(keys := key_times(clip))]
+            last = float(max(ends, default=0.0))
+            stage.SetStartTimeCode(float(min(times[0], 0.0) * self.rate) if len(times) else 0.0)
+            stage.SetEndTimeCode(float(np.ceil(last * self.rate - 1e-6)))
+        turned = conversion_matrix(self.look)
+        if (turned != np.eye(4)).any():
+            root.AddTransformOp().Set(values.matrix(turned))
+
+    def _xforms(self) -> dict[int, str]:
+        """The prims of all nodes that are no joints, by node; −1 for the root."""
+        paths, rig = {-1: self.root}, self.rig
+        moved = {t.node for clip in rig.clips[1:] for t in clip.tracks if t.path != "weights"} - self.joints
+        if moved - self.scene.omitted:
+            self.scene.lose(f"motion of {len(moved)} nodes that are no joints in clips but the first")
+        for node in range(len(rig)):
+            if node in self.joints or node in self.scene.omitted:
+                continue
+            path = f"{paths[int(rig.parents[node])]}/{self.words[node]}"
+            prim = UsdGeom.Xform.Define(self.stage, path)
+            usd_clips.write_xform(prim, rig, node, self.clip, self.rate)
+            self._name(prim.GetPrim(), rig.names[node], self.words[node])
+            if node in self.scene.extras:
+                extras = values.dictionary({"of": self.scene.extras[node]})["of"]
+                prim.GetPrim().SetCustomDataByKey("extras", extras)
+            if node in self.scene.hidden and int(rig.parents[node]) not in self.scene.hidden:
+                prim.MakeInvisible()
+            paths[node] = path
+            self.result.nodes[node] = (path,)
+        return paths
+
+    @staticmethod
+    def _name(prim: Any, name: str, word: str) -> None:
+        if name and name != word:
+            prim.SetDisplayName(name)
+
+    def _skeletons(self, above: Mapping[int, str]) -> None:
+        for skeleton in self.skeletons:
+            word = self.names.unique(skeleton.name, "Skeleton")
+            skeleton.path = f"{above[skeleton.parent]}/{word}"
+            prim = UsdSkel.Skeleton.Define(self.stage, skeleton.path)
+            if not skeleton.joints:
+                skeleton.tokens = [self.words[skeleton.morphed]]
+                bind = rest = np.eye(4)[np.newaxis]
+            else:
+                token: dict[int, str] = {}
+                for node in skeleton.joints:
+                    parent = token.get(int(self.rig.parents[node]))
+                    token[node] = f"{parent}/{self.words[node]}" if parent else self.words[node]
+                skeleton.tokens = [token[node] for node in skeleton.joints]
+                bind = np.stack([skeleton.bind[node] for node in skeleton.joints])
+                rest = self.rig.normalised_local[skeleton.joints]
+                self._joint_names(prim, skeleton)
+                for node in skeleton.joints:
+                    self.result.nodes.setdefault(node, (skeleton.path, token[node]))
+            prim.CreateJointsAttr(Vt.TokenArray(skeleton.tokens))
+            prim.CreateBindTransformsAttr(values.matrices(bind))
+            prim.CreateRestTransformsAttr(values.matrices(rest))
+
+    def _joint_names(self, prim: Any, skeleton: Skeleton) -> None:
+        """The names that joints have in glTF, where they are others, and their extras."""
+        names = [self.rig.names[node] or self.words[node] for node in skeleton.joints]
+        if names != [self.words[node] for node in skeleton.joints] and len({*names}) == len(names):
+            prim.CreateJointNamesAttr(Vt.TokenArray(names))
+        extras = {
+            token: self.scene.extras[node]
+            for node, token in zip(skeleton.joints, skeleton.tokens, strict=True)
+            if node in self.scene.extras
+        }
+        if extras:
+            prim.GetPrim().SetCustomDataByKey("extras", values.dictionary(extras))
+
+    def _materials(self) -> None:
+        every = [one for some in self.scene.primitives.values() for one in some]
+        used = {one.material for one in every if one.material is not None}
+        coloured = {one.material for one in every if "COLOR_0" in one.surface.values}
+        if not used:
+            return
+        UsdGeom.Scope.Define(self.stage, f"{self.root}/Materials")
+        writer = MaterialWriter(self.stage, self.scene, self._asset)
+        names = Names()
+        for number in sorted(used):
+            material = self.scene.materials[number]
+            word = names.unique(material.name, "Material")
+            prim = writer.write(material, f"{self.root}/Materials/{word}", coloured=number in coloured)
+            self._name(prim.GetPrim(), material.name, word)
+            self._bound[number] = str(prim.GetPath())
+
+    def _asset(self, image: Image) -> str:
+        path = self._place(image)
+        self.result.images[path] = image
+        return path
+
+    def _primitive(self, node: int, primitive: Primitive, above: Mapping[int, str]) -> str:
+        mesh = primitive.mesh
+        skeleton, holder = self._moved_by(node, mesh.skin, len(mesh.morphs) > 0, above)
+        path = f"{holder}/{self.names.unique(primitive.name, 'Mesh')}"
+        alone = skeleton is None
+        if alone and primitive.shared in self._prototypes:
+            first = self.stage.GetPrimAtPath(self._prototypes[primitive.shared])
+            prim = self.stage.DefinePrim(path, first.GetTypeName())
+            prim.GetReferences().AddInternalReference(first.GetPath())
+        else:
+            sided = primitive.material is not None and self.scene.materials[primitive.material].double_sided
+            made = usd_meshes.define(self.stage, path, primitive, self.scene, double_sided=sided)
+            if made is None:
+                return ""
+            prim = made.GetPrim()
+            if alone:
+                self._prototypes[primitive.shared] = path
+        self._name(prim, primitive.name, prim.GetName())
+        if primitive.material is not None:
+            UsdShade.MaterialBindingAPI.Apply(prim).Bind(
+                UsdShade.Material.Get(self.stage, self._bound[primitive.material])
+            )
+        if skeleton is not None:
+            self._bind(prim, primitive, node, skeleton)
+        return path
+
+    def _moved_by(
+        self, node: int, skin: int | None, morphs: bool, above: Mapping[int, str]
+    ) -> tuple[Skeleton | None, str]:
+        """The Skeleton that moves a mesh of a node, None for none, and the prim to put it below."""
+        if skin is not None:
+            found = next(s for s in self.skeletons if skin in s.skins)
+        elif node in self.joints:
+            found = next(s for s in self.skeletons if node in s.joints)
+        elif morphs:
+            found = next(s for s in self.skeletons if s.morphed == node)
+        else:
+            return None, above[node]
+        return found, above.get(node) or above[found.parent]
+
+    def _bind(self, prim: Any, primitive: Primitive, node: int, skeleton: Skeleton) -> None:
+        mesh = primitive.mesh
+        row = {joint: k for k, joint in enumerate(skeleton.joints)}
+        one = np.ones((1, 1))
+        if mesh.skin is not None:
+            rows: Integers = np.array([row[joint] for joint in self.rig.skins[mesh.skin].joints.tolist()])
+            joints, weights = usd_meshes.influences(mesh, rows)
+            usd_meshes.bind(prim, skeleton.path, joints, weights, skeleton.skins[mesh.skin])
+        else:
+            place = skeleton.bind[node] if skeleton.joints else np.eye(4)
+            number = row[node] if skeleton.joints else 0
+            usd_meshes.bind(prim, skeleton.path, np.full((1, 1), number), one, place)
+        if len(mesh.morphs):
+            tokens = [self._shapes[node, k] for k in range(len(mesh.morphs))]
+            usd_meshes.blend_shapes(self.stage, prim, mesh, primitive.surface, tokens)
+
+    @property
+    def _shapes(self) -> dict[tuple[int, int], str]:
+        """The blend shapes of all meshes, by node and number of the morph target."""
+        if not hasattr(self, "_known_shapes"):
+            names, self._known_shapes = Names(), {}
+            for node, primitives in self.scene.primitives.items():
+                mesh = primitives[0].mesh
+                for k in range(max(len(p.mesh.morphs) for p in primitives)):
+                    name = mesh.morph_names[k] if k < len(mesh.morph_names) else f"target_{k}"
+                    self._known_shapes[node, k] = names.unique(name, "target")
+        return self._known_shapes
+
+    def _shapes_of(self, skeleton: Skeleton) -> dict[tuple[int, int], str]:
+        nodes = {
+            node
+            for node, some in self.scene.primitives.items()
+            for one in some
+            if len(one.mesh.morphs)
+            and self._moved_by(node, one.mesh.skin, True, {node: "", skeleton.parent: ""})[0] is skeleton
+        }
+        return {key: name for key, name in self._shapes.items() if key[0] in nodes}
+
+    def _clips(self) -> None:
+        rig, names = self.rig, Names()
+        holder = f"{self.root}/Animations"
+        for number, clip in enumerate(rig.clips):
+            found: dict[str, str] = {}
+            self.result.halves.append(set())
+            for skeleton in self.skeletons:
+                shapes = self._shapes_of(skeleton)
+                word = names.unique(clip.name or f"clip_{number}", "clip")
+                path = f"{holder}/{word}"
+                if usd_clips.write_animation(self.stage, path, rig, skeleton, clip, shapes, self.rate):
+                    found[skeleton.path] = path
+                    self._name(self.stage.GetPrimAtPath(path), clip.name, word)
+                    self.result.halves[-1].update(usd_clips.half_scales(rig, skeleton, clip))
+            self.result.clips.append(found)
+        self._say_halves()
+        for skeleton in self.skeletons:
+            source = next((c[skeleton.path] for c in self.result.clips[:1] if skeleton.path in c), "")
+            shapes = self._shapes_of(skeleton)
+            resting = any(p.mesh.morph_weights.any() for k, _ in shapes for p in self.scene.primitives[k])
+            if not source and shapes and resting:
+                source = f"{holder}/{names.unique('rest')}"
+                prim = UsdSkel.Animation.Define(self.stage, source)
+                usd_clips.write_weights(prim, None, shapes, rig, self.rate)
+            if source:
+                prim = UsdSkel.BindingAPI.Apply(self.stage.GetPrimAtPath(skeleton.path))
+                prim.CreateAnimationSourceRel().SetTargets([source])
+        if self.stage.GetPrimAtPath(holder):
+            self.stage.GetPrimAtPath(holder).SetTypeName("Scope")
+            self.stage.GetPrimAtPath(holder).SetSpecifier(Sdf.SpecifierDef)
+
+    def _say_halves(self) -> None:
+        joints = sorted(set().union(*self.result.halves))
+        if joints:
+            some = and_more((f"'{self.rig.title(joint)}'" for joint in joints), 3)
+            self.scene.lose(f"scales of {some} in full: UsdSkel has those of animations as half floats")
+
+    def _lenses(self, above: Mapping[int, str]) -> None:
+        """Cameras and lights: below their nodes, or where these are joints baked to where the clip takes
+        them.
+        """
+        kinds: Any = ((self.scene.cameras, define_camera), (self.scene.lights, define_light))
+        for lenses, define in kinds:
+            for node, lens in lenses.items():
+                word = self.names.unique(lens.name or f"{self.words[node]}_lens", "lens")
+                holder = above.get(node)
+                prim = define(self.stage, f"{holder or self.root}/{word}", lens, self.scene)
+                if prim is not None:
+                    self._name(prim.GetPrim(), lens.name, word)
+                    self.result.primitives.setdefault(node, []).append(str(prim.GetPath()))
+                    if holder is None:
+                        self._bake(prim, node)
+
+    def _bake(self, prim: Any, node: int) -> None:
+        rig = self.rig
+        if len(rig.clips) > 1:
+            self.scene.lose(f"motion of {rig.title(node)}'s camera or light in clips but the first")
+        small, place = rig.subset(rig.path_to_root(node))
+        clip = small.clips[0] if small.clips else None
+        if clip is None or not clip.tracks:
+            parts = decompose(rig.normalised_world[node][np.newaxis])
+            times = np.zeros(0)
+        else:
+            motion = Motion(small, clip)
+
+            def sampled(times: Floats) -> Floats:
+                return worlds(small, motion.locals_at(times))[:, place[node]].reshape(-1, 16)
+
+            keys = key_times(clip)
+            size = max(float(np.abs(sampled(keys)).max()), 1e-9)
+            times = motion_times(sampled, keys, BAKED * size)
+            parts = decompose(sampled(times).reshape(-1, 4, 4))
+        names: tuple[Path, ...] = ("translation", "rotation", "scale")
+        rest = decompose(rig.normalised_world[node])
+        samples = {name: (times, part[:, np.newaxis]) for name, part in zip(names, parts, strict=True)}
+        usd_clips.place_by(prim, samples, self.rate, dict(zip(names, rest, strict=True)))
+
+
+def conversion_matrix(look: UsdLook) -> Floats:
+    """What takes metres with y up to a stage's unit and axis, (4, 4)."""
+    turned = identity()
+    if look.up == "Z":
+        turned = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
+    scaled = turned / look.unit
+    scaled[3, 3] = 1.0
+    return np.asarray(scaled)

@@ -1,0 +1,25 @@
+"""The options of convert."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rigtri.operations.declaration import Above, Names, option
+
+
+@dataclass(frozen=True)
+class ConvertOptions:
+    """Write a glTF as USD, or a USD as glTF."""
+
+    clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]", group="what")
+    fps: Above | None = option(
+        None,
+        help="USD: time codes a second. [the first of 24, 30, 60, 25, 50, 48, 120 and 100 that has all keys "
+        "on whole frames, else 24]",
+        group="what",
+    )
+    up_axis: Literal["y", "z"] = option("y", help="USD: the stage's up axis.", group="what")
+    meters_per_unit: Above = option(
+        1.0, metavar="METRES", help="USD: how many metres the stage's unit is.", group="what"
+    )

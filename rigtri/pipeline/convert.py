@@ -1,0 +1,134 @@
+"""One file of the other format: read, write beside, read again, compare every pose, rename."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from rigtri.errors import DeviationError, NameNotFoundError, UsageError
+from rigtri.files import temp_dirs
+from rigtri.files.input_stream import opened
+from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
+from rigtri.formats import read
+from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
+from rigtri.formats.registry import need_usd
+from rigtri.model.rig import Rig
+from rigtri.operations.options.convert import ConvertOptions
+from rigtri.pipeline.edit import EditRequest, Outcome
+from rigtri.progress import begin_stage
+from rigtri.report import Notice, Report
+from rigtri.verification.compare.across import compare_converted
+
+# What a conversion has no word for in the other format.
+LOST = "lost"
+
+
+def convert(source: Path | str, target: Path | str, *, report: Report | None = None, **given: Any) -> Outcome:
+    """Write a glTF, GLB or VRM file as USD; ``target`` appears complete or not at all.
+
+    given: fields of `ConvertOptions`, and those of `rigtri.pipeline.edit.EditRequest`, such as
+    ``overwrite``. The warnings of the report whose code is ``lost`` say what the other format cannot.
+    Raises as `convert_file`.
+    """
+    names = ConvertOptions.__dataclass_fields__
+    options = ConvertOptions(**{name: value for name, value in given.items() if name in names})
+    request = EditRequest(source, target, **{n: value for n, value in given.items() if n not in names})
+    return convert_file(request, options, Report() if report is None else report)
+
+
+def convert_file(request: EditRequest, options: ConvertOptions, report: Report) -> Outcome:
+    """Write a file in the other format, measured before it takes its name.
+
+    Raises FileError for what cannot be read or written, UsageError for a target of the same format or one
+    that exists, DeviationError where a point would be farther off than the tolerance, NameNotFoundError for a
+    clip that is not there, and with ``strict`` GeometryError for anything that is lost.
+    """
+    need_usd()
+    laps, start = {}, time.perf_counter()
+    with opened(request.source) as path:
+        final = _checked(path, request)
+        begin_stage("read")
+        document = read(path, replace(request.options, empty=True))
+        needed = list(document.needed())
+        check_not_an_input(final, [(path, "the input"), *needed])
+        conversion = _conversion(document, options)
+        rig = _chosen(document.rig, options.clip)
+        laps["read"] = time.perf_counter() - start
+        with _folder(final, request) as folder:
+            written = StagedOutput(folder / final.name, request.overwrite, needed)
+            try:
+                begin_stage("write")
+                with as_file_error(written.final):
+                    for companion in conversion.write(rig, written.part, written.final):
+                        written.add(companion)
+                laps["write"] = time.perf_counter() - start - laps["read"]
+                found = None
+                if request.verify:
+                    begin_stage("verify")
+                    found = compare_converted(conversion.compared(written.part))
+                    laps["verify"] = time.perf_counter() - start - laps["write"] - laps["read"]
+                report.extend(document.warnings)
+                report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)
+                if found is not None and not found.passes(request.tolerance):
+                    summary = found.summary(request.tolerance)
+                    raise DeviationError(f"The result would look different: {summary}. Nothing was written.")
+                if request.strict:
+                    report.refuse_warnings()
+                if request.is_kept:
+                    written.finish()
+            except BaseException:
+                written.undo()
+                raise
+            return Outcome(report, found, not request.dry_run, True, laps, rig, (path,))
+
+
+def _conversion(document: Any, options: ConvertOptions) -> Any:
+    from rigtri.conversion.to_usd import ToUsd
+    from rigtri.conversion.usd_stage import UsdLook
+
+    return ToUsd(document, UsdLook(options.fps, options.up_axis.upper(), options.meters_per_unit))
+
+
+def _checked(path: Path, request: EditRequest) -> Path:
+    """Where the output goes. UsageError for one that is of IN's own format, or may not be replaced."""
+    if request.to_stdout:
+        raise UsageError("convert writes files with their images beside them; give OUT a name")
+    allowed = USD_SUFFIXES if path.suffix.lower() in GLTF_SUFFIXES else (".glb", ".gltf")
+    if request.dry_run and request.target == request.source:
+        return path.with_suffix(allowed[-2])
+    with as_file_error(Path(request.target)):
+        final = destination(Path(request.target))
+    if final.suffix.lower() not in allowed:
+        raise UsageError(
+            f"{final.name}: convert writes {path.suffix} files as {', '.join(allowed)}; a command that "
+            "edits, such as orient-joints, keeps the format"
+        )
+    if final.exists() and not request.overwrite:
+        raise UsageError(f"{final} exists; it is replaced only with --overwrite")
+    return final
+
+
+def _chosen(rig: Rig, globs: Sequence[str]) -> Rig:
+    """The rig with the clips that were asked for."""
+    if not globs:
+        return rig
+    for glob in globs:
+        if not any(fnmatchcase(clip.name, glob) for clip in rig.clips):
+            raise NameNotFoundError("clip", glob, [clip.name for clip in rig.clips], pattern=True)
+    kept = tuple(clip for clip in rig.clips if any(fnmatchcase(clip.name, glob) for glob in globs))
+    return replace(rig, clips=kept)
+
+
+@contextmanager
+def _folder(final: Path, request: EditRequest) -> Iterator[Path]:
+    """Where the output is made: its own folder, or one for the meantime where nothing is to be written."""
+    if request.is_kept:
+        yield final.parent
+        return
+    with temp_dirs.folder() as folder:
+        yield Path(folder)

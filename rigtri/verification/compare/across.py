@@ -1,0 +1,155 @@
+"""Compare rigs of two formats, where whoever converted one says what of it is what of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.evaluation.sampling import Motion as ClipMotion
+from rigtri.evaluation.sampling import between_keys, key_times, worlds
+from rigtri.frames.rig_size import sizes_of
+from rigtri.maths.arrays import Integers
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.correspondence import Correspondence
+from rigtri.verification.compare.deviation import Deviation, denormalisation
+from rigtri.verification.compare.probe_selection import frames, origins
+from rigtri.verification.compare.probes import Probe, SampledPoses, mesh_points
+from rigtri.verification.compare.verdict import Comparison, Motion
+
+# Matrices and points of so many numbers are evaluated at once.
+_BLOCK = 1 << 22
+# Times of two formats are one where they are so near, as a share: float32's rounding, in other units.
+SAME_TIME = 3e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Converted:
+    """Two rigs in the same unit and axes, and what is what. node: (n,), the partner of each node, −1 for
+    none.
+
+    shown: (n,), the node that shows what this one shows. clips: what plays at once, times in seconds, the
+    first as it is meant to be after the conversion. sources: those of the first as they were, where they
+    are others. lost: what has no partner, though it should. of_first: nodes that show what they show as
+    the first clip has it alone.
+    """
+
+    before: Rig
+    after: Rig
+    node: Integers
+    shown: Integers
+    meshes: Sequence[tuple[Mesh, Mesh]]
+    clips: Sequence[tuple[Clip, Clip]]
+    sources: Sequence[Clip | None] = ()
+    lost: Sequence[str] = ()
+    of_first: frozenset[int] = frozenset()
+
+
+def compare_converted(pair: Converted) -> Comparison:
+    """Every point of every mesh, frames of cameras and lights, and origins of nodes, at rest and in every
+    clip.
+
+    Looked at at the keys of the first, and between and beyond them: the second has others. What a clip is
+    meant to be, where it is not what it was, is `Comparison.motion`.
+    """
+    sizes = sizes_of(pair.before, [mesh for mesh, _ in pair.meshes])
+    found = _measured(pair, sizes, pair.clips)
+    others = [
+        (source, clips[1])
+        for source, clips in zip(pair.sources, pair.clips, strict=False)
+        if source is not None
+    ]
+    motion = None
+    if others:
+        moved = _measured(pair, sizes, others)
+        motion = Motion(moved.largest, moved.worst, moved.clips)
+    return Comparison(
+        deviation=found.largest,
+        absolute=found.distance,
+        diagonal=found.size if found.largest > 0 else float(sizes.max(initial=0.0)) or 1.0,
+        raw_deviation=found.largest,
+        denormalisation=denormalisation(pair.before),
+        worst=found.worst,
+        per_mesh=found.owners,
+        per_clip=found.clips,
+        lost=tuple(pair.lost),
+        added=(),
+        changed=(),
+        different=(),
+        poses=found.poses,
+        motion=motion,
+    )
+
+
+def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]) -> Deviation:
+    before, after = pair.before, pair.after
+    mine = [mesh for mesh, _ in pair.meshes]
+    points = [mesh_points(before, after, *meshes) for meshes in pair.meshes]
+    none = np.full(len(before.skins), -1), np.full(len(before.clips), -1)
+    kinds = []
+    for hidden in ([], list(pair.of_first)):
+        m = Correspondence(pair.node, pair.shown.copy(), *none, (), (), ())
+        m.shown[hidden] = -1
+        nodes = pair.node >= 0
+        nodes[hidden] = False
+        shown = [*frames(before, m, mine, nodes, sizes), origins(before, m, pair.node >= 0)]
+        probes: list[Probe] = [*points, *shown]
+        kinds.append([probe for probe in probes if len(probe.titles)])
+    found = Deviation(kinds[0], [sizes[probe.placed] for probe in kinds[0]])
+    if not kinds[0]:
+        return found
+    rest = [_worlds(rig, rig.normalised_local) for rig in (before, after)]
+    found.add(SampledPoses(rest[0], rest[1], (None, None), np.zeros(1)), "")
+    most = max((len(mesh.points) for mesh in mine), default=1)
+    block = max(1, _BLOCK // (16 * (len(before) + len(after)) + 8 * most))
+    for clip, other in clips:
+        first = bool(pair.clips) and other is pair.clips[0][1]
+        found.probes = kinds[0] if first else kinds[1]
+        found.sizes = [sizes[probe.placed] for probe in found.probes]
+        if found.probes:
+            _add_clip(found, pair, clip, _at_keys_of(other, clip), block)
+    return found
+
+
+def _worlds(rig: Rig, local: Floats) -> Floats:
+    return worlds(rig, local)[np.newaxis]
+
+
+def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block: int) -> None:
+    motions = ClipMotion(pair.before, clip), ClipMotion(pair.after, other)
+    times = between_keys(key_times(clip))
+    for start in range(0, len(times), block):
+        some = times[start : start + block]
+        moved = [
+            worlds(rig, motion.locals_at(some))
+            for rig, motion in zip((pair.before, pair.after), motions, strict=True)
+        ]
+        found.add(SampledPoses(moved[0], moved[1], (clip, other), some), clip.name)
+
+
+def _at_keys_of(clip: Clip, other: Clip) -> Clip:
+    """A clip whose keys stand exactly where another's do that are there but for rounding."""
+    keys = key_times(other)
+    known: dict[int, Floats] = {}
+    tracks = []
+    for track in clip.tracks:
+        if id(track.times) not in known:
+            known[id(track.times)] = _snapped(track.times, keys)
+        tracks.append(replace(track, times=known[id(track.times)]))
+    return replace(clip, tracks=tuple(tracks))
+
+
+def _snapped(times: Floats, keys: Floats) -> Floats:
+    if not len(keys) or not len(times):
+        return times
+    right = np.clip(np.searchsorted(keys, times), 0, len(keys) - 1)
+    left = np.maximum(right - 1, 0)
+    nearest = np.where(np.abs(times - keys[left]) < np.abs(keys[right] - times), keys[left], keys[right])
+    near = np.abs(nearest - times) <= SAME_TIME * np.maximum(np.abs(times), 1e-3)
+    # Of two that are near the first holds what was before a step.
+    first = np.append(near[1:] & (nearest[:-1] == nearest[1:]), False)
+    return np.where(near, np.where(first, np.nextafter(nearest, -np.inf), nearest), times)

@@ -1,0 +1,194 @@
+"""glTF as USD: nothing moves otherwise, and what USD can say is said in its own words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from convertible import write_everything
+from places import asset_files, sample_files, slow
+from program import cli
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
+from second_opinions import usd_errors
+
+import rigtri
+from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.evaluation.sampling import Motion, morph_weights, worlds
+from rigtri.evaluation.skinning import deformed
+
+TOLERANCE = 1e-5
+GLTF = (".glb", ".gltf", ".vrm", ".vrma")
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("everything")
+    return write_everything(folder / "every thing.glb")
+
+
+@pytest.fixture(scope="module")
+def stage(everything: Path) -> Any:
+    rigtri.convert(everything, everything.with_suffix(".usda"))
+    return Usd.Stage.Open(str(everything.with_suffix(".usda")))
+
+
+@pytest.mark.parametrize("path", sample_files(".glb"), ids=lambda path: path.name)
+def test_a_file_in_usd_looks_the_same_and_is_valid(path: Path, tmp_path: Path) -> None:
+    out = tmp_path / f"{path.stem}.usdc"
+    outcome = rigtri.convert(path, out)
+    assert outcome.verification is not None
+    assert outcome.verification.poses > 1
+    assert outcome.verification.deviation <= TOLERANCE
+    assert not usd_errors(out)
+
+
+@pytest.mark.parametrize("path", [slow(p) for p in asset_files(*GLTF)] or [slow(None)], ids=str)
+def test_a_real_file_in_usd_looks_the_same(path: Path | None, tmp_path: Path, assets: Path) -> None:
+    assert path is not None
+    out = tmp_path / "out.usdz"
+    outcome = rigtri.convert(path, out)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= TOLERANCE
+    assert not usd_errors(out)
+
+
+@pytest.mark.parametrize(
+    "look", [{}, {"up_axis": "z", "meters_per_unit": 0.01}], ids=["metres", "centimetres"]
+)
+@pytest.mark.parametrize("clip", ["wave hand", "nod"])
+def test_usd_s_own_skinning_puts_every_point_where_gltf_has_it(
+    everything: Path, tmp_path: Path, clip: str, look: dict[str, Any]
+) -> None:
+    out = tmp_path / "out.usdc"
+    rigtri.convert(everything, out, clip=[clip], **look)
+    stage = Usd.Stage.Open(str(out))
+    assert UsdSkel.BakeSkinning(stage.Traverse(), Gf.Interval.GetFullInterval())
+    rig = rigtri.read(everything)
+    motion, rate = Motion(rig, rig.clip(clip)), stage.GetTimeCodesPerSecond()
+    meshes = sorted(rig.meshes, key=lambda mesh: mesh.node)
+    prims = {prim.GetName(): prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)}
+    assert len(prims) == len(meshes)
+    for time in (0.0, 0.5, 1.25):  # keys: between them what is baked goes straight
+        world = worlds(rig, motion.locals_at([time]))
+        wanted = [
+            deformed(mesh, rig, world, morph_weights(mesh, rig.clip(clip), np.array([time])))[0]
+            for mesh in meshes
+        ]
+        cache = UsdGeom.XformCache(time * rate)
+        found = []
+        for prim in prims.values():
+            points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get(time * rate), dtype=np.float64)
+            place = np.array(cache.GetLocalToWorldTransform(prim))
+            found.append((np.c_[points, np.ones(len(points))] @ place)[:, :3])
+        if look:
+            found = [np.stack([p[:, 0], p[:, 2], -p[:, 1]], axis=1) * 0.01 for p in found]
+        for points in wanted:
+            assert min(np.abs(points - other).max() for other in found) < 1e-5
+
+
+def test_joints_and_skins_share_a_skeleton_where_their_bind_poses_agree(stage: Any) -> None:
+    skeletons = [prim for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton)]
+    assert len(skeletons) == 2  # the third skin has another bind pose
+    assert list(UsdSkel.Skeleton(skeletons[0]).GetJointsAttr().Get())[:2] == [
+        "root_joint",
+        "root_joint/tip_001",
+    ]
+    assert "root joint" in UsdSkel.Skeleton(skeletons[0]).GetJointNamesAttr().Get()
+    coats = [p for p in stage.Traverse() if p.IsA(UsdGeom.Mesh) and p.GetParent().GetName() == "coat"]
+    geom = UsdSkel.BindingAPI(coats[0]).GetGeomBindTransformAttr().Get()
+    np.testing.assert_allclose(np.array(geom), np.diag([2.0, 2.0, 2.0, 1.0]), atol=1e-6)
+
+
+def test_names_and_extras_are_kept(stage: Any) -> None:
+    prop = stage.GetPrimAtPath("/every_thing/prop")
+    assert prop.GetCustomDataByKey("extras")["mass"] == 2.5
+    assert stage.GetDefaultPrim().GetName() == "every_thing"
+    joints = next(p for p in stage.Traverse() if p.IsA(UsdSkel.Skeleton)).GetCustomDataByKey("extras")
+    assert joints["root_joint"]["tag"] == "hip"
+    assert json.loads(joints["root_joint"]["list"]["json"]) == [1, "two"]
+    first = stage.GetPrimAtPath("/every_thing/Animations").GetChildren()[0]
+    assert first.GetDisplayName() == "wave hand"
+
+
+def test_a_material_is_a_preview_surface_with_its_channels(stage: Any) -> None:
+    cloth = UsdShade.Material.Get(stage, "/every_thing/Materials/cloth")
+    surface = UsdShade.Shader(stage.GetPrimAtPath("/every_thing/Materials/cloth/Surface"))
+    assert cloth.ComputeSurfaceSource()[0].GetPath() == surface.GetPath()
+    for name, output in (("metallic", "b"), ("roughness", "g"), ("occlusion", "r"), ("opacity", "a")):
+        assert surface.GetInput(name).GetConnectedSources()[0][0].sourceName == output
+    assert surface.GetInput("opacityThreshold").Get() == pytest.approx(0.3)
+    texture = UsdShade.Shader(stage.GetPrimAtPath("/every_thing/Materials/cloth/base"))
+    assert list(texture.GetInput("scale").Get()) == pytest.approx([1, 0.5, 0.25, 0.9])
+    assert texture.GetInput("wrapS").Get() == "clamp"
+    assert texture.GetInput("file").Get().resolvedPath
+    body = next(p for p in stage.GetPrimAtPath("/every_thing/Armature/body").GetChildren())
+    assert UsdGeom.Mesh(body).GetDoubleSidedAttr().Get() is True
+    st = UsdGeom.PrimvarsAPI(body).GetPrimvar("st").Get()
+    assert list(st[4]) == pytest.approx([0.0, 0.5])
+
+
+def test_a_texture_transform_takes_the_same_texel(stage: Any) -> None:
+    """By hand: KHR_texture_transform's own formula, then v turned over."""
+    node = UsdShade.Shader(stage.GetPrimAtPath("/every_thing/Materials/cloth/base_transform"))
+    scale, degrees, offset = (node.GetInput(n).Get() for n in ("scale", "rotation", "translation"))
+    u, v, r = 0.3, 0.7, np.radians(degrees)
+    x, y = u * scale[0], (1 - v) * scale[1]
+    got = np.cos(r) * x - np.sin(r) * y + offset[0], 1 - (np.sin(r) * x + np.cos(r) * y + offset[1])
+    c, s = np.cos(0.5), np.sin(0.5)
+    assert got == pytest.approx((0.25 + c * 2 * u + s * 3 * v, 0.5 - s * 2 * u + c * 3 * v), abs=1e-6)
+
+
+def test_cameras_and_lights_keep_their_lenses(stage: Any) -> None:
+    by_type = {prim.GetTypeName(): prim for prim in stage.Traverse()}
+    cameras = [UsdGeom.Camera(p).GetCamera(0) for p in stage.Traverse() if p.IsA(UsdGeom.Camera)]
+    views = {c.projection: c for c in cameras}
+    wide = views[Gf.Camera.Perspective]
+    assert np.radians(wide.GetFieldOfView(Gf.Camera.FOVVertical)) == pytest.approx(0.8, abs=1e-6)
+    assert wide.aspectRatio == pytest.approx(1.5)
+    flat = views[Gf.Camera.Orthographic]
+    assert (flat.horizontalAperture / 10, flat.verticalAperture / 10) == pytest.approx((4, 2))
+    assert UsdLux.DistantLight(by_type["DistantLight"]).GetIntensityAttr().Get() == 3
+    cone = UsdLux.ShapingAPI(by_type["SphereLight"]).GetShapingConeAngleAttr().Get()
+    assert cone == pytest.approx(np.degrees(0.6))
+
+
+def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.usda"
+    done = cli("convert", everything, "-o", out, "--json")
+    lost = [entry["text"] for entry in done.json["warnings"] if entry["code"] == "lost"]
+    assert any("vertex colours" in text for text in lost)
+    assert any("eye" in text and "clips but the first" in text for text in lost)
+    assert done.json["verification"]["deviation"] <= TOLERANCE
+    assert cli("convert", everything, "-o", tmp_path / "b.usda", "--strict", code=5)
+    assert not (tmp_path / "b.usda").exists()
+    assert not (tmp_path / "b_textures").exists()
+    with pytest.raises(GeometryError):
+        rigtri.convert(everything, tmp_path / "b.usda", strict=True)
+
+
+def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_path: Path) -> None:
+    outcome = rigtri.convert(samples / "biped.glb", tmp_path / "out.usdz")
+    assert any("half floats" in notice.text for notice in outcome.report.warnings)
+    motion = outcome.verification and outcome.verification.motion
+    assert motion
+    assert TOLERANCE < motion.deviation < 1e-3
+
+
+def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(
+    samples: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError, match="convert writes"):
+        rigtri.convert(samples / "hand.glb", tmp_path / "out.gltf")
+    with pytest.raises(NameNotFoundError):
+        rigtri.convert(samples / "hand.glb", tmp_path / "out.usda", clip=["none"])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_second_run_writes_the_same_bytes(everything: Path, tmp_path: Path) -> None:
+    for name in ("a.usdz", "b.usdz"):
+        (tmp_path / name[0]).mkdir()
+        rigtri.convert(everything, tmp_path / name[0] / "out.usdz")
+    assert (tmp_path / "a" / "out.usdz").read_bytes() == (tmp_path / "b" / "out.usdz").read_bytes()
