@@ -189,13 +189,12 @@ def declared_differences(
 def _compare_remaining(expected: ExpectedResult, source: Source, written: Source) -> Comparison:
     """Compare a result that lacks nodes of the source: all that it has must be there, and look alike."""
     before, rig = expected.source.rig, expected.rig
-    left = {key: rig.names[node] for node, key in enumerate(rig.keys) if node not in rig.pending.removed}
-    removed = {node for node, key in enumerate(before.keys) if key not in left}
-    names = [left.get(key, name) for key, name in zip(before.keys, before.names, strict=True)]
+    gone = {rig.keys[node] for node in rig.pending.removed}
+    removed = {node for node, key in enumerate(before.keys) if key in gone}
     # Nodes without a key are not looked for; those without a name are known by their order.
     keyed = _keyed(before, rig, written.rig)
     keys = tuple(None if node in removed else key for node, key in enumerate(keyed.keys))
-    named = tuple(name or label for name, label in zip(names, before.labels, strict=True))
+    named = tuple(name or label for name, label in zip(keyed.names, before.labels, strict=True))
     labels = [named[k] for k in range(len(before)) if k not in removed]
     source = DocumentView(source, replace(source.rig, keys=keys, names=named))
     if len(labels) == len(written.rig) and not all(before.names):
@@ -279,7 +278,7 @@ def _weights(rig: Rig, clip: Clip) -> dict[Hashable, Track]:
 
 
 def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
-    """The rig that was read, with the result's keys of nodes with other paths: keys may be these."""
+    """The rig that was read, with the names that its nodes get, and the keys where these are paths."""
     new = {key: node for node, key in enumerate(rig.keys) if key is not None}
     there = [node for node, key in enumerate(before.keys) if key in new]
     kept = set(after.keys)
@@ -291,4 +290,5 @@ def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
     for node in there:  # also those below a node that was renamed, or is new
         if keys[node] not in kept:
             keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
-    return replace(before, keys=tuple(keys))
+    names = [rig.names[new[key]] if key in new else n for key, n in zip(before.keys, before.names, strict=True)]
+    return replace(before, keys=tuple(keys), names=tuple(names))
