@@ -290,5 +290,6 @@ def _keyed(before: Rig, rig: Rig, after: Rig) -> Rig:
     for node in there:  # also those below a node that was renamed, or is new
         if keys[node] not in kept:
             keys[node] = places.get(rig.path(new[before.keys[node]]), keys[node])
-    names = [rig.names[new[key]] if key in new else n for key, n in zip(before.keys, before.names, strict=True)]
+    now = {key: rig.names[node] for key, node in new.items()}
+    names = [now.get(key, name) for key, name in zip(before.keys, before.names, strict=True)]
     return replace(before, keys=tuple(keys), names=tuple(names))
