@@ -421,3 +421,18 @@ def test_the_legend_has_the_colours_that_a_picture_has_and_the_page_has_the_same
     page = rigtri.view(SAMPLES / "biped.glb")
     assert all(f'<li class="mark-{name}">{text}</li>' in page for name, text in LEGEND.items())
     assert variables() in page
+
+
+@pytest.mark.parametrize("wide", [1000, 420])
+def test_the_legend_is_wrapped_into_the_picture_and_says_what_controls_look_like(wide: int) -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    rig = rigtri.constrain(rig, type="parent", child="head", driver=["hand_L"])
+    svg = draw(rig, options=DrawOptions(size=(wide, 900)))
+    keys = re.findall(r'<text class="key" x="([^"]*)" y="([^"]*)">(.*)</text>', svg)
+    assert [words for *_, words in keys] == [*LEGEND.values()]
+    assert all(float(x) + width(words, 11.0) <= wide and float(y) < 900 for x, y, words in keys)
+    assert len({y for _, y, _ in keys}) > 1
+    axes, controls = (re.findall(rf'<path class="{kind}"([^>]*)', svg) for kind in ("x", "control"))
+    assert axes
+    assert not any("stroke" in each for each in axes)  # what is filled is no outline
+    assert all("stroke" in each for each in controls)

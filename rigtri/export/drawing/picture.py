@@ -15,7 +15,7 @@ from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.scene import Scene, marks
 from rigtri.export.drawing.silhouette import Patch, outline, patches
 from rigtri.export.drawing.style import LEGEND
-from rigtri.export.drawing.svg import arrow, heading, number, panel, sheet
+from rigtri.export.drawing.svg import arrow, heading, number, panel, path, sheet, stroke
 from rigtri.export.drawing.view import NAMED, View, Window, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
@@ -25,6 +25,9 @@ from rigtri.report import Report
 
 # Pixels: what is free around a picture, the room of its title, a cell of the outline.
 _EDGE, _TITLE, _CELL = 28.0, 64.0, 2.0
+# Where the legend begins, right of the axes of the world, and how high its rows are.
+_GIZMO, _ROW = 84.0, 16.0
+_SQUARE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 # Pictures smaller than this show nothing, larger ones are a mistake.
 _LEAST, _MOST = 64, 16384
 # Many joints have small names.
@@ -93,16 +96,18 @@ def draw(
     wide, high = options.size or ((1500 if against is not None else 1000), 900)
     view = view_of(rig, options.view)
     each = wide / len(sides)
-    places = [(each * k, _TITLE, each, max(high - _TITLE, 1.0)) for k in range(len(sides))]
+    every = [mark for side in sides for mark in side.marks]
+    below = _TITLE + _ROW * (len(_legend_rows(every, wide)) - 1)
+    places = [(each * k, _TITLE, each, max(high - below, 1.0)) for k in range(len(sides))]
     # A bone that comes from a joint which is left out goes over the edge.
-    around = [mark.points for side in sides for mark in side.marks if mark.kind not in ("bone", "link")]
+    around = [mark.points for mark in every if mark.kind not in ("bone", "link")]
     if not options.selection.named:
         around += [points[np.unique(faces)] for side in sides for points, faces in side.patches]
     windows = Window.around(around, view, places, min(_EDGE, 0.1 * min(each, high)))
     parts: list[str] = []
     for number_of, (side, window) in enumerate(zip(sides, windows, strict=True)):
         parts += _panel(side, window, options, number_of)
-    parts += legend([mark for side in sides for mark in side.marks], high)
+    parts += legend(every, wide, high)
     description = " | ".join(f"{side.title}: {', '.join([*side.words, side.crooked])}" for side in sides)
     return sheet([*parts, *gizmo(view, high)], wide, high, description)
 
@@ -193,19 +198,50 @@ _MEANING = {
     "pole": "pole",
     "locator": "pole",
     "follows": "rule",
+    "control": "control",
 }
 
 
-def legend(marks: Sequence[Mark], high: int) -> Iterator[str]:
-    """What the colours of a picture mean, in a row at its lower edge; only those that it has."""
+def _legend_rows(marks: Sequence[Mark], wide: int) -> list[list[tuple[str, float]]]:
+    """What the colours of a picture mean, in rows as wide as it is: names of `LEGEND` and where they begin."""
     there = {_MEANING.get(mark.kind, "") for mark in marks} | {"crooked" for mark in marks if mark.crooked}
-    x, y = 84.0, high - 16.0
+    rows: list[list[tuple[str, float]]] = [[]]
+    x = _GIZMO
     for name, words in LEGEND.items():
         if name not in there:
             continue
-        yield f'<circle class="swatch {name}" cx="{number(x)}" cy="{number(y - 4)}" r="4"/>'
-        yield f'<text class="key" x="{number(x + 8)}" y="{number(y)}">{words}</text>'
+        if rows[-1] and x + 8.0 + width(words, 11.0) > wide:
+            rows.append([])
+            x = _GIZMO
+        rows[-1].append((name, x))
         x += 8.0 + width(words, 11.0) + 14.0
+    return rows
+
+
+def legend(marks: Sequence[Mark], wide: int, high: int) -> Iterator[str]:
+    """The elements of a legend at the lower edge of a sheet; each mark has its form there, too."""
+    rows = _legend_rows(marks, wide)
+    colors = list(dict.fromkeys(mark.color for mark in marks if mark.kind == "control"))[:3]
+    for number_of, row in enumerate(rows, start=1):
+        y = high - 16.0 - _ROW * (len(rows) - number_of)
+        for name, x in row:
+            yield from _swatch(name, np.array([x, y - 4]), colors)
+            yield f'<text class="key" x="{number(x + 8)}" y="{number(y)}">{LEGEND[name]}</text>'
+
+
+def _swatch(name: str, place: Floats, colors: Sequence[tuple[float, ...] | None]) -> Iterator[str]:
+    """How marks look, small: axes and bends are arrows, limbs triangles, controls outlines in ``colors``."""
+    if name in ("x", "y", "z", "pole"):
+        yield arrow(place - [6.0, 0.0], place + [5.0, 0.0], name, 11.0, True)
+    elif name == "control":
+        for k, color in enumerate(colors):
+            yield path([place + np.array(_SQUARE) * (5.0 - 2.0 * k)], "control", more=stroke(color))
+    elif name == "limb":
+        yield path([place + np.array([[-6.0, 4.0], [1.0, -5.0], [5.0, 4.0]])], "swatch limb")
+    elif name == "rule":
+        yield path([place + np.array([[-6.0, 0.0], [5.0, 0.0]])], "follows", closed=False)
+    else:
+        yield f'<circle class="swatch {name}" cx="{number(place[0])}" cy="{number(place[1])}" r="4"/>'
 
 
 def gizmo(view: View, high: int) -> Iterator[str]:

@@ -11,7 +11,7 @@ _COLOURS = {
     "edge": ("#b9c2cd", "#3c4653"),
     "bone": ("#ffffff", "#39424e"),
     "wire": ("#4b5563", "#aab4c1"),
-    "limb": ("#f2a900", "#ffc233"),
+    "limb": ("#0d9aa5", "#33c9d4"),
     "pole": ("#a3159a", "#ff9df5"),
     "crooked": ("#ff7a00", "#ff9a3d"),
     "rule": ("#8a5cd1", "#b794f4"),
@@ -47,13 +47,13 @@ text {{ font-family: sans-serif; fill: {ink} }}
 .words {{ font-size: 12px; fill: {faint} }}
 .words.crooked {{ fill: {crooked}; font-weight: bold }}
 .key {{ font-size: 11px; fill: {faint} }}
-.swatch.crooked {{ fill: {crooked} }} .swatch.rule {{ fill: {rule} }}
-.swatch.limb {{ fill: {limb}; fill-opacity: 0.6 }} .swatch.pole {{ fill: {pole} }}
+.swatch.crooked {{ fill: {crooked} }} .swatch.limb {{ fill: {limb}; fill-opacity: 0.6 }}
 .letter {{ font-size: 10px; text-anchor: middle; stroke: none }}
 """
 
 
 # What the marks of a picture or of the page mean: the colour that shows it, and the words of the legend.
+# Controls have colours of their own, often those of axes: they alone are outlines, and axes alone are arrows.
 LEGEND = {
     "x": "x axis",
     "y": "y axis",
@@ -62,12 +62,13 @@ LEGEND = {
     "pole": "bend direction, pole vector",
     "crooked": "joint without an axis along its bone",
     "rule": "follows by a constraint",
+    "control": "outline of a control, in its own colour",
 }
 
 
 def variables() -> str:
     """The colours that have a meaning as variables of a page's style sheet, ``--mark-x`` and so on."""
-    light, dark = ("; ".join(f"--mark-{name}: {_COLOURS[name][side]}" for name in LEGEND) for side in (0, 1))
+    light, dark = ("; ".join(f"--mark-{name}: {_COLOURS[name][side]}" for name in LEGEND if name in _COLOURS) for side in (0, 1))
     return f":root {{ {light} }}\n@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
 
 

@@ -45,7 +45,7 @@ def panel(
 
     font: the size of names in pixels, 0 for none; longest: their letters.
     """
-    parts = [_path(loops, "body")] if loops else []
+    parts = [path(loops, "body")] if loops else []
     seen = _Seen.of(marks, window)
     for kind in _LAYERS:
         alike = [mark for mark in marks if mark.kind == kind]
@@ -126,8 +126,12 @@ def _shown(mark: Mark, seen: _Seen) -> str:
         return arrow(places[0], places[1], mark.kind, mark.size * window.scale, seen.ahead(mark) > 0)
     if mark.form == "bone":
         return _bone(places[0], places[1])
-    more = f' style="stroke:{_hex(mark.color)}"' if mark.color is not None and len(mark.color) == 3 else ""
-    return _path([places], mark.kind, closed=mark.closed, more=more)
+    return path([places], mark.kind, closed=mark.closed, more=stroke(mark.color))
+
+
+def stroke(color: Sequence[float] | None) -> str:
+    """The attribute for lines of a linear RGB colour; "" for none."""
+    return f' style="stroke:{_hex(color)}"' if color is not None and len(color) == 3 else ""
 
 
 def _radius(mark: Mark, window: Window) -> float:
@@ -138,7 +142,7 @@ def _dot(mark: Mark, place: Floats, radius: float) -> str:
     kind = f"{mark.kind} crooked" if mark.crooked else mark.kind
     if mark.kind == "locator":
         off = np.array([[0, -1], [1, 0], [0, 1], [-1, 0]]) * (radius + 2.0)
-        return _path([place + off], kind)
+        return path([place + off], kind)
     return f'<circle class="{kind}" cx="{number(place[0])}" cy="{number(place[1])}" r="{number(radius)}"/>'
 
 
@@ -154,7 +158,7 @@ def arrow(start: Floats, end: Floats, kind: str, size: float, ahead: bool) -> st
     neck = end - along * min(7.0 * thick, 0.5 * seen)
     corners = [start + across, neck + across, neck + 2.8 * across, end]
     corners += [neck - 2.8 * across, neck - across, start - across]
-    return _path([np.stack(corners)], kind)
+    return path([np.stack(corners)], kind)
 
 
 def _head_on(place: Floats, kind: str, radius: float, ahead: bool) -> str:
@@ -173,10 +177,10 @@ def _bone(start: Floats, end: Floats) -> str:
     size = float(np.sqrt(along[0] * along[0] + along[1] * along[1]))
     wide = np.array([-along[1], along[0]]) * 0.5 * min(_BONE, _BROAD / size if size > 0 else 0.0)
     shoulder = start + along * _SHOULDER
-    return _path([np.stack([start, shoulder + wide, end, shoulder - wide])], "bone")
+    return path([np.stack([start, shoulder + wide, end, shoulder - wide])], "bone")
 
 
-def _path(strips: Iterable[Floats], kind: str, *, closed: bool = True, more: str = "") -> str:
+def path(strips: Iterable[Floats], kind: str, *, closed: bool = True, more: str = "") -> str:
     ways = (
         f"M{' '.join(pair(point) for point in strip.tolist())}{'Z' if closed else ''}" for strip in strips
     )

@@ -38,7 +38,7 @@ def picture(found: Explanation, *, view: str | None = None) -> str:
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
     parts += heading(lines, 0.0, _WIDE)
     return sheet(
-        [*parts, *legend(marks, _HIGH), *gizmo(seen, _HIGH)], _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}"
+        [*parts, *legend(marks, _WIDE, _HIGH), *gizmo(seen, _HIGH)], _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}"
     )
 
 
