@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from polling import wait_for
+
 from rigtri import orient_joints
 from rigtri.errors import DeviationError, GeometryError
 from rigtri.files.staged_output import StagedOutput
@@ -19,12 +21,15 @@ from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
 from rigtri.report import Report
 
+# The file beside those whose names begin with "wait", for which these wait.
+WAITED_FOR = "go-on"
+
 
 @dataclass(frozen=True)
 class Turn:
     """Turn the joints of a file. Its name says what goes wrong.
 
-    die, slay, hang, eat, refuse, fault, warn, slow: `go_wrong`; late, spoil: ``run``.
+    die, slay, hang, wait, eat, refuse, fault, warn, slow: `go_wrong`; late, spoil: ``run``.
     """
 
     label: str = ""
@@ -91,6 +96,8 @@ def go_wrong(source: Path, report: Report) -> None:
     if name.startswith("hang"):
         source.with_suffix(".begun").touch()
         threading.Event().wait()
+    if name.startswith("wait"):
+        wait_for(source.with_name(WAITED_FOR).exists)
     if name.startswith("eat"):
         list(range(1 << 34))
     if name.startswith("refuse"):

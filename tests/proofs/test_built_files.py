@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -20,8 +21,18 @@ TRUSTING = ReadOptions(lenient=True, allow_external_paths=True)
 ONCE = [name for name in STEPS if name not in ("control joints", "split weights")]
 
 
-@pytest.mark.parametrize("name", ONCE)
-@pytest.mark.parametrize("path", [*sample_files(), *asset_files()], ids=lambda path: path.name)
+# Each sample with each step, and each real file with two, so that each step meets some eight of them.
+CASES = [
+    *product(sample_files(), ONCE),
+    *(
+        (path, ONCE[(number + more) % len(ONCE)])
+        for number, path in enumerate(asset_files())
+        for more in (0, 5)
+    ),
+]
+
+
+@pytest.mark.parametrize(("path", "name"), CASES, ids=lambda value: getattr(value, "name", value))
 def test_what_is_built_moves_nothing_and_comes_only_once(path: Path, name: str, tmp_path: Path) -> None:
     once, twice = tmp_path / path.name, tmp_path / f"twice{path.suffix}"
     try:

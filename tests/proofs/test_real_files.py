@@ -80,9 +80,11 @@ def test_nothing_moves_by_more_than_the_float32_floor(path: Path, tmp_path: Path
     assert found.deviation <= (max(2e-7, 1.5 * floor) if floor else 1e-5)
 
 
-@pytest.mark.parametrize("preset", [preset for preset in PRESETS if preset != "vrm"])
-def test_a_second_run_changes_no_byte(path: Path, preset: str, tmp_path: Path) -> None:
+def test_a_second_run_changes_no_byte(path: Path, tmp_path: Path) -> None:
+    """With one preset; all are used in turn."""
     opened(path)
+    presets = [preset for preset in PRESETS if preset != "vrm"]
+    preset = presets[real_files().index(path) % len(presets)]
     options = OrientJointsOptions(preset=preset)
     once, twice = tmp_path / path.name, tmp_path / f"again{path.suffix}"
     for source, target in ((path, once), (once, twice)):
