@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 from collections import Counter
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,7 @@ def usd_errors(path: Path) -> Counter[str]:
     return Counter(error.GetName() for error in found if error.GetType() == wrong)
 
 
+@cache
 def schema(name: str) -> dict[str, Any]:
     """One of our schemas, as it is installed."""
     text = files("rigtri.schemas").joinpath(f"{name}.schema.json").read_text("utf-8")
@@ -68,6 +70,7 @@ def schema(name: str) -> dict[str, Any]:
     return content
 
 
+@cache
 def validator(name: str) -> Draft202012Validator:
     """Says whether a document is what one of our schemas describes: ``.validate(document)``."""
     known = [Resource.from_contents(schema(other)) for other in SCHEMAS]

@@ -503,18 +503,22 @@ def die(how: str) -> None:
 
 @POSIX
 @pytest.mark.parametrize(
-    ("how", "words"),
+    ("how", "words", "kind"),
     [
-        ("crash", r"hero\.usdc: the library that reads it crashed \(SIGSEGV\)"),
-        ("leave", r"hero\.usdc: the library that reads it crashed \(3\)"),
-        ("hang", r"hero\.usdc: took longer than 0\.5 s"),
-        ("eat", r"hero\.usdc: there is not enough memory"),
+        ("crash", r"hero\.usdc: the library that reads it crashed \(SIGSEGV\)", "crash"),
+        ("leave", r"hero\.usdc: the library that reads it crashed \(3\)", "crash"),
+        ("hang", r"hero\.usdc: took longer than 0\.5 s", "timeout"),
+        ("eat", r"hero\.usdc: there is not enough memory", "memory"),
     ],
 )
-def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(how: str, words: str) -> None:
+def test_what_ends_a_child_is_an_error_of_the_file_and_the_next_file_is_done(
+    how: str, words: str, kind: str
+) -> None:
     seconds = 0.5 if how == "hang" else 60
-    with WorkerProcess(seconds=seconds, memory=1 << 28) as child, pytest.raises(CrashError, match=words):
-        child("hero.usdc", die, how)
+    with WorkerProcess(seconds=seconds, memory=1 << 28) as child:
+        with pytest.raises(CrashError, match=words) as told:
+            child("hero.usdc", die, how)
+        assert told.value.kind == kind
     with WorkerProcess(seconds=60) as child:
         with pytest.raises(CrashError):
             child("hero.usdc", die, "crash")
@@ -537,15 +541,6 @@ def test_an_event_of_a_task_arrives_before_the_task_goes_on() -> None:
         assert child("x", counting, 3, on_event=heard.append) == 3
     assert heard == [0, 1, 2]
     assert counting(3) == 3  # outside of a child nobody listens
-
-
-@POSIX
-def test_why_a_child_ended_is_in_the_json_too() -> None:
-    for how, kind in (("crash", "crash"), ("hang", "timeout"), ("eat", "memory")):
-        with WorkerProcess(seconds=2 if how == "hang" else 60, memory=1 << 28) as child:
-            with pytest.raises(CrashError) as told:
-                child("x", die, how)
-            assert told.value.kind == kind
 
 
 def test_a_fault_in_the_task_itself_is_reported_with_its_traceback() -> None:

@@ -12,7 +12,7 @@ import pytest
 from engines import three_vrm
 from gltf_files import glb_bytes, glb_json, glb_parts
 from numpy.testing import assert_allclose
-from places import GOLDENS, slow
+from places import GOLDENS, every_other, slow
 from program import cli
 from rigs import chain, rig_of
 from second_opinions import validator
@@ -129,9 +129,9 @@ VARIANTS: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("variant", VARIANTS, ids=str)
-@pytest.mark.parametrize("drivers", [("driver",), ("driver", "other")], ids=len)
+@pytest.mark.parametrize(
+    ("seed", "variant", "drivers"), every_other(range(4), VARIANTS, [("driver",), ("driver", "other")], of=4)
+)
 def test_a_kept_offset_leaves_its_child_where_it_was(
     variant: dict[str, Any], drivers: tuple[str, ...], seed: int
 ) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from avatars import avatar_0
 from carried import EDITS, SAME_MOTION, carried
-from places import SAMPLES, asset_files, slow
+from places import SAMPLES, asset_files, every_other, slow
 
 import rigtri
 from rigtri.errors import RigtriError, UsageError
@@ -70,7 +70,7 @@ def test_a_joint_stands_to_its_control_by_the_rest_offset() -> None:
 
 
 @pytest.mark.parametrize("name", ["tpose.glb", slow("biped.glb"), slow("biped.usda")])
-@pytest.mark.parametrize("edit", ["orient-joints", "add-controls", slow("mirror"), slow("pose")])
+@pytest.mark.parametrize("edit", ["orient-joints", slow("add-controls"), slow("mirror"), slow("pose")])
 def test_aimed_controls_hold_the_motion_through_bakes_and_edits(name: str, edit: str, tmp_path: Path) -> None:
     source, baked = tmp_path / name, tmp_path / f"baked_{name}"
     rig = rigtri.add_controls(rigtri.read(SAMPLES / name), whole_character=True, preset="blender")
@@ -139,8 +139,12 @@ def test_a_root_that_moves_no_vertex_and_eyes_keep_their_axes_and_the_report_say
     assert np.abs(here[:3, :3] - joint[:3, :3]).max() < 1e-6
 
 
-@pytest.mark.parametrize("mode", ["behavior", "orientation", "blender"])
-@pytest.mark.parametrize("style", [{}, {"aim": "-z", "up": "x", "up_from": "vector:1,2,3"}], ids=str)
+@pytest.mark.parametrize(
+    ("mode", "style"),
+    every_other(
+        ["behavior", "orientation", "blender"], [{}, {"aim": "-z", "up": "x", "up_from": "vector:1,2,3"}]
+    ),
+)
 def test_mirror_gives_the_twin_of_a_control_the_mirrored_axes(
     mode: Mirror, style: dict[str, str], tmp_path: Path
 ) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from places import slow
 from program import cli
 
 from rigtri.formats import read
@@ -76,10 +77,7 @@ def built(rig: Rig) -> list[list[str]]:
     return found
 
 
-BOTH = pytest.mark.parametrize("suffix", ["usda", "gltf"])
-
-
-@BOTH
+@pytest.mark.parametrize("suffix", ["usda", slow("gltf")])
 def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
@@ -100,7 +98,7 @@ def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
     cli("auto", source, "-o", tmp_path / f"auto.{suffix}", code=0)
 
 
-@BOTH
+@pytest.mark.parametrize("suffix", [slow("usda"), "gltf"])
 def test_one_character_is_edited_alone(suffix: str, samples: Path, tmp_path: Path) -> None:
     source, out, bare = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "bare"))
     pair(samples, tmp_path, suffix)

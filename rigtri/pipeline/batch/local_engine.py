@@ -21,7 +21,7 @@ from rigtri.pipeline.batch.work import Assignment, OnReady, Record, work
 
 # What work and most tasks need, so that a new process has it.
 PRELOADED = (
-    "rigtri.operations.orient_joints",  # and with it what most operations need
+    "rigtri.operations.orient_joints.orient",  # and with it what most operations need
     "rigtri.pipeline.batch.work",
     "rigtri.pipeline.batch.spec_task",
     "rigtri.pipeline.rigspec.expand",

@@ -6,6 +6,8 @@ import json
 import os
 import shutil
 import sqlite3
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -488,3 +490,20 @@ def test_manifests_of_one_folder_remember_the_axes_of_all_files(batch: Batch) ->
         (known,) = base.execute("SELECT count(*) FROM files WHERE axes=1").fetchone()
     base.close()
     assert (kinds, known) == (1, 3)
+
+
+def test_a_process_of_a_batch_has_from_the_start_what_most_files_need(samples: Path, tmp_path: Path) -> None:
+    """Before, each of them imported the re-orientation of joints for itself."""
+    code = f"""
+import importlib, sys
+from rigtri.files import worker_process
+from rigtri.pipeline.batch import local_engine
+for name in (*worker_process.PRELOADED, *local_engine.PRELOADED):
+    importlib.import_module(name)
+known = set(sys.modules)
+from rigtri import edit, orient_joints
+edit({str(samples / "biped.glb")!r}, {str(tmp_path / "out.glb")!r}, lambda rig, report: orient_joints(rig))
+print(*(name for name in sys.modules if name.startswith("rigtri") and name not in known))
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == []
