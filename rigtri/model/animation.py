@@ -72,8 +72,9 @@ class Track:
 class Column:
     """Tracks of a clip that share path, interpolation and key times, in one array of values, (t, k, [3,] c).
 
-    times: (k,). nodes: (t,). keys: the `Track.key` of each. places: where each stands among the tracks of the
-    clip. tracks: those that were asked for, by their row.
+    times: (k,). nodes: (t,). keys, own_times: `Track.key` and `Track.times` of each; the latter may be other
+    arrays with the same numbers. places: where each stands among the tracks of the clip. tracks: those that
+    were asked for, by their row.
     """
 
     path: Path
@@ -82,6 +83,7 @@ class Column:
     nodes: Integers
     values: Floats
     keys: Sequence[Hashable]
+    own_times: Sequence[Floats]
     places: Sequence[int]
     unlisted: frozenset[int] = frozenset()
     tracks: dict[int, Track] = field(default_factory=dict)
@@ -106,7 +108,7 @@ class Column:
                 int(self.nodes[row]),
                 self.path,
                 self.interpolation,
-                self.times,
+                self.own_times[row],
                 self.values[row],
                 self.keys[row],
                 self.unlisted,
@@ -131,6 +133,7 @@ class Column:
             nodes=nodes[rows],
             values=self.values[rows],
             keys=[self.keys[row] for row in rows.tolist()],
+            own_times=[self.own_times[row] for row in rows.tolist()],
             places=[self.places[row] for row in rows.tolist()],
             tracks={},
         )
@@ -171,8 +174,10 @@ def columns(tracks: Sequence[Track]) -> tuple[Column, ...]:
     if isinstance(tracks, Tracks):
         return tracks.columns
     groups: dict[object, list[int]] = {}
+    distinct = {id(track.times): track.times for track in tracks}
+    same = {known: times.tobytes() for known, times in distinct.items()}
     for place, track in enumerate(tracks):
-        alike = track.path, track.interpolation, id(track.times), track.values.shape, track.unlisted
+        alike = track.path, track.interpolation, same[id(track.times)], track.values.shape, track.unlisted
         groups.setdefault(alike, []).append(place)
     return tuple(_column([tracks[place] for place in places], places) for places in groups.values())
 
@@ -189,6 +194,7 @@ def _column(tracks: Sequence[Track], places: Sequence[int]) -> Column:
         nodes,
         values,
         keys,
+        [track.times for track in tracks],
         places,
         first.unlisted,
         dict(enumerate(tracks)),

@@ -18,7 +18,7 @@ def test_an_idle_clip_plays_its_weights_alone() -> None:
 
 
 def test_columns_give_back_the_tracks_they_were_made_of() -> None:
-    later = Track(2, "rotation", "LINEAR", TIMES, TURN.values * 2, key=7)
+    later = Track(2, "rotation", "LINEAR", TIMES.copy(), TURN.values * 2, key=7)
     tracks = (TURN, BULGE, later)
     turns, weights = columns(tracks)
     assert (turns.nodes.tolist(), weights.nodes.tolist()) == ([0, 2], [1])

@@ -133,10 +133,14 @@ class Accessors:
         layout = self.layout(index)
         return self._read_plain(layout) if layout.plain else self._converted(index, layout)
 
-    def in_place(self, index: int) -> bool:
-        """Whether an accessor is plain numbers in a buffer that is there: reading them cannot fail."""
+    def readable(self, index: int) -> tuple[int, int]:
+        """The count and width of an accessor that can be read: FileError for one that cannot."""
         layout = self.layout(index)
-        return layout.plain and bool(len(self.buffers.content(layout.buffer)))
+        if layout.plain:
+            self.buffers.content(layout.buffer)
+        else:
+            self.read_aloud(index)
+        return layout.rows, layout.width
 
     def read_alike(self, indices: Sequence[int]) -> Floats:
         """The numbers of accessors with the same count, (a, count · width); plain ones are read at once."""
@@ -246,22 +250,26 @@ class Accessors:
     def _view(self, index: int) -> tuple[int, int, int, int]:
         """Buffer, offset, length and stride (0: none) of a buffer view; buffer −1 for a compressed one."""
         # Many accessors share one.
-        if index not in self._known_views:
-            self._known_views[index] = self._read_view(self._view_value(index))
-        return self._known_views[index]
+        known = self._known_views.get(index)
+        if known is None:
+            known = self._read_plain_view(index) or self._read_view(self._view_value(index))
+            self._known_views[index] = known
+        return known
+
+    def _read_plain_view(self, index: int) -> tuple[int, int, int, int] | None:
+        """As `_read_view`, for one without extensions, as nearly all are; None for others, or wrong ones."""
+        raw = self._views[index] if index < len(self._views) else {"extensions": {}}
+        if "extensions" in raw:
+            return None
+        buffer, start, length = raw.get("buffer"), raw.get("byteOffset", 0), raw.get("byteLength")
+        stride = raw.get("byteStride", 0)
+        if not type(buffer) is type(start) is type(length) is type(stride) is int:
+            return None
+        if min(buffer, start, length, stride) < 0 or buffer >= len(self.buffers):
+            return None
+        return (buffer, start, length, stride) if start + length <= self.buffers.length(buffer) else None
 
     def _read_view(self, view: Value) -> tuple[int, int, int, int]:
-        raw = view.raw
-        if type(raw) is dict and "extensions" not in raw:
-            b, start, length = raw.get("buffer"), raw.get("byteOffset", 0), raw.get("byteLength")
-            stride = raw.get("byteStride", 0)
-            if (
-                type(b) is type(start) is type(length) is type(stride) is int
-                and min(b, start, length, stride) >= 0
-                and b < len(self.buffers)
-                and start + length <= self.buffers.length(b)
-            ):
-                return b, start, length, stride  # as nearly all are; what is wrong with others is said below
         buffer = view.natural("buffer")
         if buffer >= len(self.buffers):
             view.fail(f"there is no buffer {buffer}, the file has {len(self.buffers)}")

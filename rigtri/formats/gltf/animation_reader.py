@@ -80,19 +80,20 @@ def animated_nodes(gltf: Value) -> set[int]:
 
 
 class _Alike(NamedTuple):
-    """What the channels of a column share. input: the accessor of the times. width: numbers of a value."""
+    """What the channels of a column share. times: their bytes. width: numbers of a value."""
 
     path: Path
     interpolation: Interpolation
-    input: int
+    times: bytes
     width: int
 
 
 class _Channel(NamedTuple):
-    """What a channel has of its own; number: among the channels. output: the accessor of its values."""
+    """What a channel has of its own; number: among the channels. input, output: its accessors."""
 
     number: int
     node: int
+    input: int
     output: int
 
 
@@ -122,7 +123,8 @@ class ClipReader:
         self._times: dict[int, Floats] = {}
         self._groups_of: list[_Groups | None] = []
         self._like = like
-        self._rising: set[bytes] = set()  # times that are in order: most tracks have the same
+        self._content: dict[int, bytes] = {}
+        self._rising: dict[bytes, bytes] = {}  # times that are in order: most tracks have the same
 
     def read(self) -> tuple[Clip, ...]:
         """All animations as clips. FileError, naming animation and channel, for what is broken."""
@@ -159,9 +161,9 @@ class ClipReader:
             return None
         if self._tree.place[: len(place)] != place or animation != like._gltf.raw["animations"][number]:
             return None
-        for alike in groups:
-            self._input(alike.input, self._gltf.where)
-        return groups
+        inputs = {channel.input for channels in groups.values() for channel in channels}
+        same = all(self._input(k, self._gltf.where) is like._times[k] for k in inputs)
+        return groups if same else None
 
     def _groups(self, number: int, animation: Value, where: str) -> _Groups:
         """The channels of an animation by what they share."""
@@ -219,30 +221,31 @@ class ClipReader:
             refuse(f"{place}:", violation)
         source = sampler.get("input")
         times = self._input(source, place)
-        output = self._output(sampler.get("output"), place)
-        layout = self._accessors.layout(output)
-        rows, columns = layout.rows, layout.width
+        output = self._accessor(sampler.get("output"), place, "output")
+        rows, columns = self._accessors.readable(output)
         if path == "weights" and rows * columns % width == 0:
             rows, columns = rows * columns // width, width
         violation = value_width_violation(path, width, columns)
         violation = violation or count_violation(len(times), rows, interpolation)
         if violation:
             refuse(f"{place}:", violation)
-        return _Alike(path, interpolation, source, width), _Channel(index, self._tree.place[node], output)
+        alike = _Alike(path, interpolation, self._content[source], width)
+        return alike, _Channel(index, self._tree.place[node], source, output)
 
     def _column(self, number: int, alike: _Alike, channels: list[_Channel]) -> Column:
         """The tracks of channels with the same path, interpolation and times, read at once."""
-        times = self._times[alike.input]
+        times = [self._times[channel.input] for channel in channels]
         values = self._accessors.read_alike([channel.output for channel in channels])
         per_key = (3,) if alike.interpolation == "CUBICSPLINE" else ()
         places = [channel.number for channel in channels]
         return Column(
             alike.path,
             alike.interpolation,
-            times,
+            times[0],
             np.array([channel.node for channel in channels], dtype=np.int64),
-            values.reshape(len(channels), len(times), *per_key, alike.width),
+            values.reshape(len(channels), len(times[0]), *per_key, alike.width),
             [(number, place) for place in places],
+            times,
             places,
         )
 
@@ -262,17 +265,11 @@ class ClipReader:
             if content not in self._rising:
                 for violation in time_violations(times[:, 0], lenient=self._lenient):
                     refuse(f"{place}:", violation)
-                self._rising.add(content)
+            # One object for all that are the same, so that they are compared sooner.
+            self._content[index] = content = self._rising.setdefault(content, content)
             times = times[:, 0] if known is None or known.tobytes() != content else known
             self._times[index] = times
         return times
-
-    def _output(self, index: Any, place: str) -> int:
-        """The accessor of a channel's values, which can be read."""
-        index = self._accessor(index, place, "output")
-        if not self._accessors.in_place(index):
-            self._accessors.read_aloud(index)
-        return int(index)
 
     def _morph_targets(self, node: int, place: str) -> int:
         mesh = self._nodes[node].get("mesh")

@@ -32,7 +32,6 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import angle, cross, dot, triple
-from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.report import Report
@@ -183,32 +182,39 @@ def nearest_exact(requested: Floats, scales: ScaleTable, node: int, aim: int) ->
     would drift a little further with every run; and the aim goes first, so that a
     second run, which sees other axes about the same aim, stays with its choice.
     """
-    quarter = [from_axis_angle(axis, np.pi / 4) for axis in np.eye(3)]
-    odd = [k for k in range(3) if scales.keeps(node, to_axes(quarter[k]))]
-    target = to_axes(requested)[aim]
+    odd = [k for k, eighth in enumerate(_eighths()) if scales.keeps(node, eighth)]
+    cardinals = cardinal_rotations()
+    candidates = np.stack([_freed(cardinals, axis, requested, aim) for axis in odd] or [cardinals], axis=1)
+    aims = dot(to_axes(candidates)[..., aim, :], to_axes(requested)[aim])
+    overlaps = np.abs(quaternions.dot(candidates, requested))
     best, closest, most = IDENTITY, -2.0, -1.0
-    for cardinal in cardinal_rotations():
-        for axis in odd or (None,):
-            candidate = cardinal if axis is None else _freed(cardinal, axis, requested, aim)
-            aimed = float(dot(to_axes(candidate)[aim], target))
-            overlap = abs(float(quaternions.dot(candidate, requested)))
-            nearer = aimed > closest + SAME_AIM
-            if nearer or (aimed > closest - SAME_AIM and overlap > most + EXACT):
-                best, closest, most = candidate, aimed, overlap
+    for candidate, aimed, overlap in zip(
+        candidates.reshape(-1, 4), aims.ravel().tolist(), overlaps.ravel().tolist(), strict=True
+    ):
+        nearer = aimed > closest + SAME_AIM
+        if nearer or (aimed > closest - SAME_AIM and overlap > most + EXACT):
+            best, closest, most = candidate, aimed, overlap
     return np.asarray(np.where(best[3] < 0, -best, best))
 
 
-def _freed(cardinal: Floats, axis: int, requested: Floats, aim: int) -> Floats:
-    """A cardinal rotation, then one about an axis that brings its aim, or all of it, near ``requested``."""
-    now, target = to_axes(cardinal)[aim], to_axes(requested)[aim]
+@cache
+def _eighths() -> Floats:
+    """The axes, (3, 3, 3), of an eighth of a turn about each axis."""
+    return to_axes(from_axis_angle(np.eye(3), np.pi / 4))
+
+
+def _freed(cardinals: Floats, axis: int, requested: Floats, aim: int) -> Floats:
+    """Cardinal rotations, (c, 4), each then about an axis so that its aim, or all of it, is near a delta."""
+    now, target = to_axes(cardinals)[:, aim], to_axes(requested)[aim]
     about = np.eye(3)[axis]
-    if abs(now[axis]) > 0.5:  # the aim lies along the axis: only the roll is free
-        rest = multiply(requested, conjugate(cardinal))
-        free = about * rest[axis]
-        roll = np.array([free[0], free[1], free[2], rest[3]])
-        return multiply(unit(roll), cardinal) if norm(roll) > EXACT else cardinal
-    angle_ = arc_tangent(dot(cross(about, now), target), dot(now, target))
-    return multiply(from_axis_angle(about, angle_), cardinal)
+    # Where the aim lies along the axis, only the roll is free.
+    rest = multiply(requested, conjugate(cardinals))
+    roll = np.concatenate([about * rest[:, axis : axis + 1], rest[:, 3:]], axis=1)
+    with np.errstate(invalid="ignore"):
+        rolled = np.where(norm(roll)[:, np.newaxis] > EXACT, multiply(unit(roll), cardinals), cardinals)
+    angles = arc_tangent(dot(cross(about, now), target), dot(now, target))
+    aimed = multiply(from_axis_angle(about, angles), cardinals)
+    return np.where(np.abs(now[:, axis : axis + 1]) > 0.5, rolled, aimed)
 
 
 @dataclass(frozen=True)
@@ -229,16 +235,21 @@ class Uneven:
 
 def first_uneven(rig: Rig, node: int, scales: ScaleTable) -> Uneven:
     """Where the scale of a node that has one is first seen not to be uniform."""
-    found = [Uneven(triple(scales.rows[node]))]
-    found += [
-        Uneven(triple(row), clip.name or f"#{k}", float(time))
+    found = [
+        (clip.name or f"#{k}", column.times, column.key_values[row])
         for k, clip in enumerate(rig.clips)
-        for track in clip.tracks
-        if track.node == node and track.path == "scale"
-        for time, row in zip(track.times, key_values(track), strict=True)
+        for column in clip.columns
+        if column.path == "scale"
+        for row in np.flatnonzero(column.nodes == node).tolist()
     ]
-    rows = np.array([uneven.value for uneven in found])
+    rows = np.concatenate([scales.rows[[node]], *(values for _, _, values in found)])
     largest = np.abs(rows).max(axis=1)
     spread = np.ptp(rows * scales.sign[node], axis=1) / np.where(largest == 0, 1.0, largest)
     over = spread > scales.same[node]
-    return found[int(np.argmax(over if over.any() else spread))]
+    first = int(np.argmax(over if over.any() else spread))
+    key = first - 1
+    for name, times, _ in found if first else ():
+        if key < len(times):
+            return Uneven(triple(rows[first]), name, float(times[key]))
+        key -= len(times)
+    return Uneven(triple(rows[first]))
