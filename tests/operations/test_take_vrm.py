@@ -13,6 +13,7 @@ from taken_clips import apart, rig_of
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import take_clips
+from rigtri.report import Report
 
 # About y by half a turn: of places, and of rotations (x, y, z, w).
 PLACES, ROTATIONS = np.array([-1.0, 1.0, -1.0]), np.array([-1.0, 1.0, -1.0, 1.0])
@@ -48,5 +49,11 @@ def test_vrm_takes_from_vrm_of_other_axes_and_version(
     if not edited.clips:
         edited = take_clips(edited, from_=made(2))
     (clip,) = edited.clips
-    home = take_clips(replace(rig, clips=()), from_=facing_back(edited) if back else edited)
+    report = Report()
+    edited_there = facing_back(edited) if back else edited
+    home = take_clips(replace(rig, clips=()), from_=edited_there, report=report)
     assert apart(home, edited, clip.name) < 1e-5
+    facing = [notice.text for notice in report.warnings if notice.code == "other-facing"]
+    assert [text.partition(";")[0] for text in facing] == (
+        ["EDITED faces another way than RIG, by 180° about the up axis"] if back else []
+    )

@@ -6,6 +6,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from rigtri.maths.matrices import from_frame, nearest_rotation, transform_directions
+from rigtri.maths.quaternions import angle_between, from_axes
+from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
 from rigtri.model.animation import Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
@@ -56,6 +59,21 @@ def warn_differences(both: Counterparts, report: Report) -> None:
         report.warn(
             "other-parents",
             f"{list_names(moved)} have other parents in EDITED; their motion was taken through the world",
+        )
+
+
+def warn_facing(both: Counterparts, report: Report) -> None:
+    """That EDITED stands turned about the up axis, by one of the 24 rotations, which is taken out."""
+    up, ours = (np.array(rig.rules.up) for rig in (both.other, both.rig))
+    turn = nearest_rotation(both.space)
+    straight = upright_turn(up, ours)
+    stands = np.abs(transform_directions(up, from_frame(turn, np.zeros(3))) - ours).max() <= SAME_TURN
+    if stands and np.abs(turn - straight).max() > SAME_TURN:
+        degrees = np.degrees(angle_between(from_axes(turn), from_axes(straight)))
+        report.warn(
+            "other-facing",
+            f"EDITED faces another way than RIG, by {degrees:.0f}° about the up axis; its motion was taken "
+            "as if it faced as RIG does",
         )
 
 

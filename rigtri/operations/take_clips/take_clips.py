@@ -37,6 +37,7 @@ from rigtri.operations.take_clips.messages import (
     list_names,
     moves,
     warn_differences,
+    warn_facing,
     warn_tracks,
     why_nothing_matches,
 )
@@ -86,6 +87,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     bodies = Proportions(both)
     refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
     warn_differences(both, report)
+    warn_facing(both, report)
     warn_unsure_axes(both, report)
     warn_lengths(bodies, report)
     taken_all, changed = set[str](), set[str]()
