@@ -17,6 +17,7 @@ from rigtri import check
 from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.maths.matrices import compose
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.operations.take_clips.take_clips import take_clips
@@ -86,6 +87,18 @@ def test_bones_that_keys_would_stretch_are_refused() -> None:
     take_clips(rig, from_=without_skin(held(rig, 1.0)))
     with pytest.raises(GeometryError, match=r"longer or shorter \('shin_L: 100'; limit 1.1\)"):
         take_clips(rig, from_=without_skin(held(rig, 100.0)))
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-9])
+def test_joints_that_keys_hide_by_their_scale_are_no_other_skeleton(size: float) -> None:
+    """Before, 1e-9 was refused: a bone a billion times shorter."""
+    rig = rig_of()
+    times = rig.clip("walk").tracks[0].times[[0, -1]]
+    track = Track(rig.find("forearm_L"), "scale", "LINEAR", times, np.full((2, 3), size))
+    clips = (replace(c, tracks=(*c.tracks, track)) if c.name == "walk" else c for c in rig.clips)
+    home = take_clips(rig, from_=without_skin(replace(rig, clips=tuple(clips))))
+    (taken,) = (t for t in home.clip("walk").tracks if t.path == "scale")
+    np.testing.assert_array_equal(taken.values, track.values)
 
 
 def test_joints_that_clips_move_against_their_parents_are_no_bones() -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import multiply, nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes
-from rigtri.maths.similarity_fit import OTHER_SHAPE
+from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.operations.take_clips.axis_mapping import Counterparts
@@ -111,6 +111,9 @@ def _growth(both: Counterparts, node: int, scale: Floats) -> float:
 
 
 def _ratio(one: Floats, other: Floats) -> float:
-    """How long a vector, (3,), is for another, (1, 3); 1 where one of them has no length."""
+    """How long a vector, (3,), is for another, (1, 3); 1 where one of them has no length.
+
+    What keys make next to nothing is hidden by them, and no other unit.
+    """
     a, b = float(length(one)), float(length(other)[0])
-    return a / b if a > 0 and b > 0 else 1.0
+    return a / b if b > 0 and a > SAME_SIZE * b else 1.0
