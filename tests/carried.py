@@ -2,7 +2,7 @@
 
     python -m carried ../samples/biped.glb ../samples/biped.usda     # in the folder tests
 
-prints a table for each file: rows are what is built, columns the edits, cells the largest difference in
+prints a table for each file: rows are the edits, columns what is built, cells the largest difference in
 motion, as a share of the size, or the edit's refusal. ``--write`` replaces the tables of docs/carrying.md.
 
 `THINGS` builds into any character what rigtri can build, `EDITS` has an entry for each operation, `carried`
@@ -33,8 +33,9 @@ import rigtri
 from rigtri.errors import GeometryError, RigtriError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.timelines import timelines
+from rigtri.maths.quaternions import multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip
+from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rename_joints import names_json
@@ -242,11 +243,25 @@ EDITS: dict[str, Edit] = {
 }
 
 
+def _moving(rig: Rig) -> Rig:
+    """A rig; without clips, as avatars are, with one in which its limbs swing by 30° and back."""
+    if rig.clips:
+        return rig
+    times, still = np.array([0.0, 0.5, 1.0]), (0.0, 0.0, 0.0, 1.0)
+    swing = np.array([still, (np.sin(np.pi / 12), 0.0, 0.0, np.cos(np.pi / 12)), still])
+    joints = {joint for limb in recognise(rig) for joint in limb.triple}
+    tracks = [
+        Track(joint, "rotation", "LINEAR", times, multiply(rig.rotation[joint], swing))
+        for joint in sorted(joints)
+    ]
+    return replace(rig, clips=(Clip("swing", tuple(tracks)),))
+
+
 def source_of(path: Path, thing: str, folder: Path) -> Path:
     """The file with the thing and with controls, and the motion of its joints on these."""
     out = folder / f"{path.stem}-{''.join(c if c.isalnum() else '_' for c in thing)}{path.suffix}"
     if not out.exists():
-        rig = rigtri.read(path)
+        rig = _moving(rigtri.read(path))
         if thing == "control joints":
             rig = THINGS[thing](rig)
         else:
@@ -357,13 +372,14 @@ def row(path: Path, thing: str, folder: Path, edits: Iterable[str] = EDITS) -> M
 
 
 def table(path: Path, things: Iterable[str], folder: Path) -> str:
-    """A Markdown table of one file."""
-    lines = [f"| {path.name} | {' | '.join(EDITS)} |", "|" + "---|" * (len(EDITS) + 1)]
-    for thing in things:
-        found = row(path, thing, folder)
-        if "" not in found:
-            cells = (f"{value:.0e}" if isinstance(value, float) else "refused" for value in found.values())
-            lines.append(f"| {thing} | {' | '.join(cells)} |")
+    """A Markdown table of one file, a column for each thing that can be built into it."""
+    rows = {thing: row(path, thing, folder) for thing in things}
+    built = {thing: found for thing, found in rows.items() if "" not in found}
+    lines = [f"| {path.name} | {' | '.join(built)} |", "|" + "---|" * (len(built) + 1)]
+    for edit in EDITS:
+        cells = (found[edit] for found in built.values())
+        shown = (f"{value:.0e}" if isinstance(value, float) else "refused" for value in cells)
+        lines.append(f"| {edit} | {' | '.join(shown)} |")
     return "\n".join(lines) + "\n"
 
 

@@ -17,7 +17,7 @@ class FormatRules:
     this file may be split, "" where they may.
     facing: the direction the character looks in, where the format prescribes one. up: the scene's up axis.
     raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
-    group_parent: the parent of a group that rigtri adds, −1 where the group is a root.
+    group_parent: the parent of a group that rigtri adds, −1 where the group is a root; group_name: its name.
     named: nodes that extensions of the file refer to.
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
@@ -33,6 +33,7 @@ class FormatRules:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     raw_quaternions: bool = False
     group_parent: int = -1
+    group_name: str = "rigtri_controls"
     named: frozenset[int] = frozenset()
     metres_per_unit: float = 1.0
     sized_binding: bool = False

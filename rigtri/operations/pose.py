@@ -19,7 +19,9 @@ from rigtri.evaluation.twist_joints import with_stored_rest
 from rigtri.maths.matrices import compose, decompose
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.corrective_joints import driven_paths
 from rigtri.operations.operation import operation
 from rigtri.operations.options.pose import PoseOptions as PoseOptions
 from rigtri.operations.solver_warnings import solver_warnings
@@ -102,12 +104,15 @@ def _weights(rig: Rig, timeline: Timeline | None, time: float) -> list[dict[str,
 def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     """The rig with a pose for its rest pose: of joints and all else that moves but the controls. Clips stay.
 
-    Controls, poles, offsets and weights of constraints stay: keys are relative to where they are at rest.
+    Controls, poles, offsets, weights of constraints and corrective joints stay: keys of these are relative to
+    where they are at rest.
     Bind poses do not change, so meshes show the pose. Raises as `pose_of`, and GeometryError for a
     pose that is no numbers.
     """
     posed = pose_of(rig, options, report)
     kept = set(rig.nodes_of(*_KEPT))
+    for record in rig.records(PoseReaderRecord).values():
+        kept |= driven_paths(record, rig).keys()
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):

@@ -22,7 +22,6 @@ from rigtri.model.metadata import ControlRecord, GroupRecord, Record, with_refer
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
-GROUP = "rigtri_controls"
 # float32 readers see no difference below this share; a second run must change no byte.
 _SAME_PLACE = 1e-7
 # The fields of a rig that hold its rest pose.
@@ -36,7 +35,7 @@ def group(rig: Rig) -> tuple[Rig, int]:
     """
     for node in rig.nodes_of("group"):
         return rig, node
-    return add(rig, GROUP, rig.rules.group_parent, GroupRecord())
+    return add(rig, rig.rules.group_name, rig.rules.group_parent, GroupRecord())
 
 
 def home(rig: Rig) -> tuple[Rig, int]:

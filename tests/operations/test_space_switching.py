@@ -120,6 +120,7 @@ def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp
     assert rig.names[rule.child] == "hand_L_ik_ctl_offset"
     out = tmp_path / f"out.{suffix}"
     rigtri.write(rig, out, verify=False)
+    assert not [one for one in rigtri.check(out) if one.severity != "info"]
     baked = rigtri.bake(read := rigtri.read(out), to="joints")
     before, after = world(baked, "hand_L", float(just_before(np.array([end / 2]))[0]), end / 2)
     assert_allclose(before, after, atol=1e-5)

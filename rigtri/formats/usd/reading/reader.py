@@ -83,6 +83,7 @@ class _Reader:
         rules = replace(
             rig.rules,
             group_parent=self._group_parent(rig),
+            group_name="rigtri",
             per_second=float(self.stage.GetTimeCodesPerSecond()),
         )
         rig = replace(rig, rules=rules)
