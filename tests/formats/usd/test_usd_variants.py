@@ -16,6 +16,7 @@ from usd_files import MESH, animation, at, moments, read, save, scene, skeleton,
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
 from rigtri.model.rig import Rig
+from rigtri.operations.freeze import freeze
 from rigtri.verification.compare.compare import self_check
 
 RUN = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
@@ -235,6 +236,13 @@ def test_a_scale_that_forbids_the_reorientation_in_another_variant_is_refused(tm
         FileError, match="variant 'b' of the variant set 'clip' on </Root>, the scale of joint 'a'"
     ):
         write(document, turned(document.rig), tmp_path / "out.usda")
+
+
+@pytest.mark.parametrize("name", ["skeleton", "values"])
+def test_another_unit_is_refused_where_a_variant_has_values_of_its_own(name: str, tmp_path: Path) -> None:
+    document = read(save(tmp_path, choosing(SCENES[name], clip="a")))
+    with pytest.raises(FileError, match=r"unit.*: Variant 'b' of the variant set 'clip' on </Root> has <"):
+        write(document, freeze(document.rig, unit=0.5), tmp_path / "out.usda")
 
 
 def test_rotations_of_another_variant_that_only_allow_the_parents_reorientation_are_refused(

@@ -15,9 +15,12 @@ from pxr import Sdf, Usd
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.value_types import BIND
 
 # What of a skeleton and its animation decides how they look.
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")
+# What says where a thing is and how large, besides transforms.
+_PLACES = (*VALUES, "points", BIND)
 # More ways than this to show one skeleton are more than anyone can look through.
 LIMIT = 64
 
@@ -218,6 +221,40 @@ def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]
             for variant in sets.GetVariantSet(name).GetVariantNames():
                 if variant != selected:
                     yield path, name, variant, selected
+
+
+def each_choice(stage: Any) -> Iterator[tuple[str, Any]]:
+    """The stage as it is (title ""), then with one variant selected otherwise, each by its title in words."""
+    others = list(choices(stage, [str(prim.GetPath()) for prim in stage.Traverse()]))
+    if not others:
+        return
+    session = Sdf.Layer.CreateAnonymous(".usda")
+    session.TransferContent(stage.GetSessionLayer())
+    trial = Usd.Stage.Open(stage.GetRootLayer(), session)
+    trial.SetEditTarget(session)
+    yield "", trial
+    for path, name, variant, selected in others:
+        chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
+        chosen.SetVariantSelection(variant)
+        yield f"Variant '{variant}' of the variant set '{name}' on <{path}>", trial
+        chosen.SetVariantSelection(selected)
+
+
+def why_placed_otherwise(stage: Any) -> str:
+    """Which unselected variant has skeletons, points or transforms of its own; "" if none."""
+    before: Origins = {}
+    for title, trial in each_choice(stage):
+        found = {
+            attribute.GetPath(): _origin(attribute)
+            for prim in Usd.PrimRange.Stage(trial, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate))
+            for attribute in prim.GetAuthoredAttributes()
+            if attribute.GetName() in _PLACES or attribute.GetName().startswith("xformOp")
+        }
+        if not title:
+            before = found
+        elif others := _differing(before, found):
+            return f"{title} has <{min(others)}> of its own. Give each variant a file of its own"
+    return ""
 
 
 def _differing(one: Origins, other: Origins) -> set[Any]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from pxr import Sdf, Usd
+from pxr import Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, why_instanced, why_locked
 from rigtri.formats.usd.composition.value_types import usable
-from rigtri.formats.usd.composition.variants import choices
+from rigtri.formats.usd.composition.variants import each_choice
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.reading.mesh_reader import ALL_PRIMS, Bindings
 from rigtri.formats.usd.reading.source import Source
@@ -60,25 +60,17 @@ def _author(prim: Any) -> Any:
 
 def why_bound_otherwise(stage: Any, skeleton: str) -> str:
     """Which unselected variant binds meshes to a skeleton by other influences than are seen; "" if none."""
-    others = list(choices(stage, [str(prim.GetPath()) for prim in stage.Traverse()]))
-    if not others:
-        return ""
-    session = Sdf.Layer.CreateAnonymous(".usda")
-    session.TransferContent(stage.GetSessionLayer())
-    trial = Usd.Stage.Open(stage.GetRootLayer(), session)
-    trial.SetEditTarget(session)
-    before = _bound(trial, skeleton)
-    for path, name, variant, selected in others:
-        chosen = trial.GetPrimAtPath(path).GetVariantSets().GetVariantSet(name)
-        chosen.SetVariantSelection(variant)
+    before: dict[str, str] = {}
+    for title, trial in each_choice(stage):
         after = _bound(trial, skeleton)
-        chosen.SetVariantSelection(selected)
+        if not title:
+            before = after
+            continue
         for mesh, places in after.items():
             if before.get(mesh) != places:
                 return (
-                    f"Variant '{variant}' of the variant set '{name}' on <{path}> binds <{mesh}> to "
-                    f"<{skeleton}> otherwise, by joints that get other paths. Give each variant a file "
-                    "of its own"
+                    f"{title} binds <{mesh}> to <{skeleton}> otherwise, by joints that get other paths. Give "
+                    "each variant a file of its own"
                 )
     return ""
 

@@ -17,11 +17,13 @@ from pxr import Sdf
 
 from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.composition.variants import (
     VALUES,
     SkeletonVariants,
     VariantState,
     variants_of,
+    why_placed_otherwise,
     why_unselected,
 )
 from rigtri.formats.usd.opinions import instance_edits
@@ -33,6 +35,7 @@ from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.frames.nonuniform_scale import ScaleTable, against_parent
 from rigtri.frames.reframe import reframe
+from rigtri.frames.rescale import ALIKE
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 
@@ -43,6 +46,9 @@ def route_variants(edit: UsdEdit) -> None:
     FileError, naming layer and path, where a variant cannot be edited from the root layer.
     """
     source = edit.source
+    if edit.rig.pending.conversion is not None or _resized(edit):
+        # Other variants would have to be sized and placed as the selected ones are.
+        refuse(why_placed_otherwise(source.stage), "The unit, the up axis and scales cannot be changed")
     changing: list[tuple[Skeleton, SkeletonVariants]] = []
     for skeleton in source.skeletons.values():
         about = {Sdf.Path(path) for path in (skeleton.path, *skeleton.animations)}
@@ -58,6 +64,17 @@ def route_variants(edit: UsdEdit) -> None:
         _refuse_new_bindings(variants, others)
         _route(_Reorientation(edit, skeleton), variants, settings, edit.expected)
     edit.opinions = [*settings.values(), *others]
+
+
+def _resized(edit: UsdEdit) -> bool:
+    """Whether joints get another scale, or what is above them another transform."""
+    before, rig = edit.source.rig, edit.rig
+    above = before.with_ancestors(np.flatnonzero(before.is_joint).tolist())
+    prims = [node for node in above if kind(before.keys[node]) == "prim"]
+    placed = bool((before.local[prims] != rig.local[prims]).any())
+    # New axes exchange the scales of a joint, and leave noise.
+    old, new = (np.sort(np.abs(each.scale[: len(before)]), axis=1) for each in (before, rig))
+    return placed or bool(rig.pending.bind_sizes) or bool((np.abs(new - old) > ALIKE * old).any())
 
 
 class _Reorientation:
