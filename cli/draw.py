@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
 @output_file.view_option
 @option(
     "--pose",
-    "at",
     metavar="CLIP@TIME",
     default="rest",
     show_default=True,
@@ -59,7 +59,6 @@ if TYPE_CHECKING:
 )
 @option(
     "--chain",
-    "chains",
     nargs=2,
     multiple=True,
     metavar="START END",
@@ -78,7 +77,6 @@ if TYPE_CHECKING:
 @option("--names/--no-names", default=True, show_default=True, help="Write the joints' names.")
 @option(
     "--axes",
-    "arrows",
     type=Number(min=0, max=10),
     default=0.35,
     show_default=True,
@@ -96,7 +94,7 @@ def command(source: str, output: str, **values: Any) -> None:
     """Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.
 
     The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
-    Joints none of whose axes lies along their bone are orange. A limb is a yellow triangle with the
+    Joints none of whose axes lies along their bone are orange. A limb is a teal triangle with the
     projection of its middle joint; the purple arrow from there is its bend direction. --json also prints
     what is drawn: lines, arrows and triangles in space.
 
@@ -142,9 +140,6 @@ def command(source: str, output: str, **values: Any) -> None:
 
 def _draw_options(values: dict[str, Any]) -> DrawOptions:
     from rigtri.export.drawing.picture import DrawOptions
-    from rigtri.operations.declaration import Selection
 
-    selection = Selection(**{name: values[name] for name in ("joints", "chains", "below", "skin", "exclude")})
-    kept = {name: values[name] for name in ("at", "names", "arrows", "mesh", "size")}
-    view = {"view": values["view"]} if values["view"] is not None else {}
-    return DrawOptions(selection=selection, **kept, **view).checked()
+    kept = {one.name: values[one.name] for one in fields(DrawOptions) if values[one.name] is not None}
+    return DrawOptions(**kept).checked()

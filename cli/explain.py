@@ -78,7 +78,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
 
 def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
     """What is to be explained: numbers as they are given, or a limb of a file."""
-    from rigtri.export.explain.explain import explain
+    from rigtri.export.explain.explain import explain_points
 
     unknown = [word for word in points if word.startswith("--") and len(word) > 2]
     if unknown:
@@ -90,7 +90,7 @@ def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
         raise UsageError("--limb names a joint of a file; give the file instead of points")
     if values["at"] is not None:
         raise UsageError("--at is a moment of a file; give the file instead of points")
-    return explain(numbers[:3], numbers[3:6], numbers[6:])
+    return explain_points(numbers[:3], numbers[3:6], numbers[6:])
 
 
 def _numbers(words: tuple[str, ...]) -> list[float] | None:

@@ -54,7 +54,7 @@ _WHERE = {
     "check": "rigtri.verification.checks",
     "recognise": "rigtri.recognition.recognise",
     "draw": "rigtri.export.drawing.picture",
-    "explain": "rigtri.export.explain.explain",
+    "explain": "rigtri.export.explain.limb_points",
     "view": "rigtri.export.viewer.view",
     "export_blender": "rigtri.export.blender.script",
     "spec_init": "rigtri.pipeline.rigspec.spec_init",
@@ -65,7 +65,7 @@ _WHERE = {
     "RigtriError": "rigtri.errors",
 }
 
-# The public mathematics, modules of rigtri.maths.
+# The public mathematics: what is in modules of rigtri.maths.
 _MODULES = ("vectors", "matrices", "quaternions", "triangle", "euler")
 
 # Written out, for tools that read the source and do not run it.
@@ -126,19 +126,19 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from rigtri import euler as euler
+    from rigtri import matrices as matrices
+    from rigtri import quaternions as quaternions
+    from rigtri import triangle as triangle
+    from rigtri import vectors as vectors
     from rigtri.errors import RigtriError as RigtriError
     from rigtri.export.blender.script import export_blender as export_blender
     from rigtri.export.drawing.picture import draw as draw
-    from rigtri.export.explain.explain import explain as explain
+    from rigtri.export.explain.limb_points import explain as explain
     from rigtri.export.text_description import describe as describe
     from rigtri.export.viewer.view import view as view
     from rigtri.formats import ReadOptions as ReadOptions
     from rigtri.formats.usd.codeless_schemas import register_usd_schemas as register_usd_schemas
-    from rigtri.maths import euler as euler
-    from rigtri.maths import matrices as matrices
-    from rigtri.maths import quaternions as quaternions
-    from rigtri.maths import triangle as triangle
-    from rigtri.maths import vectors as vectors
     from rigtri.model.rig import Rig as Rig
     from rigtri.operations.add_controls import add_controls as add_controls
     from rigtri.operations.add_polevector import add_polevector as add_polevector
@@ -190,5 +190,5 @@ def __getattr__(name: str) -> Any:
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)
     if name in _MODULES:
-        return import_module(f"rigtri.maths.{name}")
+        return import_module(f"rigtri.{name}")
     raise AttributeError(f"module 'rigtri' has no attribute '{name}'")

@@ -107,7 +107,7 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
 
     Raises UsageError, NameNotFoundError, and GeometryError for a clip that plays nothing.
     """
-    if text == "rest":
+    if text.lower() == "rest":
         return None, 0.0
     name, mark, time = text.rpartition("@")
     try:

@@ -31,11 +31,20 @@ def opened(source: Path | str) -> Iterator[Path]:
         yield path
 
 
+def path_of(source: Path | str) -> Path:
+    """A file's path; TypeError, with what to do, for what is none, as a rig."""
+    try:
+        return Path(source)
+    except TypeError:
+        kind = type(source).__name__
+        raise TypeError(f"give the path of a file, not a {kind}; rigtri.write writes a rig to one") from None
+
+
 @contextmanager
 def _on_disk(source: Path | str) -> Iterator[Path]:
     """The source as it lies; standard input is spooled, its first bytes show the format."""
     if str(source) != "-":
-        yield check_plain(source)
+        yield check_plain(path_of(source))
         return
     start = sys.stdin.buffer.read(16)
     suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")

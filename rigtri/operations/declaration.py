@@ -114,6 +114,21 @@ class Option:
         return self.kind is not None and self.kind.name in _ONE_WORD
 
     @property
+    def words(self) -> tuple[str, ...]:
+        """The words that it knows, alone or beside names: those of its type, and those that it explains."""
+        explained = (word for word, _ in self.values if word.islower())
+        return tuple(dict.fromkeys([*self.choices, *_literals(self.hint), *explained]))
+
+    def cased(self, value: Any) -> Any:
+        """A value with the words that it knows as they are declared: ``Maya`` is ``maya``."""
+        if isinstance(value, str):
+            alike = [word for word in self.words if word.lower() == value.lower()]
+            return alike[0] if len(alike) == 1 else value
+        if isinstance(value, list | tuple) and self.words:
+            return type(value)([self.cased(each) if isinstance(each, str) else each for each in value])
+        return value
+
+    @property
     def required(self) -> bool:
         return self.default is MISSING
 
@@ -195,6 +210,14 @@ def _option(one: Any, hint: Any) -> Option:
     return Option(one.name, hint, kind, optional, default_of(one), **about)
 
 
+def _literals(hint: Any) -> tuple[str, ...]:
+    """The words of a type, or of types within it."""
+    inner = typing.get_args(hint)
+    if typing.get_origin(hint) is Literal:
+        return inner
+    return tuple(word for each in inner for word in _literals(each))
+
+
 def described(cls: Any) -> str:
     """The options of an operation with their help, a line for each, as Python's help shows them."""
     return "\n".join(
@@ -226,7 +249,7 @@ def made(cls: type[T], values: Mapping[str, Any], given: Collection[str]) -> T:
     for name, one in options_of(cls).items():
         read = one.kind.read if one.kind else None
         if name in values and read is None:
-            known[name] = values[name]
+            known[name] = one.cased(values[name])
         elif name in values and read is not None and name in given:
             known[name] = None if values[name] is None else read(one.flag, values[name])
     options = cls(**known)

@@ -107,6 +107,27 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
     return decorated
 
 
+def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Let a function that is no operation take the fields of its ``options``, of this kind, as keywords."""
+
+    def decorated(function: Callable[..., T]) -> Callable[..., T]:
+        own = inspect.signature(function).parameters
+
+        @functools.wraps(function)
+        def called(*values: Any, options: Any = None, **keywords: Any) -> T:
+            chosen = {word: keywords.pop(word) for word in [*keywords] if word not in own}
+            if options is not None and chosen:
+                raise TypeError(f"{function.__name__}: give options or {', '.join(chosen)}, not both")
+            options = options or from_keywords(kind, chosen, function.__name__)
+            return function(*values, options=options, **keywords)
+
+        called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
+        called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{described(kind)}"
+        return called
+
+    return decorated
+
+
 def _of_character(function: Callable[..., Rig], name: str | None) -> Callable[..., Rig]:
     """A function of a rig that edits one of its characters alone; None for all."""
     if name is None:
@@ -130,7 +151,7 @@ def _check_rigs(options: Any) -> None:
             raise UsageError(f"{one.name}={value!r}: give a rig")
 
 
-def _signature(function: Callable[..., Rig], kind: type | None) -> inspect.Signature:
+def _signature(function: Callable[..., Any], kind: type | None) -> inspect.Signature:
     """For help and for editors that complete: all keywords with their defaults."""
     own = inspect.signature(function)
     if kind is None:
@@ -155,7 +176,7 @@ def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
 
     Raises TypeError for a keyword that does not exist or is missing, UsageError for a value of another type.
     """
-    known, hints = defaults(kind), hints_of(kind)
+    known, hints, declared = defaults(kind), hints_of(kind), options_of(kind)
     for keyword in keywords:
         if keyword not in known:
             close = get_close_matches(keyword, known, n=1)
@@ -164,7 +185,8 @@ def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
     for keyword, default in known.items():
         if default is MISSING and keyword not in keywords:
             raise TypeError(f"{name}() needs {keyword}")
-    return kind(**{word: _fitted(hints[word], value, word) for word, value in keywords.items()})
+    cased = {word: declared[word].cased(value) for word, value in keywords.items()}
+    return kind(**{word: _fitted(hints[word], value, word) for word, value in cased.items()})
 
 
 def _fitted(hint: Any, value: Any, word: str) -> Any:

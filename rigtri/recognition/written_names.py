@@ -45,8 +45,8 @@ def written_names(scheme: str, *, sided: str = "") -> dict[str, str]:
     scheme: one of `scheme_names`, or the path of a TOML file. sided: another way to write sides, one of
     `SIDE_STYLES`. Raises UsageError for a scheme that there is not, FileError for a file that is none.
     """
-    if scheme in scheme_tables():
-        table = scheme_tables()[scheme]
+    if scheme.lower() in scheme_tables():
+        table = scheme_tables()[scheme.lower()]
     elif scheme.endswith(".toml"):
         table = own_table(Path(scheme))
     else:

@@ -141,6 +141,28 @@ def test_values_may_be_written_in_capitals(samples: Path, tmp_path: Path) -> Non
     )
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "schema Spec",
+        "completion Bash",
+        "inspect IN --matrices --at Rest --joint-orient Rest",
+        "draw IN -o OUT.svg --view Front --pose REST",
+        "rename-joints IN -o OUT.glb --to Unreal",
+        "constrain IN -o OUT.glb --type Point --child hand_L --driver head --skip TX",
+    ],
+)
+def test_words_that_stand_among_names_may_be_in_capitals(line: str, samples: Path, tmp_path: Path) -> None:
+    places = {"IN": samples / "biped.glb", "OUT.svg": tmp_path / "o.svg", "OUT.glb": tmp_path / "o.glb"}
+    cli(*(places.get(word, word) for word in line.split()), code=0)
+
+
+def test_a_spec_may_have_words_in_capitals(samples: Path, tmp_path: Path) -> None:
+    spec = tmp_path / "rig.yaml"
+    spec.write_text("steps:\n- do: orient-joints\n  preset: Maya\n- do: add-controls\n  limbs: AUTO\n")
+    cli("build", samples / "biped.glb", "--spec", spec, "-o", tmp_path / "o.glb", code=0)
+
+
 def test_capitals_count_where_choices_differ_by_them(samples: Path, tmp_path: Path) -> None:
     line = ("rename-joints", samples / "biped.glb", "-n", "--to", "vrm", "--side-style")
     assert "'LEFT' is not one of 'Left', 'left'" in cli(*line, "LEFT", code=2).stderr

@@ -86,9 +86,9 @@ def test_every_joint_is_one_dot_where_it_stands_with_the_arrows_of_its_axes(seed
 
 def test_arrows_are_as_long_as_requested_in_bones() -> None:
     rig = chain((0, 0, 0), (3, 4, 0), (6, 8, 0), (10, 5, 0))
-    (x,) = [m for m in of_kind(seen(rig, DrawOptions(arrows=0.1)), "x") if m.node == "a"]
+    (x,) = [m for m in of_kind(seen(rig, DrawOptions(axes=0.1)), "x") if m.node == "a"]
     assert np.allclose(x.points, [[0, 0, 0], [0.5, 0, 0]])
-    assert not of_kind(seen(rig, DrawOptions(arrows=0)), "x", "y", "z")
+    assert not of_kind(seen(rig, DrawOptions(axes=0)), "x", "y", "z")
 
 
 def test_a_joint_is_crooked_where_no_axis_lies_along_its_bone_and_straight_after_orient_joints() -> None:
@@ -136,21 +136,21 @@ def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> N
 def test_a_pose_moves_what_it_moves() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     clip = rig.clips[0]
-    still, moved = (of_kind(seen(rig, DrawOptions(at=at)), "joint") for at in ("rest", f"{clip.name}@0.4"))
+    still, moved = (of_kind(seen(rig, DrawOptions(pose=at)), "joint") for at in ("rest", f"{clip.name}@0.4"))
     far = [np.abs(a.points - b.points).max() for a, b in zip(still, moved, strict=True)]
     assert max(far) > 0.01
     with pytest.raises(NameNotFoundError):
-        draw(rig, options=DrawOptions(at="nothing@0"))
+        draw(rig, options=DrawOptions(pose="nothing@0"))
 
 
 def test_a_selection_is_drawn_alone_and_larger() -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    options = DrawOptions(selection=Selection(below=("hand_L",)))
+    options = DrawOptions(below=("hand_L",))
     assert [mark.name for mark in of_kind(seen(rig, options), "joint")] == ["hand_L", "fingers_L"]
     assert {"hand_L", "fingers_L"} <= set(texts(draw(rig, options=options)))
     assert "hips" not in texts(draw(rig, options=options))
     with pytest.raises(NameNotFoundError):
-        draw(rig, options=DrawOptions(selection=Selection(joints=("nobody",))))
+        draw(rig, options=DrawOptions(joints=("nobody",)))
 
 
 def test_marks_are_json_with_the_same_content() -> None:

@@ -21,8 +21,8 @@ from strategies import vectors
 
 import rigtri
 from rigtri.errors import GeometryError
-from rigtri.export.explain.explain import Explanation, explain
-from rigtri.export.explain.limb_points import explain_limb
+from rigtri.export.explain.explain import Explanation
+from rigtri.export.explain.limb_points import explain, explain_limb
 from rigtri.export.explain.matrix_steps import CONSTRAINT
 from rigtri.export.explain.picture import picture
 from rigtri.export.explain.text import text

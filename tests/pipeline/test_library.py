@@ -8,6 +8,7 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -350,11 +351,41 @@ def test_public_names_are_what_they_claim() -> None:
     """A module of the same name would hide a function once anyone has imported it."""
     for name in rigtri.__all__:
         assert getattr(rigtri, name) is not None
-        assert find_spec(f"rigtri.{name}") is None
+        assert find_spec(f"rigtri.{name}") is None or isinstance(getattr(rigtri, name), ModuleType)
 
 
 def test_consoles_complete_the_library_and_nothing_else() -> None:
     assert dir(rigtri) == sorted([*rigtri.__all__, "__version__"])
+
+
+def test_words_are_those_of_the_command_line_in_capitals_too(samples: Path) -> None:
+    rig = rigtri.read(samples / "biped.glb")
+    small = rigtri.orient_joints(rig, preset="maya", branch=["first"])
+    large = rigtri.orient_joints(rig, preset="Maya", branch=["First"])
+    assert (large.world == small.world).all()
+    assert rigtri.draw(rig, view="Top") == rigtri.draw(rig, view="top") != rigtri.draw(rig)
+    assert rigtri.set_rest(rig, pose="TPose").names == rig.names
+    with pytest.raises(UsageError, match="give bind, tpose, apose or CLIP@TIME"):
+        rigtri.set_rest(rig, pose="Z-pose")
+
+
+def test_what_is_no_operation_takes_keywords_too(samples: Path) -> None:
+    rig = rigtri.read(samples / "biped.glb")
+    assert 'class="name"' not in rigtri.draw(rig, names=False)
+    with pytest.raises(TypeError, match=r"draw\(\) has no option 'vieww'; did you mean 'view'"):
+        rigtri.draw(rig, vieww="top")
+    assert rigtri.explain(rig, limb="forearm_L").names == ("upper_arm_L", "forearm_L", "hand_L")
+    with pytest.raises(TypeError, match="limb='forearm_L'"):
+        rigtri.explain(rig)
+    for function in (rigtri.check, rigtri.view):
+        with pytest.raises(TypeError, match="the path of a file, not a Rig; "):
+            function(rig)
+
+
+def test_the_mathematics_can_be_imported_by_its_public_name() -> None:
+    from rigtri.vectors import dot
+
+    assert dot is rigtri.vectors.dot is rigtri.maths.vectors.dot
 
 
 def test_help_shows_all_keywords() -> None:

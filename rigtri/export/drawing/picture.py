@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from rigtri.export.drawing.svg import arrow, heading, number, panel, path, sheet
 from rigtri.export.drawing.view import NAMED, View, Window, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Selection
+from rigtri.operations.declaration import Chains, Nodes, Selection, option
+from rigtri.operations.operation import takes_keywords
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
 
@@ -27,7 +28,9 @@ from rigtri.report import Report
 _EDGE, _TITLE, _CELL = 28.0, 64.0, 2.0
 # Where the legend begins, right of the axes of the world, and how high its rows are.
 _GIZMO, _ROW = 84.0, 16.0
-_SQUARE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+# Forms of the legend: a line, and the outline of a square.
+_LINE = np.array([[-6.0, 0.0], [5.0, 0.0]])
+_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 # Pictures smaller than this show nothing, larger ones are a mistake.
 _LEAST, _MOST = 64, 16384
 # Many joints have small names.
@@ -36,24 +39,29 @@ _FONTS = ((40, 12.0), (120, 10.0), (1_000_000, 8.0))
 
 @dataclass(frozen=True)
 class DrawOptions:
-    """What of a rig is drawn, and how. view: one of `NAMED` or x,y,z. at: the pose, ``CLIP@TIME`` or rest.
+    """What of a rig is drawn, and how."""
 
-    arrows: the length of axes as a share of the bone, 0 for none. size: width and height in pixels, as
-    it fits where None. mesh: the outline of what is skinned.
-    """
+    view: str = option("three-quarter", help=f"View direction: {', '.join(NAMED)}, or x,y,z.")
+    pose: str = option("rest", help="The moment, CLIP@TIME in seconds (USD: time codes), or rest.")
+    joints: Nodes = option((), help="Draw only these joints, larger.")
+    chain: Chains = option((), help="Draw only these chains, START END each.")
+    below: Nodes = option((), help="Draw these joints and all below them.")
+    skin: str | None = option(None, help="Only joints of this skin.")
+    exclude: Nodes = option((), help="Leave these joints out.")
+    names: bool = option(True, help="Write the joints' names.")
+    axes: float = option(0.35, help="Length of the axes' arrows as a share of the bone; 0 for none.")
+    mesh: bool = option(True, help="Draw the outline of the meshes.")
+    size: tuple[int, int] | None = option(None, help="Width and height in pixels.")
 
-    view: str = "three-quarter"
-    at: str = "rest"
-    selection: Selection = field(default_factory=Selection)
-    names: bool = True
-    arrows: float = 0.35
-    mesh: bool = True
-    size: tuple[int, int] | None = None
+    @property
+    def selection(self) -> Selection:
+        """The joints that are named."""
+        return Selection(self.joints, self.chain, self.below, self.skin, self.exclude)
 
     def checked(self) -> DrawOptions:
         """The same; UsageError for what is no picture."""
-        if not 0 <= self.arrows <= 10:
-            raise UsageError(f"arrows of {self.arrows:g} bones are no arrows: give a share from 0 to 10")
+        if not 0 <= self.axes <= 10:
+            raise UsageError(f"axes of {self.axes:g} bones: give a share from 0 to 10")
         if self.size is not None and not all(_LEAST <= side <= _MOST for side in self.size):
             raise UsageError(
                 f"a picture has {_LEAST} to {_MOST} pixels a side, not {self.size[0]}x{self.size[1]}"
@@ -73,12 +81,13 @@ class _Side:
 
 
 # What is no number is left out, whatever it came from.
+@takes_keywords(DrawOptions)
 @np.errstate(all="ignore")
 def draw(
     rig: Rig,
     *,
     against: Rig | None = None,
-    options: DrawOptions = DrawOptions(),
+    options: DrawOptions,
     title: str = "",
     title_against: str = "before",
     report: Report | None = None,
@@ -119,10 +128,10 @@ def seen(rig: Rig, options: DrawOptions = DrawOptions()) -> list[Mark]:
 
 
 def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
-    posed = pose_of(rig, PoseOptions(at=options.at), report)
+    posed = pose_of(rig, PoseOptions(at=options.pose), report)
     scene = Scene.of(rig, posed, options.selection)
-    timeline, time = timeline_and_time(rig, options.at)
-    found = marks(scene, arrows=options.arrows)
+    timeline, time = timeline_and_time(rig, options.pose)
+    found = marks(scene, arrows=options.axes)
     covered: list[Patch] = []
     try:
         covered = patches(scene, timeline, time) if options.mesh else []
@@ -139,7 +148,7 @@ def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
         report.warn("no-joints", f"{title or 'The file'} has no joints; {what}")
         words.append("no joints in this file")
     words.append(f"from {options.view}" if options.view not in NAMED else f"{options.view} view")
-    words.append("at rest" if options.at == "rest" else options.at)
+    words.append("at rest" if options.pose.lower() == "rest" else options.pose)
     return _Side(found, covered, title, tuple(words), crooked(scene))
 
 
@@ -203,7 +212,7 @@ _MEANING = {
 
 
 def _legend_rows(marks: Sequence[Mark], wide: int) -> list[list[tuple[str, float]]]:
-    """What the colours of a picture mean, in rows as wide as it is: names of `LEGEND` and where they begin."""
+    """What the colours of a picture mean, in rows as wide as it is: names of `LEGEND`, where they begin."""
     there = {_MEANING.get(mark.kind, "") for mark in marks} | {"crooked" for mark in marks if mark.crooked}
     rows: list[list[tuple[str, float]]] = [[]]
     x = _GIZMO
@@ -232,14 +241,14 @@ def legend(marks: Sequence[Mark], wide: int, high: int) -> Iterator[str]:
 def _swatch(name: str, place: Floats, colors: Sequence[tuple[float, ...] | None]) -> Iterator[str]:
     """How marks look, small: axes and bends are arrows, limbs triangles, controls outlines in ``colors``."""
     if name in ("x", "y", "z", "pole"):
-        yield arrow(place - [6.0, 0.0], place + [5.0, 0.0], name, 11.0, True)
+        yield arrow(place + _LINE[0], place + _LINE[1], name, 11.0, True)
     elif name == "control":
         for k, color in enumerate(colors):
-            yield path([place + np.array(_SQUARE) * (5.0 - 2.0 * k)], "control", more=stroke(color))
+            yield path([place + _SQUARE * (5.0 - 2.0 * k)], "control", more=stroke(color))
     elif name == "limb":
         yield path([place + np.array([[-6.0, 4.0], [1.0, -5.0], [5.0, 4.0]])], "swatch limb")
     elif name == "rule":
-        yield path([place + np.array([[-6.0, 0.0], [5.0, 0.0]])], "follows", closed=False)
+        yield path([place + _LINE], "follows", closed=False)
     else:
         yield f'<circle class="swatch {name}" cx="{number(place[0])}" cy="{number(place[1])}" r="4"/>'
 

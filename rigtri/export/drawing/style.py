@@ -68,7 +68,8 @@ LEGEND = {
 
 def variables() -> str:
     """The colours that have a meaning as variables of a page's style sheet, ``--mark-x`` and so on."""
-    light, dark = ("; ".join(f"--mark-{name}: {_COLOURS[name][side]}" for name in LEGEND if name in _COLOURS) for side in (0, 1))
+    known = [name for name in LEGEND if name in _COLOURS]
+    light, dark = ("; ".join(f"--mark-{name}: {_COLOURS[name][side]}" for name in known) for side in (0, 1))
     return f":root {{ {light} }}\n@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
 
 

@@ -131,7 +131,7 @@ def view_of(rig: Rig, name: str = "front") -> View:
         "top": up,
         "three-quarter": ahead + 0.7 * left + 0.35 * up,
     }
-    return View.along(eyes[name] if name in eyes else direction(name), up, -ahead)
+    return View.along(eyes[name.lower()] if name.lower() in eyes else direction(name), up, -ahead)
 
 
 def direction(text: str) -> Floats:

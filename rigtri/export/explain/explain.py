@@ -59,7 +59,7 @@ class Explanation:
         }
 
 
-def explain(
+def explain_points(
     a: ArrayLike,
     b: ArrayLike,
     c: ArrayLike,
@@ -73,7 +73,7 @@ def explain(
     Points that are equal or lie on one line have steps without value, and ``trouble`` is why.
     GeometryError for points that are no numbers.
 
-    >>> found = explain([0, 0, 0], [3, 4, 0], [6, 0, 0])
+    >>> found = explain_points([0, 0, 0], [3, 4, 0], [6, 0, 0])
     >>> [step.value for step in found.steps if step.talk == "P"]
     [(3.0, 0.0, 0.0)]
     """

@@ -1,18 +1,48 @@
-"""Which three joints of a rig are explained."""
+"""Which three joints of a rig are explained, or which points."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rigtri.errors import UsageError
-from rigtri.export.explain.explain import Explanation, explain
+from rigtri.export.explain.explain import Explanation, explain_points
 from rigtri.export.explain.matrix_steps import Worlds
 from rigtri.frames.skeleton import skeleton
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.recognition.limbs import recognise
+
+
+def explain(
+    a: Rig | ArrayLike,
+    b: ArrayLike | None = None,
+    c: ArrayLike | None = None,
+    *,
+    names: tuple[str, str, str] = ("A", "B", "C"),
+    limb: str | tuple[str, str, str] | None = None,
+    at: str = "rest",
+) -> Explanation:
+    """The vectors, the triangle and the matrices of three points, (3,) each, in file units, step by step.
+
+    Of a rig, ``explain(rig, limb="forearm_L")``: of the limb that has this joint, or of three joints, root,
+    middle and end, where they stand ``at`` a moment, CLIP@TIME. Points that are equal or lie on one line
+    have steps without value, and ``trouble`` is why. Raises GeometryError for points that are no numbers;
+    NameNotFoundError and UsageError of rigs.
+
+    >>> found = explain([0, 0, 0], [3, 4, 0], [6, 0, 0])
+    >>> [step.value for step in found.steps if step.talk == "P"]
+    [(3.0, 0.0, 0.0)]
+    """
+    if isinstance(a, Rig):
+        if limb is None or b is not None:
+            raise TypeError("explain: name the limb of a rig, e.g. explain(rig, limb='forearm_L')")
+        return explain_limb(a, limb_with(a, limb) if isinstance(limb, str) else [*map(a.find, limb)], at)
+    if b is None or c is None or limb is not None:
+        raise TypeError("explain: give three points, or a rig with limb=")
+    return explain_points(a, b, c, names=names)
 
 
 def limb_with(rig: Rig, name: str) -> tuple[int, int, int]:
@@ -45,4 +75,5 @@ def explain_limb(rig: Rig, joints: Sequence[int], at: str = "rest") -> Explanati
     above, *placed = (posed.world(node)[0] for node in (int(rig.parents[a]), a, b, c))
     worlds = Worlds(above, placed[0], placed[1], placed[2], of_file=True)
     names = (rig.title(a), rig.title(b), rig.title(c))
-    return explain(*(world[3, :3] for world in (worlds.a, worlds.b, worlds.c)), names=names, worlds=worlds)
+    points = [world[3, :3] for world in (worlds.a, worlds.b, worlds.c)]
+    return explain_points(*points, names=names, worlds=worlds)

@@ -37,9 +37,8 @@ def picture(found: Explanation, *, view: str | None = None) -> str:
     a, b, c = (shown(name) for name in found.names)
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
     parts += heading(lines, 0.0, _WIDE)
-    return sheet(
-        [*parts, *legend(marks, _WIDE, _HIGH), *gizmo(seen, _HIGH)], _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}"
-    )
+    parts += [*legend(marks, _WIDE, _HIGH), *gizmo(seen, _HIGH)]
+    return sheet(parts, _WIDE, _HIGH, f"{a}, {b}, {c}: {_words(found)}")
 
 
 def _words(found: Explanation) -> str:

@@ -61,7 +61,7 @@ def _goal(rig: Rig, text: str) -> Goal:
             return Goal(name, direction=(x, y, z))
         except ValueError:
             pass
-    if words == "rest" or "@" in words:
+    if words.lower() == "rest" or "@" in words:
         return Goal(name, pose=words)
     return Goal(name, node=words)
 

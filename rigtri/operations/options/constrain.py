@@ -31,15 +31,13 @@ _PARALLEL = 1e-6
 
 
 def _skip(_flag: str, text: str) -> tuple[str, ...]:
-    return tuple(part.strip() for part in text.split(",")) if text else ()
+    return tuple(part.strip() for part in text.lower().split(",")) if text else ()
 
 
 def joint_orient(text: str) -> Literal["rest", "none"] | Vector:
     """``rest``, ``none`` or three degrees with commas between. ValueError for anything else."""
-    if text == "rest":
-        return "rest"
-    if text == "none":
-        return "none"
+    if text.lower() in ("rest", "none"):
+        return "rest" if text.lower() == "rest" else "none"
     try:
         angles = three(text)
     except ValueError:

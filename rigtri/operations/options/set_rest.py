@@ -16,8 +16,14 @@ class SetRestOptions:
     pose: str = option(
         "",
         metavar="POSE",
-        help="The rest pose: bind, tpose, apose, or a moment CLIP@TIME.",
+        help="The rest pose.",
         group="what",
+        values={
+            "bind": "the one that the skin is bound in",
+            "tpose": "arms level, palms down",
+            "apose": "arms 45° down",
+            "CLIP@TIME": "a moment of a clip",
+        },
     )
     like: RigFile | None = option(
         None,
@@ -32,5 +38,7 @@ class SetRestOptions:
         """UsageError where no pose is named."""
         if not self.pose and self.like is None:
             raise UsageError("give the pose with --pose bind|tpose|apose|CLIP@TIME, or --like FILE")
+        if self.pose not in ("", "bind", "tpose", "apose", "rest") and "@" not in self.pose:
+            raise UsageError(f"--pose {self.pose}: give bind, tpose, apose or CLIP@TIME")
         if self.straight_fingers and self.pose not in ("tpose", "apose"):
             raise UsageError("--straight-fingers is for --pose tpose and apose")

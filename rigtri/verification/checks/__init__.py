@@ -9,6 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rigtri.errors import FileError
+from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_no_pointer
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
 from rigtri.verification.checks.findings import Finding, Findings, Rule
@@ -33,7 +34,7 @@ def check(
 
     Every id is in `RULES`, but those of OpenUSD, which have a colon.
     """
-    path = Path(path)
+    path = path_of(path)
     findings = Findings({**RULES, **PROFILE_RULES})
     try:
         _check(path, findings, allow_external_paths, external)

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -101,6 +102,8 @@ def _fields(declared: Any) -> dict[str, Any]:
     for option in options_of(declared).values():
         if option.where == "all":
             kind = spec_type(option)
+            if option.words:
+                kind = Annotated[kind, BeforeValidator(option.cased)]
             about = Field(_default(option), alias=option.key, description=option.described() or None)
             found[option.name] = (kind | None if option.optional or option.one_word else kind, about)
     return found
