@@ -47,7 +47,7 @@ GROUPS = {
         "root-motion": "Move motion over the ground from the hips to the root, or take it out.",
         "prune-joints": "Remove joints that move nothing.",
         "merge-joints": "Merge joints into those above: still ones, named ones, or down to a number.",
-        "convert": "Write a glTF, GLB or VRM file as USD; what USD cannot say is listed.",
+        "convert": "Write a glTF, GLB or VRM as USD, or a USD as glTF; what the other cannot say is listed.",
         "limit-weights": "Let no point follow more than four joints, and weights sum to 1.",
     },
     "Many files": {

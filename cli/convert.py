@@ -1,14 +1,15 @@
-"""Write a glTF, GLB or VRM file as USD.
+"""Write a glTF, GLB or VRM file as USD, or a USD file as glTF or GLB.
 
-Nodes become prims and joints, skins Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
-UsdPreviewSurface; images lie in a folder beside OUT, or in it (.usdz). Both files are skinned at every key
-and between, and compared before OUT appears. What USD cannot say is listed, and an error with --strict.
+Nodes are prims, joints those of Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
+UsdPreviewSurface; images lie in a folder beside OUT, or in it (.usdz, .glb). Both files are skinned at
+every key and between, and compared before OUT appears. What the other format cannot say is listed.
 
 \b
 Examples:
     rigtri convert hero.glb -o hero.usdz
     rigtri convert hero.vrm -o hero.usda --clip 'walk*' --fps 30
     rigtri convert hero.glb -o hero.usdc --up-axis z --meters-per-unit 0.01
+    rigtri convert hero.usdz -o hero.glb
 """
 
 from __future__ import annotations

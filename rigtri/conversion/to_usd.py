@@ -31,6 +31,11 @@ class ToUsd:
     document: GltfDocument
     look: UsdLook
 
+    @property
+    def rig(self) -> Rig:
+        """What there is to convert."""
+        return self.document.rig
+
     def write(self, rig: Rig, part: Path, target: Path) -> list[Companion]:
         """Write ``rig``, the document's with the clips that are wanted, to ``part``, which will be
         ``target``.

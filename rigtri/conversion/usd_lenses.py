@@ -28,7 +28,8 @@ CANDELA = 4.0
 
 
 def define_camera(stage: Any, path: str, camera: Camera, scene: Scene) -> Any:
-    """A Camera prim, in the place of its parent."""
+    """A Camera prim, in the place of its parent; what it sees is in the stage's units, whatever scales it."""
+    unit = UsdGeom.GetStageMetersPerUnit(stage)
     prim = UsdGeom.Camera.Define(stage, path)
     if camera.aspect is None:
         scene.lose(f"camera '{camera.name}' has the viewport's aspect: written with 16:9")
@@ -37,14 +38,15 @@ def define_camera(stage: Any, path: str, camera: Camera, scene: Scene) -> Any:
     aspect = 16.0 / 9.0 if camera.aspect is None else float(camera.aspect)
     if camera.orthographic:
         prim.CreateProjectionAttr(UsdGeom.Tokens.orthographic)
-        height = camera.height * TENTHS
+        height = camera.height / unit * TENTHS
     else:
         height = FILM
         sine, cosine = (float(x) for x in sin_cos(np.array(camera.height / 2.0)))
         prim.CreateFocalLengthAttr(height * cosine / (2.0 * sine))
     prim.CreateVerticalApertureAttr(height)
     prim.CreateHorizontalApertureAttr(height * aspect)
-    prim.CreateClippingRangeAttr(Gf.Vec2f(camera.near, FAR if camera.far is None else camera.far))
+    far = FAR if camera.far is None else camera.far / unit
+    prim.CreateClippingRangeAttr(Gf.Vec2f(camera.near / unit, far))
     return prim
 
 

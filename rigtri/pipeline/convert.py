@@ -29,7 +29,7 @@ LOST = "lost"
 
 
 def convert(source: Path | str, target: Path | str, *, report: Report | None = None, **given: Any) -> Outcome:
-    """Write a glTF, GLB or VRM file as USD; ``target`` appears complete or not at all.
+    """Write a glTF, GLB or VRM file as USD, or a USD as glTF; ``target`` appears complete or not at all.
 
     given: fields of `ConvertOptions`, and those of `rigtri.pipeline.edit.EditRequest`, such as
     ``overwrite``. The warnings of the report whose code is ``lost`` say what the other format cannot.
@@ -56,8 +56,8 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
         document = read(path, replace(request.options, empty=True))
         needed = list(document.needed())
         check_not_an_input(final, [(path, "the input"), *needed])
-        conversion = _conversion(document, options)
-        rig = _chosen(document.rig, options.clip)
+        conversion = _conversion(document, path, options)
+        rig = _chosen(conversion.rig, options.clip)
         laps["read"] = time.perf_counter() - start
         with _folder(final, request) as folder:
             written = StagedOutput(folder / final.name, request.overwrite, needed)
@@ -87,11 +87,18 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
             return Outcome(report, found, not request.dry_run, True, laps, rig, (path,))
 
 
-def _conversion(document: Any, options: ConvertOptions) -> Any:
-    from rigtri.conversion.to_usd import ToUsd
-    from rigtri.conversion.usd_stage import UsdLook
+def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:
+    """The way to the other format."""
+    from rigtri.formats.gltf.document import GltfDocument
 
-    return ToUsd(document, UsdLook(options.fps, options.up_axis.upper(), options.meters_per_unit))
+    if isinstance(document, GltfDocument):
+        from rigtri.conversion.to_usd import ToUsd
+        from rigtri.conversion.usd_stage import UsdLook
+
+        return ToUsd(document, UsdLook(options.fps, options.up_axis.upper(), options.meters_per_unit))
+    from rigtri.conversion.to_gltf import ToGltf
+
+    return ToGltf(document, path.stem)
 
 
 def _checked(path: Path, request: EditRequest) -> Path:

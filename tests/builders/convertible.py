@@ -39,8 +39,8 @@ def write_everything(path: Path) -> Path:
     b = Builder()
     points = [[x, y, z] for y in (0.0, 1.0, 2.0) for x in (-0.2, 0.2) for z in (0.0, 0.3)]
     faces = [0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7, 8, 9, 10, 10, 9, 11]
-    joints = [[min(int(p[1]), 1), 1, 0, 0] for p in points]
-    weights = [[1 - 0.3 * (p[1] == 1), 0.3 * (p[1] == 1), 0, 0] for p in points]
+    joints = [[0, 1 if p[1] else 0, 0, 0] for p in points]
+    weights = [[1 - p[1] / 2, p[1] / 2, 0, 0] for p in points]
     position = b.points(points)
     shared = {
         "POSITION": position,

@@ -15,11 +15,11 @@ class ConvertOptions:
     clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]", group="what")
     fps: Above | None = option(
         None,
-        help="USD: time codes a second. [the first of 24, 30, 60, 25, 50, 48, 120 and 100 that has all keys "
-        "on whole frames, else 24]",
+        help="To USD: time codes a second. [the first of 24, 30, 60, 25, 50, 48, 120 and 100 that has all "
+        "keys on whole frames, else 24]",
         group="what",
     )
-    up_axis: Literal["y", "z"] = option("y", help="USD: the stage's up axis.", group="what")
+    up_axis: Literal["y", "z"] = option("y", help="To USD: the stage's up axis.", group="what")
     meters_per_unit: Above = option(
-        1.0, metavar="METRES", help="USD: how many metres the stage's unit is.", group="what"
+        1.0, metavar="METRES", help="To USD: how many metres the stage's unit is.", group="what"
     )

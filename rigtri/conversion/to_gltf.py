@@ -1,0 +1,94 @@
+"""A USD document as a glTF file, and what of the one is what of the other once that is read again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from rigtri.conversion.gltf_file import GltfWriter
+from rigtri.conversion.scene import Scene
+from rigtri.conversion.usd_scene import read_scene, without_instances
+from rigtri.formats.document import Companion, ReadOptions
+from rigtri.formats.gltf.container import glb
+from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.gltf.uris import escape
+from rigtri.formats.usd.document import UsdDocument
+from rigtri.model.rig import Rig
+from rigtri.verification.compare.across import Converted
+
+
+@dataclass(eq=False)
+class ToGltf:
+    """The conversion of one file."""
+
+    document: UsdDocument
+    name: str
+
+    def __post_init__(self) -> None:
+        self.scene: Scene = read_scene(without_instances(self.document), self.name)
+
+    @property
+    def rig(self) -> Rig:
+        """What there is to convert, clips in seconds."""
+        return self.scene.rig
+
+    def write(self, rig: Rig, part: Path, target: Path) -> list[Companion]:
+        """Write ``rig``, that of this conversion with the clips that are wanted, to ``part``, for ``target``.
+
+        Returns the buffer and the images, which lie beside a .gltf.
+        """
+        self.scene.rig = rig
+        packed = target.suffix.lower() == ".glb"
+        folder = f"{target.stem}_textures"
+        self.writer = GltfWriter(
+            self.scene, None if packed else lambda image: f"{escape(folder)}/{escape(image.name)}"
+        )
+        gltf, content = self.writer.write(), bytes(self.writer.buffer.content)
+        if content:
+            name = {} if packed else {"uri": escape(f"{target.stem}.bin")}
+            gltf["buffers"] = [{**name, "byteLength": len(content)}]
+        if packed:
+            text = json.dumps(gltf, ensure_ascii=False, separators=(",", ":")).encode()
+            part.write_bytes(glb(text, content or None))
+            return []
+        part.write_text(json.dumps(gltf, ensure_ascii=False, indent=2) + "\n", "utf-8")
+        beside = [Companion(f"{target.stem}.bin", content)] if content else []
+        images = self.writer.materials.images.values()
+        return beside + [Companion(f"{folder}/{image.name}", image.content) for image in images]
+
+    @property
+    def lost(self) -> list[str]:
+        """What glTF cannot say, in words."""
+        return self.scene.lost
+
+    def compared(self, part: Path) -> Converted:
+        """What was written, read again, beside what it was made of: in the stage's unit and axes."""
+        document = GltfDocument.read(part, ReadOptions())
+        before, after = self.scene.rig, document.rig
+        place = {key: node for node, key in enumerate(after.keys)}
+        node = np.array([place.get(int(k), -1) for k in self.writer.index], dtype=np.int64)
+        lost = [f"node {before.title(k)}" for k in range(len(before)) if node[k] < 0 <= self.writer.index[k]]
+        meshes: dict[int, list[object]] = {}
+        for mesh in document.meshes():
+            meshes.setdefault(mesh.node, []).append(mesh)
+        pairs = []
+        for k, primitives in self.scene.primitives.items():
+            there = meshes.get(int(node[k]), [])
+            if len(there) != len(primitives):
+                lost.append(f"mesh {primitives[0].mesh.name}")
+            pairs += [(one.mesh, other) for one, other in zip(primitives, there, strict=False)]
+        known = {clip.name: clip for clip in after.clips}
+        clips = [(clip, known[clip.name]) for clip in before.clips if clip.name in known]
+        return Converted(before, self._in_stage(after), node, node.copy(), pairs, clips, lost=lost)  # type: ignore[arg-type]
+
+    def _in_stage(self, rig: Rig) -> Rig:
+        """The file's rig without the root that turns and scales it."""
+        if self.scene.up == "Y" and self.scene.unit == 1.0:
+            return rig
+        root = list(rig.keys).index(len(rig) - 1)
+        rotation, scale = rig.rotation.copy(), rig.scale.copy()
+        rotation[root], scale[root] = (0.0, 0.0, 0.0, 1.0), 1.0
+        return replace(rig, rotation=rotation, scale=scale)

@@ -1,0 +1,253 @@
+"""A USD stage as a scene: clips in seconds, meshes as triangles, materials, cameras, lights and extras."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdLux, UsdSkel
+
+from rigtri.conversion.scene import Primitive, Scene
+from rigtri.conversion.usd_looks import Looks, read_camera, read_light
+from rigtri.conversion.usd_surfaces import Faces, materials_of, read_faces
+from rigtri.conversion.usd_values import json_value
+from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.document import UsdDocument
+from rigtri.formats.usd.reading.loose_animations import tracks_of
+from rigtri.formats.usd.reading.mesh_reader import at_start
+from rigtri.formats.usd.reading.reader import read_source
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
+from rigtri.model.mesh import Mesh, Surface
+from rigtri.model.rig import Rig
+from rigtri.text import and_more
+
+
+def without_instances(document: UsdDocument) -> UsdDocument:
+    """The document with every instance as prims of its own: glTF has no prototypes but meshes."""
+    stage = document.source.stage
+    if not any(prim.IsInstance() for prim in stage.Traverse()):
+        return document
+    whole = Usd.Stage.Open(stage.GetRootLayer(), Usd.Stage.LoadAll)
+    # The session is this stage's own: nothing reaches the layers of the file.
+    whole.SetEditTarget(whole.GetSessionLayer())
+    while instances := [prim for prim in whole.Traverse() if prim.IsInstance()]:
+        for prim in instances:
+            prim.SetInstanceable(False)
+    options = ReadOptions(empty=True)
+    return UsdDocument(read_source(document.source.path, options, whole), options, whole.GetRootLayer())
+
+
+def read_scene(document: UsdDocument, name: str) -> Scene:
+    """All of a stage that glTF can say; the rest is in `Scene.lost`. Its rig has clips in seconds."""
+    return _Reader(document, name).read()
+
+
+class _Reader:
+    """One pass over a stage."""
+
+    def __init__(self, document: UsdDocument, name: str) -> None:
+        self.document, self.source = document, document.source
+        self.stage = self.source.stage
+        self.scene = Scene(document.rig, name)
+        self.looks = Looks(self.scene)
+
+    def read(self) -> Scene:
+        scene, stage = self.scene, self.stage
+        scene.up = "Z" if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z else "Y"
+        scene.unit = float(UsdGeom.GetStageMetersPerUnit(stage))
+        scene.per_second = float(stage.GetTimeCodesPerSecond())
+        self._omit()
+        for mesh in self.document.meshes():
+            if mesh.node not in scene.omitted:
+                self._mesh(mesh)
+        for node, key in enumerate(scene.rig.keys):
+            if key[0] == "prim" and node not in scene.omitted:  # type: ignore[index]
+                self._prim(node, stage.GetPrimAtPath(scene.rig.labels[node]))
+        scene.rig = replace(scene.rig, names=self._names(), clips=tuple(self._clips()))
+        return scene
+
+    def _omit(self) -> None:
+        """Leave out rigtri's own rig, guides and what is not there for everybody."""
+        scene, rig = self.scene, self.scene.rig
+        own = [node for node in rig.own if not rig.is_joint[node]]
+        for node in own:
+            scene.omitted.update([node, *rig.below(node)])
+        if own:
+            scene.lose(f"the rig that rigtri has added ({len(own)} nodes): build it again on the output")
+        guides = 0
+        for node, key in enumerate(rig.keys):
+            prim = self.stage.GetPrimAtPath(rig.labels[node]) if key[0] == "prim" else None  # type: ignore[index]
+            if prim and (prim.IsAbstract() or not prim.IsDefined() or not prim.IsActive()):
+                scene.omitted.add(node)
+            elif prim and prim.IsA(UsdGeom.Gprim) and node not in scene.omitted:
+                if UsdGeom.Imageable(prim).ComputePurpose() in ("guide", "proxy"):
+                    scene.omitted.add(node)
+                    guides += 1
+                elif not prim.IsA(UsdGeom.Mesh):
+                    scene.lose(f"{prim.GetTypeName()} <{prim.GetPath()}>")
+        if guides:
+            scene.lose(f"{guides} prims of purpose guide or proxy")
+        keep = rig.with_ancestors(k for k in range(len(rig)) if rig.is_joint[k] or k not in scene.omitted)
+        scene.omitted -= keep
+
+    def _prim(self, node: int, prim: Any) -> None:
+        scene = self.scene
+        if prim.IsA(UsdGeom.Camera):
+            scene.cameras[node] = read_camera(prim, scene.unit)
+        elif prim.HasAPI(UsdLux.LightAPI):
+            light = read_light(prim, scene)
+            if light is not None:
+                scene.lights[node] = light
+        extras = prim.GetCustomDataByKey("extras")
+        if extras and not prim.IsA(UsdSkel.Skeleton):
+            scene.extras[node] = json_value(extras)
+        if UsdGeom.Imageable(prim).ComputeVisibility() == UsdGeom.Tokens.invisible:
+            scene.hidden.add(node)
+
+    def _mesh(self, mesh: Mesh) -> None:
+        prim = self.stage.GetPrimAtPath(mesh.name)
+        if not prim.IsA(UsdGeom.Mesh):
+            return
+        faces = read_faces(prim, len(mesh.points), self.scene.lose)
+        if faces is None or not len(faces.triangles):
+            self.scene.lose(f"mesh {mesh.name}, which has no faces that make sense")
+            return
+        self._unsaid(prim, mesh)
+        found = replace(_with_points(mesh, faces), dual_quaternion=False)
+        values = {name: each for name, each in faces.values.items() if name != "NORMAL"}
+        if "NORMAL" in faces.values:
+            values |= dict(self._normal_offsets(prim, mesh, faces))
+        sided = UsdGeom.Mesh(prim).GetDoubleSidedAttr().Get() is True
+        count = int(faces.face[-1]) + 1
+        name = prim.GetDisplayName() or prim.GetName()
+        for material, some in materials_of(prim, count):
+            chosen = np.isin(faces.face, some)
+            corners = faces.triangles.reshape(-1, 3)[chosen].reshape(-1)
+            normals = faces.values.get("NORMAL", np.zeros((0, 3)))
+            surface = Surface("triangles", np.zeros(0, dtype=np.int64), corners, normals, values)
+            number = self.looks.number(material, faces.coordinates, double_sided=sided)
+            if len(corners):
+                self.scene.primitives.setdefault(mesh.node, []).append(
+                    Primitive(found, surface, name, number)
+                )
+
+    def _unsaid(self, prim: Any, mesh: Mesh) -> None:
+        if mesh.dual_quaternion:
+            self.scene.lose(f"dual-quaternion skinning of mesh {mesh.name}: it is skinned linearly")
+        if UsdGeom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() > 1:
+            self.scene.lose(f"points of mesh {mesh.name} over time")
+        relation = UsdSkel.BindingAPI(prim).GetBlendShapeTargetsRel()
+        for target in relation.GetForwardedTargets() if relation else ():
+            if UsdSkel.BlendShape(self.stage.GetPrimAtPath(target)).GetInbetweens():
+                self.scene.lose(f"inbetweens of blend shapes of mesh {mesh.name}")
+
+    def _normal_offsets(self, prim: Any, mesh: Mesh, faces: Faces) -> dict[str, Floats]:
+        found = {}
+        relation = UsdSkel.BindingAPI(prim).GetBlendShapeTargetsRel()
+        targets = relation.GetForwardedTargets() if relation else []
+        for number, target in enumerate(targets[: len(mesh.morphs)]):
+            shape = UsdSkel.BlendShape(self.stage.GetPrimAtPath(target))
+            given = at_start(shape.GetNormalOffsetsAttr())
+            where = at_start(shape.GetPointIndicesAttr())
+            rows = np.array(where, dtype=np.int64) if where else np.arange(len(mesh.points))
+            if given and len(given) == len(rows) and rows.max(initial=0) < len(mesh.points):
+                offsets = np.zeros((len(mesh.points), 3))
+                offsets[rows] = np.array(given, dtype=np.float64)
+                found[f"NORMAL of morph target {number}"] = offsets[faces.points]
+        return found
+
+    def _names(self) -> tuple[str, ...]:
+        """The names that prims are shown with, and those of joints where a Skeleton has any."""
+        rig = self.scene.rig
+        names = list(rig.names)
+        for node, key in enumerate(rig.keys):
+            if key[0] == "prim":  # type: ignore[index]
+                names[node] = self.stage.GetPrimAtPath(rig.labels[node]).GetDisplayName() or names[node]
+        for path, skeleton in self.source.skeletons.items():
+            prim = self.stage.GetPrimAtPath(path)
+            shown = UsdSkel.Skeleton(prim).GetJointNamesAttr().Get() if prim.IsA(UsdSkel.Skeleton) else None
+            extras = prim.GetCustomDataByKey("extras") if prim.IsA(UsdSkel.Skeleton) else None
+            for node, (owner, token) in self.source.joints.items():
+                if owner == path and shown and len(shown) == len(skeleton.tokens):
+                    names[node] = str(shown[skeleton.tokens.index(token)])
+                if owner == path and extras and token in extras:
+                    self.scene.extras[node] = json_value(extras[token])
+        return tuple(names)
+
+    def _clips(self) -> list[Clip]:
+        """What the stage plays, as one clip, and each animation that it does not play as one of its own."""
+        rig = self.scene.rig
+        playing = [clip for clip in rig.clips if clip.key[0] in ("samples", "xforms") and not clip.idle]  # type: ignore[index]
+        tracks = [track for clip in playing for track in clip.tracks]
+        found: dict[str, list[Track]] = {}
+        if tracks:
+            bound = next((clip for clip in playing if clip.key[0] == "samples"), playing[0])  # type: ignore[index]
+            prim = self.stage.GetPrimAtPath(bound.key[1]) if bound.key[0] == "samples" else None  # type: ignore[index]
+            found[(prim and prim.GetDisplayName()) or bound.name] = tracks
+        for path, skeleton in self._loose():
+            prim = self.stage.GetPrimAtPath(path)
+            name = prim.GetDisplayName() or prim.GetName()
+            found.setdefault(name, []).extend(tracks_of(self.source, path, skeleton))
+        clips = []
+        for name, some in found.items():
+            start = min(0.0, *(float(track.times[0]) for track in some))
+            if start < 0:
+                self.scene.lose(f"that clip '{name}' begins {-start:g} time codes before 0: it begins at 0")
+            kept = (self._in_seconds(track, rig, start) for track in some)
+            clips.append(Clip(name, tuple(track for track in kept if track is not None)))
+        return [clip for clip in clips if clip.tracks]
+
+    def _loose(self) -> list[tuple[str, str]]:
+        """SkelAnimations that nothing plays, each with the Skeleton that has all of its joints."""
+        bound = set(self.source.animations)
+        used: set[tuple[str, str]] = set()  # clips of one name are one, of several skeletons
+        found, other = [], []
+        for prim in self.source.instances.prims():
+            if not prim.IsA(UsdSkel.Animation) or str(prim.GetPath()) in bound or not prim.IsActive():
+                continue
+            joints = set(UsdSkel.Animation(prim).GetJointsAttr().Get() or ())
+            name = prim.GetDisplayName() or prim.GetName()
+            fits = [
+                skeleton
+                for skeleton, known in self.source.skeletons.items()
+                if joints and joints <= set(known.tokens) and (name, skeleton) not in used
+            ]
+            if fits:
+                used.add((name, fits[0]))
+                found.append((str(prim.GetPath()), fits[0]))
+            else:
+                other.append(f"<{prim.GetPath()}>")
+        if other:
+            self.scene.lose(f"{and_more(other, 3)}: animations of no skeleton")
+        return found
+
+    def _in_seconds(self, track: Track, rig: Rig, start: float) -> Track | None:
+        """A track as float32 seconds, rising; None for one that stands still as its node does at rest."""
+        times = ((track.times - start) / self.scene.per_second).astype(np.float32)
+        for k in range(len(times) - 2, -1, -1):
+            if times[k] >= times[k + 1]:  # a step, whose samples are nearer than float32 can say
+                times[k] = np.nextafter(times[k + 1], np.float32(-np.inf))
+        values = track.values
+        if track.path != "weights" and (values == values[0]).all():
+            rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[track.path]
+            if not rig.has_matrix[track.node] and (values[0] == rest[track.node]).all():
+                return None
+            times, values = times[:1], values[:1]
+        return Track(track.node, track.path, track.interpolation, times.astype(np.float64), values)
+
+
+def _with_points(mesh: Mesh, faces: Faces) -> Mesh:
+    """The mesh with the points that glTF needs."""
+    rows = faces.points
+    if np.array_equal(rows, np.arange(len(mesh.points))):
+        return mesh
+    return replace(
+        mesh,
+        points=mesh.points[rows],
+        joints=mesh.joints[rows] if len(mesh.joints) else mesh.joints,
+        weights=mesh.weights[rows] if len(mesh.weights) else mesh.weights,
+        morphs=mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs,
+        surface=None,
+    )

@@ -1,0 +1,144 @@
+"""USD as glTF, and there and back: nothing moves otherwise, and materials and lenses come home."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from convertible import write_everything
+from gltf_files import glb_json
+from places import asset_files, sample_files, slow
+from pxr import Sdf, Usd, UsdGeom, UsdShade
+from second_opinions import khronos_errors
+
+import rigtri
+from rigtri.evaluation.sampling import Motion, morph_weights, worlds
+from rigtri.evaluation.skinning import deformed
+
+TOLERANCE = 1e-5
+USD = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A glTF with everything, and what it is after a stay in USD, in centimetres with z up."""
+    folder = tmp_path_factory.mktemp("home")
+    source = write_everything(folder / "source.glb")
+    rigtri.convert(source, folder / "there.usdz", up_axis="z", meters_per_unit=0.01)
+    rigtri.convert(folder / "there.usdz", folder / "home.glb")
+    return source, folder / "home.glb"
+
+
+@pytest.mark.parametrize("path", sample_files(".usda", ".usdz"), ids=lambda path: path.name)
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_a_stage_in_gltf_looks_the_same(path: Path, suffix: str, tmp_path: Path) -> None:
+    outcome = rigtri.convert(path, tmp_path / f"out{suffix}")
+    assert outcome.verification is not None
+    assert outcome.verification.poses > 1
+    assert outcome.verification.deviation <= TOLERANCE
+
+
+@pytest.mark.parametrize("path", [slow(p) for p in asset_files(*USD)] or [slow(None)], ids=str)
+def test_a_real_stage_in_gltf_looks_the_same_and_is_valid(
+    path: Path | None, tmp_path: Path, assets: Path
+) -> None:
+    assert path is not None
+    out = tmp_path / "out.glb"
+    outcome = rigtri.convert(path, out)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= TOLERANCE
+    assert khronos_errors(out) == [{}]
+
+
+@pytest.mark.parametrize("clip", ["wave hand", "nod"])
+def test_every_point_comes_home(home: tuple[Path, Path], clip: str) -> None:
+    rigs = [rigtri.read(path) for path in home]
+    moved = []
+    for rig in rigs:
+        played = rig.clip(clip)
+        times = np.array([0.0, 0.2, 0.5, 0.9, 1.25])
+        world = worlds(rig, Motion(rig, played).locals_at(times))
+        moved.append([deformed(m, rig, world, morph_weights(m, played, times)) for m in rig.meshes])
+    assert len(moved[0]) == len(moved[1])
+    for points in moved[0]:
+        assert min(np.abs(points - other).max() for other in moved[1]) < 2e-5
+
+
+def test_materials_lenses_and_extras_come_home(home: tuple[Path, Path]) -> None:
+    source, back = map(glb_json, home)
+    cloth = next(m for m in back["materials"] if m["name"] == "cloth")
+    was = source["materials"][0]
+    plain, old = cloth["pbrMetallicRoughness"], was["pbrMetallicRoughness"]
+    for name in ("baseColorFactor", "metallicFactor", "roughnessFactor"):
+        assert plain[name] == pytest.approx(old[name])
+    for name in ("alphaMode", "doubleSided"):
+        assert cloth[name] == was[name]
+    assert cloth["emissiveFactor"] == pytest.approx(was["emissiveFactor"])
+    assert cloth["normalTexture"]["scale"] == pytest.approx(0.5)
+    assert cloth["occlusionTexture"]["strength"] == pytest.approx(0.75)
+    change = plain["baseColorTexture"]["extensions"]["KHR_texture_transform"]
+    assert change["offset"] == pytest.approx([0.25, 0.5], abs=1e-6)
+    assert change["rotation"] == pytest.approx(0.5)
+    assert change["scale"] == pytest.approx([2, 3])
+    lens = next(c["perspective"] for c in back["cameras"] if c["type"] == "perspective")
+    assert lens == pytest.approx(source["cameras"][0]["perspective"], rel=1e-6)
+    kinds = [
+        sorted(light["type"] for light in f["extensions"]["KHR_lights_punctual"]["lights"])
+        for f in (source, back)
+    ]
+    assert kinds[0] == kinds[1]
+    extras = {node.get("name"): node["extras"] for node in back["nodes"] if "extras" in node}
+    assert extras["root joint"] == {"tag": "hip", "list": [1, "two"]}
+    assert extras["prop"] == {"mass": 2.5}
+    assert [clip["name"] for clip in back["animations"]] == ["wave hand", "nod"]
+
+
+def test_what_comes_home_is_valid(home: tuple[Path, Path]) -> None:
+    assert khronos_errors(home[1]) == [{}]
+
+
+def _quad(folder: Path) -> Path:
+    """A quad and a triangle, with texture coordinates by corner, in two materials; twice, as instances."""
+    stage = Usd.Stage.CreateNew(str(folder / "quad.usda"))
+    stage.CreateClassPrim("/Proto")
+    mesh = UsdGeom.Mesh.Define(stage, "/Proto/faces")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0)])
+    mesh.CreateFaceVertexCountsAttr([4, 3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3, 1, 4, 2])
+    mesh.CreateSubdivisionSchemeAttr("none")
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying")
+    st.Set([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0), (0, 0.5), (1, 1)])
+    for number, name in enumerate(("red", "blue")):
+        material = UsdShade.Material.Define(stage, f"/Proto/{name}")
+        surface = UsdShade.Shader.Define(stage, f"/Proto/{name}/Surface")
+        surface.CreateIdAttr("UsdPreviewSurface")
+        surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set((1 - number, 0, number))
+        material.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
+        subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(name, [number])
+        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
+    for number in range(2):
+        prim = stage.DefinePrim(f"/Stage/copy_{number}", "Xform")
+        prim.GetReferences().AddInternalReference("/Proto")
+        prim.SetInstanceable(True)
+        UsdGeom.Xformable(prim).AddTranslateOp().Set((0, 0, float(number)))
+    stage.Save()
+    return folder / "quad.usda"
+
+
+def test_corners_subsets_and_instances_become_points_primitives_and_nodes(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    rigtri.convert(_quad(tmp_path), out)
+    gltf: dict[str, Any] = glb_json(out)
+    shown = [node["mesh"] for node in gltf["nodes"] if "mesh" in node]
+    assert len(shown) == 2
+    red, blue = gltf["meshes"][shown[0]]["primitives"]
+    counts = [gltf["accessors"][p["indices"]]["count"] for p in (red, blue)]
+    assert counts == [6, 3]
+    # Point 1 has two texture coordinates, point 2 the same twice.
+    assert gltf["accessors"][red["attributes"]["POSITION"]]["count"] == 6
+    colours = [
+        gltf["materials"][p["material"]]["pbrMetallicRoughness"]["baseColorFactor"] for p in (red, blue)
+    ]
+    assert colours == [[1, 0, 0, 1], [0, 0, 1, 1]]
