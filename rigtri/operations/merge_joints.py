@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from functools import cached_property
+from heapq import heapify, heappop, heappush
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,8 +17,9 @@ from rigtri.maths.matrices import multiply, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance
 from rigtri.model.animation import key_values
+from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.model.skin import JointMerge
+from rigtri.model.skin import JointMerge, Skin
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
@@ -60,86 +63,120 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
 
 
 class _Merging:
-    """Which joints go so far; boxes: of the points that each joint of a skin moves, (m, 8, 3)."""
+    """Which joints go so far. While a joint stays, so does its heir: nodes go with all that is below them."""
 
     def __init__(self, rig: Rig, exclude: Collection[str]) -> None:
         self.rig, self.gone = rig, set[int]()
+        self._above: list[int] = rig.parents.tolist()
+        self._next = self._above.copy()
+        self._skins = [frozenset(skin.joints.tolist()) for skin in rig.skins]
         kept = named_nodes(rig) | set(np.flatnonzero(rig.attachment >= 0).tolist())
         kept |= {node for glob in exclude for node in rig.match(glob)}
-        self.kept = {above for node in kept for above in rig.path_to_root(node)}
-        self.kept |= {node for node in np.flatnonzero(rig.is_joint).tolist() if self.heir(node) < 0}
+        self.kept = set[int]()
+        for node in kept:
+            while node >= 0 and node not in self.kept:
+                self.kept.add(node)
+                node = self._above[node]
+        self.kept |= {node for node in self._joints if self.heir(node) < 0}
+        # How many children each node has at or below which a joint stays.
+        self._staying = [0] * len(rig)
+        holds = [node in self._joints for node in range(len(rig))]
+        for node in range(len(rig) - 1, 0, -1):
+            if holds[node] and self._above[node] >= 0:
+                holds[self._above[node]] = True
+                self._staying[self._above[node]] += 1
 
     def heir(self, node: int) -> int:
         """The nearest joint above that stays, of every skin that has the node; −1 for none."""
-        skins = [skin for skin in self.rig.skins if node in skin.joints]
-        for above in self.rig.path_to_root(node)[1:]:
-            if above not in self.gone and skins and all(above in skin.joints for skin in skins):
-                return above
-        return -1
+        skins = [joints for joints in self._skins if node in joints]
+        above = self._standing(self._above[node]) if skins else -1
+        while above >= 0 and not all(above in joints for joints in skins):
+            above = self._standing(self._above[above])
+        return above
 
-    def take(self, node: int) -> None:
-        """Let a joint go with all below it. GeometryError where something needs one of them."""
-        below = set(self.rig.below(node))
-        if needed := sorted(below & self.kept):
+    def _standing(self, node: int) -> int:
+        """The nearest node at or above that stays; what was passed on the way is skipped from then on."""
+        line = []
+        while node in self.gone:
+            line.append(node)
+            node = self._next[node]
+        for gone in line:
+            self._next[gone] = node
+        return node
+
+    def take(self, node: int) -> list[int]:
+        """Let a joint go with all below it: the joints that no joint is below any more.
+
+        GeometryError where something needs one of them.
+        """
+        below = [] if node in self.gone else [node]
+        for each in below:  # it grows as it is walked
+            below += [child for child in self.rig.children[each] if child not in self.gone]
+        if needed := sorted(self.kept.intersection(below)):
             names = listed([self.rig.title(each) for each in needed], 4)
             raise GeometryError(
                 f"'{self.rig.title(node)}' cannot be merged: a mesh hangs at {names} or below, or the file "
                 "or rigtri's metadata name it, or no joint above is in its skin. Leave it out"
             )
-        self.gone |= below
+        self.gone.update(below)
+        held = node in self._joints or self._staying[node]
+        above = self._above[node] if below and held else -1
+        while above >= 0:
+            self._staying[above] -= 1
+            if self._staying[above] or above in self._joints:
+                return [above] if self._may_go(above) else []
+            above = self._above[above]
+        return []
+
+    def _may_go(self, node: int) -> bool:
+        """Whether a joint may go and has no joint below that stays."""
+        return not self._staying[node] and node not in self.gone and node not in self.kept
 
     def leaves(self) -> list[int]:
         """Joints that may go and have no joint below that stays."""
-        joints = [node for node in np.flatnonzero(self.rig.is_joint).tolist() if node not in self.gone]
-        above = {over for node in joints for over in self.rig.path_to_root(node)[1:]}
-        return [node for node in joints if node not in above and node not in self.kept]
+        return [node for node in sorted(self._joints) if self._may_go(node)]
 
     def take_still(self) -> None:
         rig = self.rig
         moving = _moving(rig)
         size = size_of(rig, rig.content.read_outlines())
-        found = True
-        while found:
-            found = False
-            for node in self.leaves():
-                heir = self.heir(node)
-                way = [k for k in rig.path_to_root(node) if k != heir and rig.is_below(k, heir)]
-                if not moving[way].any() and self.cost(node, rig.world[np.newaxis]) <= STILL * size:
-                    self.take(node)
-                    found = True
+        left = self.leaves()
+        while left:
+            node = way = left.pop()
+            heir = self.heir(node)
+            while way != heir and not moving[way]:
+                way = self._above[way]
+            if way == heir and self.cost(node, rig.world[np.newaxis]) <= STILL * size:
+                left += self.take(node)
 
     def take_least(self, most: int) -> None:
         poses = _poses(self.rig)
-        costs: dict[tuple[int, int], float] = {}
+        heap = [(self.cost(node, poses), node) for node in self.leaves()]
+        heapify(heap)
         while len(self._joints - self.gone) > most:
-            leaves = [(node, self.heir(node)) for node in self.leaves()]
-            if not leaves:
+            if not heap:
                 left = len(self._joints - self.gone)
                 raise GeometryError(f"--max-joints {most}: no fewer than {left} joints are possible")
-            for pair in leaves:
-                if pair not in costs:
-                    costs[pair] = self.cost(pair[0], poses)
-            self.take(min(leaves, key=lambda pair: (costs[pair], pair))[0])
+            for leaf in self.take(heappop(heap)[1]):
+                heappush(heap, (self.cost(leaf, poses), leaf))
 
     @cached_property
     def _joints(self) -> set[int]:
         return set(np.flatnonzero(self.rig.is_joint).tolist())
 
+    @cached_property
+    def _moved(self) -> list[_Moved]:
+        meshes = self.rig.content.read_outlines()
+        return [_moved(self.rig, mesh) for mesh in meshes if mesh.skin is not None and mesh.joints.shape[1]]
+
     def cost(self, node: int, poses: Floats) -> float:
         """How far the points of a joint move at most where they follow its heir; poses: (f, n, 4, 4)."""
         heir, far = self.heir(node), 0.0
-        for mesh in self.rig.content.read_outlines():
-            if mesh.skin is None or not mesh.joints.shape[1]:
+        for moved in self._moved:
+            rows, skin = moved.rows, moved.skin
+            if not np.isfinite(moved.share[node]) or heir not in rows:
                 continue
-            skin = self.rig.skins[mesh.skin]
-            rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
-            mine = [rows[k] for k in self.rig.below(node) if k in rows]
-            inside = np.isin(mesh.joints, mine) & (mesh.weights != 0)
-            touched = inside.any(axis=1)
-            if not touched.any() or heir not in rows:
-                continue
-            share = float(np.where(inside, mesh.weights, 0.0)[touched].max())
-            points = transform_points(_corners(mesh.points[touched]), mesh.bind)
+            points = transform_points(_corners(moved.low[node], moved.high[node]), moved.bind)
             one, other = (
                 (
                     transform_points(points, multiply(skin.inverse_bind[rows[k]], poses[:, k])[:, np.newaxis])
@@ -148,13 +185,44 @@ class _Merging:
                 if node in rows
                 else (points, points)
             )
-            far = max(far, share * float(distance(one, other).max()))
+            far = max(far, float(moved.share[node]) * float(distance(one, other).max()))
         return far
 
 
-def _corners(points: Floats) -> Floats:
-    """The corners of the box of points, (8, 3)."""
-    low, high = points.min(axis=0), points.max(axis=0)
+class _Moved(NamedTuple):
+    """What each node and those below it move of a mesh: the box of the points, and the largest weight.
+
+    low, high: (n, 3). share: (n,), −inf for nothing. rows: of joints in the skin.
+    """
+
+    skin: Skin
+    rows: dict[int, int]
+    bind: Floats
+    share: Floats
+    low: Floats
+    high: Floats
+
+
+def _moved(rig: Rig, mesh: Mesh) -> _Moved:
+    skin = rig.skins[mesh.skin or 0]
+    share = np.full(len(rig), -np.inf)
+    low, high = np.full((len(rig), 3), np.inf), np.full((len(rig), 3), -np.inf)
+    point, slot = np.nonzero((mesh.weights != 0) & (mesh.joints < len(skin.joints)))
+    nodes = skin.joints[mesh.joints[point, slot]]
+    np.maximum.at(share, nodes, np.maximum(mesh.weights[point, slot], 0.0))
+    np.minimum.at(low, nodes, mesh.points[point])
+    np.maximum.at(high, nodes, mesh.points[point])
+    for level in reversed(rig.levels[1:]):
+        parents = rig.parents[level]
+        np.maximum.at(share, parents, share[level])
+        np.minimum.at(low, parents, low[level])
+        np.maximum.at(high, parents, high[level])
+    rows = {joint: row for row, joint in enumerate(skin.joints.tolist())}
+    return _Moved(skin, rows, mesh.bind, share, low, high)
+
+
+def _corners(low: Floats, high: Floats) -> Floats:
+    """The corners of a box, (8, 3)."""
     return np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
 
 
@@ -193,8 +261,9 @@ def _folds(rig: Rig, merging: _Merging) -> list[JointMerge]:
         if skin.key is None or stays.all():
             continue
         place, rows = np.cumsum(stays) - 1, np.zeros(len(joints), dtype=np.int64)
+        row_of = {joint: row for row, joint in enumerate(joints)}
         for row, joint in enumerate(joints):
             heir = joint if stays[row] else merging.heir(joint)
-            rows[row] = place[joints.index(heir)]
+            rows[row] = place[row_of[heir]]
         folds.append(JointMerge(number, rows, np.zeros(len(joints)), {}, idle=False))
     return folds
