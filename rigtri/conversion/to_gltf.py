@@ -66,10 +66,24 @@ class ToGltf:
 
     def compared(self, part: Path) -> Converted:
         """What was written, read again, beside what it was made of: in the stage's unit and axes."""
-        document = GltfDocument.read(part, ReadOptions())
+        return self._partners(GltfDocument.read(part, ReadOptions()))
+
+    @classmethod
+    def known(cls, before: UsdDocument, after: GltfDocument) -> Converted:
+        """What of a stage is what of a glTF that `convert` may have made of it: by the order it gives."""
+        found = cls(before, "Root")
+        found.writer = GltfWriter(found.scene, lambda image: image.name)
+        found.writer.write()
+        return found._partners(after)
+
+    def _partners(self, document: GltfDocument) -> Converted:
         before, after = self.scene.rig, document.rig
         place = {key: node for node, key in enumerate(after.keys)}
         node = np.array([place.get(int(k), -1) for k in self.writer.index], dtype=np.int64)
+        same = [
+            k >= 0 and after.names[k] == name for k, name in zip(node.tolist(), before.names, strict=True)
+        ]
+        node = np.where(same, node, -1)
         lost = [f"node {before.title(k)}" for k in range(len(before)) if node[k] < 0 <= self.writer.index[k]]
         meshes: dict[int, list[object]] = {}
         for mesh in document.meshes():
@@ -82,13 +96,14 @@ class ToGltf:
             pairs += [(one.mesh, other) for one, other in zip(primitives, there, strict=False)]
         known = {clip.name: clip for clip in after.clips}
         clips = [(clip, known[clip.name]) for clip in before.clips if clip.name in known]
+        lost += [f"clip {clip.name}" for clip in before.clips if clip.name not in known]
         return Converted(before, self._in_stage(after), node, node.copy(), pairs, clips, lost=lost)  # type: ignore[arg-type]
 
     def _in_stage(self, rig: Rig) -> Rig:
         """The file's rig without the root that turns and scales it."""
         if self.scene.up == "Y" and self.scene.unit == 1.0:
             return rig
-        root = list(rig.keys).index(len(rig) - 1)
+        root = int(rig.parents.argmin()) if len(rig) else 0
         rotation, scale = rig.rotation.copy(), rig.scale.copy()
         rotation[root], scale[root] = (0.0, 0.0, 0.0, 1.0), 1.0
         return replace(rig, rotation=rotation, scale=scale)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from pxr import UsdGeom, UsdSkel
 
 from rigtri.conversion.gltf_scene import read_scene
 from rigtri.conversion.scene import Scene
@@ -55,6 +56,23 @@ class ToUsd:
             return []
         part.write_bytes(content)
         return [Companion(name, image) for name, image in images.items()]
+
+    @classmethod
+    def known(cls, before: GltfDocument, after: UsdDocument) -> Converted:
+        """What of a glTF is what of a stage that `convert` may have made of it: by the paths it gives."""
+        stage = after.source.stage
+        up = "Z" if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z else "Y"
+        look = UsdLook(stage.GetTimeCodesPerSecond(), up, UsdGeom.GetStageMetersPerUnit(stage))
+        there = {p.GetDisplayName() or p.GetName() for p in stage.Traverse() if p.IsA(UsdSkel.Animation)}
+        rig = before.rig
+        clips = tuple(clip for clip in rig.clips if clip.name in there) or rig.clips[:1]
+        gone = [f"clip {clip.name}" for clip in rig.clips if there and clip not in clips]
+        found = cls(before, look)
+        root = stage.GetDefaultPrim()
+        found.scene = read_scene(before, replace(rig, clips=clips), root.GetName() if root else "Root")
+        found.written = write_stage(found.scene, look, lambda image: image.name)
+        pair = _Partners(found, after).found()
+        return replace(pair, lost=[*pair.lost, *gone])
 
     @property
     def lost(self) -> list[str]:
@@ -122,7 +140,10 @@ class _Partners:
 
     def _after(self) -> Rig:
         """The stage's rig in metres, with y up."""
-        rig, root = self.document.rig, self.prims[str(self.source.stage.GetDefaultPrim().GetPath())]
+        rig, prim = self.document.rig, self.source.stage.GetDefaultPrim()
+        root = self.prims.get(str(prim.GetPath()), -1) if prim else -1
+        if root < 0:
+            return rig
         matrix = rig.matrix.copy()
         matrix[root] = multiply(rig.local[root], inverse(conversion_matrix(self.look)))
         has_matrix = rig.has_matrix.copy()

@@ -98,9 +98,9 @@ def _joints(scene: Scene) -> set[int]:
     while marked - found:
         for node in sorted(marked - found):
             found.update(k for k in [node, *rig.below(node)] if k not in scene.omitted)
-        # All roots of a skin stand below one node; what is between that and them is a joint.
-        for skin in rig.skins:
-            tops = {_top(rig, joint, found) for joint in skin.joints.tolist()}
+        # All roots of a Skeleton stand below one node; what is between that and them is a joint.
+        for nodes in _trees(rig, found):
+            tops = {_top(rig, node, found) for node in nodes}
             above = _common(rig, [int(rig.parents[top]) for top in tops])
             for top in tops:
                 parent = int(rig.parents[top])
@@ -130,8 +130,8 @@ def _common(rig: Rig, nodes: list[int]) -> int:
     return above
 
 
-def _groups(rig: Rig, joints: set[int]) -> list[tuple[int, list[int], list[int]]]:
-    """Trees of joints that common skins hold together: the node above them, the joints, and the skins."""
+def _trees(rig: Rig, joints: set[int]) -> list[list[int]]:
+    """Trees of joints, as one where a skin has joints of both."""
     owner: dict[int, int] = {}
 
     def root(node: int) -> int:
@@ -147,11 +147,15 @@ def _groups(rig: Rig, joints: set[int]) -> list[tuple[int, list[int], list[int]]
     members: dict[int, list[int]] = {}
     for node in sorted(joints):
         members.setdefault(root(top[node]), []).append(node)
-    return [
-        (
-            int(rig.parents[top[nodes[0]]]),
-            nodes,
-            [k for k, skin in enumerate(rig.skins) if root(top[int(skin.joints[0])]) == group],
-        )
-        for group, nodes in members.items()
-    ]
+    return list(members.values())
+
+
+def _groups(rig: Rig, joints: set[int]) -> list[tuple[int, list[int], list[int]]]:
+    """For each of `_trees` the node above it, its joints, and its skins."""
+    found = []
+    for nodes in _trees(rig, joints):
+        above = _common(rig, [int(rig.parents[_top(rig, node, joints)]) for node in nodes])
+        own = set(nodes)
+        skins = [k for k, skin in enumerate(rig.skins) if int(skin.joints[0]) in own]
+        found.append((above, nodes, skins))
+    return found

@@ -26,6 +26,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import decompose, identity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path
+from rigtri.model.mesh import Mesh
 from rigtri.text import and_more
 
 # How far a baked camera or light may be off between samples, as a share of how far it is from the origin.
@@ -200,7 +201,8 @@ class _Writer:
 
     def _primitive(self, node: int, primitive: Primitive, above: Mapping[int, str]) -> str:
         mesh = primitive.mesh
-        skeleton, holder = self._moved_by(node, mesh.skin, len(mesh.morphs) > 0, above)
+        skeleton = self._moved_by(node, mesh)
+        holder = above[node] if skeleton is None or node in above else above[skeleton.parent]
         path = f"{holder}/{self.names.unique(primitive.name, 'Mesh')}"
         alone = skeleton is None
         if alone and primitive.shared in self._prototypes:
@@ -224,19 +226,15 @@ class _Writer:
             self._bind(prim, primitive, node, skeleton)
         return path
 
-    def _moved_by(
-        self, node: int, skin: int | None, morphs: bool, above: Mapping[int, str]
-    ) -> tuple[Skeleton | None, str]:
-        """The Skeleton that moves a mesh of a node, None for none, and the prim to put it below."""
-        if skin is not None:
-            found = next(s for s in self.skeletons if skin in s.skins)
-        elif node in self.joints:
-            found = next(s for s in self.skeletons if node in s.joints)
-        elif morphs:
-            found = next(s for s in self.skeletons if s.morphed == node)
-        else:
-            return None, above[node]
-        return found, above.get(node) or above[found.parent]
+    def _moved_by(self, node: int, mesh: Mesh) -> Skeleton | None:
+        """The Skeleton that moves a mesh of a node, None for none."""
+        if mesh.skin is not None:
+            return next(s for s in self.skeletons if mesh.skin in s.skins)
+        if node in self.joints:
+            return next(s for s in self.skeletons if node in s.joints)
+        if len(mesh.morphs):
+            return next(s for s in self.skeletons if s.morphed == node)
+        return None
 
     def _bind(self, prim: Any, primitive: Primitive, node: int, skeleton: Skeleton) -> None:
         mesh = primitive.mesh
@@ -271,8 +269,7 @@ class _Writer:
             node
             for node, some in self.scene.primitives.items()
             for one in some
-            if len(one.mesh.morphs)
-            and self._moved_by(node, one.mesh.skin, True, {node: "", skeleton.parent: ""})[0] is skeleton
+            if len(one.mesh.morphs) and self._moved_by(node, one.mesh) is skeleton
         }
         return {key: name for key, name in self._shapes.items() if key[0] in nodes}
 

@@ -10,6 +10,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rigtri.errors import DeviationError, NameNotFoundError, UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
@@ -23,6 +25,7 @@ from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.across import compare_converted
+from rigtri.verification.compare.compare import Comparison, Source
 
 # What a conversion has no word for in the other format.
 LOST = "lost"
@@ -99,6 +102,27 @@ def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:
     from rigtri.conversion.to_gltf import ToGltf
 
     return ToGltf(document, path.stem)
+
+
+def verify_converted(before: Source, after: Source) -> Comparison | None:
+    """How far two files of different formats look apart, the one made of the other by `convert`.
+
+    None where they have hardly a node in common, by the names and the order that a conversion gives.
+    """
+    from rigtri.conversion.to_gltf import ToGltf
+    from rigtri.conversion.to_usd import ToUsd
+    from rigtri.formats.gltf.document import GltfDocument
+    from rigtri.formats.usd.document import UsdDocument
+
+    for one, other in ((before, after), (after, before)):
+        pair = None
+        if isinstance(one, GltfDocument) and isinstance(other, UsdDocument):
+            pair = ToUsd.known(one, other)
+        elif isinstance(one, UsdDocument) and isinstance(other, GltfDocument):
+            pair = ToGltf.known(one, other)
+        if pair is not None and 2 * np.count_nonzero(pair.node >= 0) > len(pair.before):
+            return compare_converted(pair)
+    return None
 
 
 def _checked(path: Path, request: EditRequest) -> Path:

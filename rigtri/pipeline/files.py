@@ -121,8 +121,17 @@ def _file(origin: Origin) -> Iterator[Path]:
 
 
 def verify(before: Path | str | Source, after: Path | str | Source) -> Comparison:
-    """How far two files, or two documents, look apart, in every pose; see `compare.verify`."""
+    """How far two files, or two documents, look apart, in every pose; see `compare.verify`.
+
+    Of a glTF and a USD that `rigtri.convert` has made of one another, nodes are known by what it calls them.
+    """
     with _source(before) as one, _source(after) as other:
+        if type(one) is not type(other):
+            from rigtri.pipeline.convert import verify_converted
+
+            found = verify_converted(one, other)
+            if found is not None:
+                return found
         return compare.verify(one, other)
 
 

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from convertible import write_everything
-from gltf_files import glb_json
+from gltf_files import glb_bytes, glb_json
+from gltf_files import glb_parts as read_glb
 from places import asset_files, sample_files, slow
+from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 from second_opinions import khronos_errors
 
@@ -93,6 +95,19 @@ def test_materials_lenses_and_extras_come_home(home: tuple[Path, Path]) -> None:
     assert extras["root joint"] == {"tag": "hip", "list": [1, "two"]}
     assert extras["prop"] == {"mass": 2.5}
     assert [clip["name"] for clip in back["animations"]] == ["wave hand", "nod"]
+
+
+def test_verify_compares_the_two_formats(home: tuple[Path, Path], tmp_path: Path) -> None:
+    source, back = home
+    there = source.with_name("there.usdz")
+    for pair in ((source, there), (there, source), (there, back), (back, there)):
+        shown = cli("verify", *pair, "--json").json
+        assert shown["passes"]
+        assert shown["poses"] > 10
+    moved = read_glb(source)
+    moved[0]["nodes"][2]["translation"] = [0, 1.01, 0]
+    (tmp_path / "moved.glb").write_bytes(glb_bytes(*moved))
+    assert not cli("verify", tmp_path / "moved.glb", there, "--json", code=6).json["passes"]
 
 
 def test_what_comes_home_is_valid(home: tuple[Path, Path]) -> None:

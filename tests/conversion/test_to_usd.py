@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from convertible import write_everything
+from gltf_files import small
 from places import asset_files, sample_files, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
@@ -192,3 +193,24 @@ def test_a_second_run_writes_the_same_bytes(everything: Path, tmp_path: Path) ->
         (tmp_path / name[0]).mkdir()
         rigtri.convert(everything, tmp_path / name[0] / "out.usdz")
     assert (tmp_path / "a" / "out.usdz").read_bytes() == (tmp_path / "b" / "out.usdz").read_bytes()
+
+
+def test_skins_whose_joints_stand_far_apart_share_what_is_between_them(tmp_path: Path) -> None:
+    """Three roots at two depths, held together by two skins: the nodes between become joints."""
+    b = small(1)
+    b.gltf["nodes"] += [
+        {"name": "top", "children": [len(b.gltf["nodes"]) + 1, len(b.gltf["nodes"]) + 3]},
+        {"name": "left", "translation": [1, 0, 0], "children": [len(b.gltf["nodes"]) + 2]},
+        {"name": "deep", "translation": [0, 2, 0]},
+        {"name": "right", "translation": [0, 0, 3]},
+    ]
+    first = len(b.gltf["nodes"]) - 4
+    b.gltf["scenes"][0]["nodes"].append(first)
+    binds = b.accessor(np.tile(np.eye(4).ravel(), (2, 1)))
+    b.gltf["skins"] += [{"joints": [first + 2, first + 3], "inverseBindMatrices": binds}]
+    outcome = rigtri.convert(b.glb(tmp_path / "far.glb"), tmp_path / "far.usda")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= TOLERANCE
+    stage = Usd.Stage.Open(str(tmp_path / "far.usda"))
+    joints = [UsdSkel.Skeleton(p).GetJointsAttr().Get() for p in stage.Traverse() if p.IsA(UsdSkel.Skeleton)]
+    assert ["left", "left/deep", "right"] in [list(tokens) for tokens in joints]
