@@ -22,10 +22,12 @@ from pathlib import Path
 
 from bake import tables
 from size import differences, growth, large_files
-from warm import BLENDER, measured
+from warm import BLENDER, measured, side_by_side, version
 
 ROOT = Path(__file__).resolve().parent.parent
 SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma", ".usd", ".usda", ".usdc", ".usdz")
+# Bytes of the files that are measured beside glTF-Transform.
+LEAST_CHARACTER = 100_000
 PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]
 
 
@@ -106,7 +108,13 @@ def peer_rows(source: Path, folder: Path, runs: int) -> list[Row]:
     transform = os.environ.get("GLTF_TRANSFORM") or shutil.which("gltf-transform")
     if transform:
         copy = process(transform, "copy", source, folder / "transform.glb")
-        rows.append(Row("glTF-Transform, new process: copy", median_of(runs, copy)))
+        rows.append(Row("glTF-Transform, its command line, new process: copy", median_of(runs, copy)))
+    place, node = os.environ.get("RIGTRI_GLTF_TRANSFORM"), shutil.which("node")
+    if place and node:
+        script = Path(__file__).with_name("rewrite.mjs")
+        once = process(node, script, place, source, folder / "transform.glb", "0")
+        name = f"glTF-Transform {version()}, a script, new process: read, write"
+        rows.append(Row(name, median_of(runs, once)))
     if importlib.util.find_spec("pygltflib"):
         import pygltflib
 
@@ -189,6 +197,9 @@ def small(folder: Path, assets: Path | None, runs: int) -> list[str]:
         man = next(assets.rglob("*CesiumMan*.glb"))
         lines += [*character(man, folder, runs), *measured(man, folder, 60, runs)]
         usd += list(assets.rglob("*CesiumMan*.usdz"))
+        ours = {place.stat().st_size: place for place in assets.rglob("*.glb")}
+        characters = [place for size, place in sorted(ours.items()) if size > LEAST_CHARACTER]
+        lines += side_by_side([ROOT / "samples" / "biped.glb", *characters], folder, 3)
     lines += ["## USD", "", "| file | seconds, new process, verified |", "|---|---|"]
     lines += [f"| {path.name} | {median_of(runs, cold(path, folder)):.3f} |" for path in usd]
     loaded = imports(ROOT / "samples" / "biped.glb", folder)
