@@ -7,6 +7,7 @@ from click.shell_completion import get_completion_class
 
 from rigtri.errors import UsageError
 
+from .bash_completion import Bash
 from .help_format import Command
 from .options import json_option
 
@@ -26,7 +27,7 @@ def command(ctx: click.Context, shell: str, as_json: bool) -> None:
         rigtri completion zsh > "${fpath[1]}/_rigtri"
         rigtri completion fish > ~/.config/fish/completions/rigtri.fish
     """
-    known = get_completion_class(shell)
+    known = Bash if shell == Bash.name else get_completion_class(shell)
     if known is None:
         raise UsageError(f"click has no completion for {shell}")
     program = ctx.find_root().command

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from importlib import import_module
 from typing import Any
@@ -47,6 +48,8 @@ class Program(click.Group):
     def main(self, *args: Any, **extra: Any) -> Any:
         failures.hold_streams()
         raise_interrupts()
+        if "_RIGTRI_COMPLETE" in os.environ:
+            import_module("rigtri.cli.bash_completion")
         try:
             return super().main(*args, **extra)
         except OSError as error:  # of what is said before a command runs, such as --help

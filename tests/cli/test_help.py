@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from program import cli
 
+import rigtri
 from rigtri.cli.catalogue import COMMANDS, GROUPS
 from rigtri.operations.declaration import options_of
 from rigtri.operations.registry import OPERATIONS, options_class
@@ -24,7 +25,7 @@ def completed(*words: object) -> list[str]:
     asked = {
         "_RIGTRI_COMPLETE": "bash_complete",
         "COMP_WORDS": line,
-        "COMP_CWORD": str(len(words) - 1),
+        "_COMP_BREAKS": " \t\n\"'@><=;|&(:",
     }
     return [found.partition(",")[2] for found in cli(env=asked).stdout.splitlines() if found]
 
@@ -175,10 +176,26 @@ def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Pat
     assert completed("rigtri", "add-controls", hero, "--chain", "Hand_L", "head_") == ["head_end"]
     assert completed("rigtri", "bake", hero, "--clip", "") == ["walk", "wave"]
     assert completed("rigtri", "pose", hero, "--at", "wa") == ["walk@0", "walk@1", "wave@0", "wave@1.7"]
+    assert completed("rigtri", "pose", hero, "--at", "walk@") == ["@0", "@1"]
     assert completed("rigtri", "orient-joints", hero, "--skin", "") == ["biped"]
     assert completed("rigtri", "orient-joints", hero, "--preset", "m") == ["maya", "mgear"]
     assert completed("rigtri", "orient-joints", hero, "--branch", "lo") == ["longest"]
     assert set(completed("rigtri", "help", "add-r")) >= {"add-rivet"}
+
+
+def test_bash_gets_what_stands_behind_its_break_as_its_line_can_take_it(
+    samples: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = {"hips": "Rib 01", "spine": "ns:Spine", "chest": "ns:Chest $1"}
+    rig = rigtri.rename_joints(rigtri.read(samples / "biped.glb"), name=names)
+    rigtri.write(rig, tmp_path / "my hero.glb")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    command = ("rigtri", "orient-joints", "~/'my hero.glb'", "--joints")
+    assert completed(*command, "Ri") == completed(*command, "Rib\\ ") == [r"Rib\ 01"]
+    assert completed(*command, "'Rib") == completed(*command, '"Rib 0') == ["Rib 01"]
+    assert completed(*command, "ns:") == ["Spine", r"Chest\ \$1"]
+    assert completed(*command, '"ns:') == ["ns:Spine", r"ns:Chest \$1"]
+    assert completed(*command[:-1], "--joints=ns:S") == ["Spine"]
 
 
 def test_a_file_that_cannot_be_read_completes_nothing(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from strategies import vectors
 
 import rigtri
 from rigtri.errors import GeometryError
+from rigtri.export.explain.explain import ARM as ARTICLE
 from rigtri.export.explain.explain import Explanation
 from rigtri.export.explain.limb_points import explain, explain_limb
 from rigtri.export.explain.matrix_steps import CONSTRAINT
@@ -169,9 +170,31 @@ def test_matrices_follow_from_each_other_as_numpy_has_it(of_file: bool) -> None:
     assert_allclose(inverse("A.inverse() * A"), np.eye(4), atol=1e-9)
     assert_allclose(inverse("A.inverse() * B"), (np.linalg.inv(a.T) @ b.T).T, atol=1e-6)
     space = partial(named, found, "Operation on object in local space")
-    moved = np.array(space("M = P.inverse() * A"))
+    moved = np.array(space("M = B.inverse() * C"))
     moved[3, :3] += 1, 0.5, 1
-    assert_allclose(space("P * M"), (b.T @ moved.T).T[3, :3], atol=1e-6)
+    assert_allclose(space("B * M"), (b.T @ moved.T).T[3, :3], atol=1e-6)
+
+
+def test_the_article_on_arms_is_told_variable_by_variable() -> None:
+    found = explain([0, 0, 0], [3, 4, 0], [3, 14, 0])  # bones of 5 and 10
+    arm = partial(named, found, ARTICLE)
+    plane = np.array([3, 14, 0]) / 3
+    assert_allclose(arm("fraction = armDis/(foreArmDis+armDis)"), 1 / 3)
+    assert_allclose(arm("planeP = shld + planeX * fraction"), plane)
+    up = (np.array([3, 4, 0]) - plane) / np.linalg.norm(np.array([3, 4, 0]) - plane)
+    assert_allclose(arm("pvPos = shld + upNode * 5.0"), 5 * up)
+    assert_allclose(arm("shdYAxis = upNode ^ shdXAxis"), [0, 0, 1], atol=1e-12)
+    assert_allclose(arm("elbowM"), [[0, 1, 0, 0], [0, 0, 1, 0], [1, 0, 0, 0], [3, 4, 0, 1]], atol=1e-12)
+    assert_allclose(arm("wristM")[3], [3, 14, 0, 1])
+
+
+def test_nothing_is_twisted_at_rest() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    for joint in ("forearm_L", "shin_R"):
+        assert named(explain(rig, limb=joint), "Twist", "") == 0
+    assert abs(named(explain(rig, limb="shin_R", at="walk@0.5"), "Twist", "")) > 0.1
+    found = named(explain(rig, limb="forearm_L"), "Transformation Matrix", "C.worldMatrix")
+    assert_allclose(found, rig.world[rig.find("hand_L")], atol=1e-6)
 
 
 def test_a_constraint_is_its_offset_and_joint_orient_comes_last() -> None:

@@ -147,7 +147,8 @@ def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
         what = f"its {'node is' if count == 1 else 'nodes are'} drawn" if count else "nor any node"
         report.warn("no-joints", f"{title or 'The file'} has no joints; {what}")
         words.append("no joints in this file")
-    words.append(f"from {options.view}" if options.view not in NAMED else f"{options.view} view")
+    view = options.view.lower()
+    words.append(f"{view} view" if view in NAMED else f"from {view}")
     words.append("at rest" if options.pose.lower() == "rest" else options.pose)
     return _Side(found, covered, title, tuple(words), crooked(scene))
 

@@ -33,7 +33,9 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, as_vectors, cross, dot, length, normalise, project
 
 _DEGREES = 180.0 / np.pi
-AIM = "Aiming node A at node B"
+AIM, ARM = "Aiming node A at node B", "Using Vector Math to Rig an Arm"
+# How far the article puts the pole vector off the shoulder unless told otherwise, in file units.
+_DISTANCE = 5.0
 # Sides, in file units, whose fourth powers keep their digits.
 _SQUARED = (1e-70, 1e70)
 
@@ -86,7 +88,8 @@ def explain_points(
         made = _Maker(points)
         # What needs squares has none then, instead of zeros and infinities that look like answers.
         squared = made if _can_be_squared(points) else _Maker(np.full((3, 3), np.nan), made.trouble)
-        steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared), *_pole(squared))
+        steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared))
+        steps += (*_pole(squared), *_arm(squared))
         trouble = made.trouble or "the frame of a joint has an axis without length"
         steps += tuple(matrix_steps(worlds or worlds_of(points), trouble))
     return Explanation(names, points, steps, _trouble(points))
@@ -177,9 +180,7 @@ def _products(made: _Maker) -> list[Step]:
     of_dot, of_cross = partial(made.step, "The Dot Product"), partial(made.step, "The Cross Product")
     sides = [length(made.ab), length(made.ac)]
     law = dot(made.ab, made.ab) + dot(made.ac, made.ac) - 2.0 * sides[0] * sides[1] * dot(one, other)
-    of_arm = partial(made.step, "Using Vector Math to Rig an Arm")
     cosine = "cosine of the angle at A: 1 the same way, 0 at a right angle, −1 opposite"
-    flexes = "n = AB × BC: a positive turn about it bends the limb more"
     return [
         of_dot("AB · AC", "dot(AB, AC)", dot(made.ab, made.ac)),
         of_dot("norm AB · norm AC", "dot of the normalised", dot(one, other), cosine),
@@ -193,7 +194,6 @@ def _products(made: _Maker) -> list[Step]:
         ),
         of_cross("AB × AC", "cross(AB, AC)", normal, "the normal of the plane, at right angles to both"),
         of_cross("‖AB × AC‖ / 2", "length(cross(AB, AC)) / 2", 0.5 * length(normal), "area of the triangle"),
-        of_arm("shdYAxis", "hinge(A, B, C)", hinge(made.a, made.b, made.c), flexes),
         made.step("Ours", "", "bend_angle(A, B, C)", bend, "degrees: 0 straight, 180 folded"),
     ]
 
@@ -209,6 +209,30 @@ def _matrix(made: _Maker) -> list[Step]:
         row("aim_Z = norm(aim_X × norm AC)", "frame(AB, AC)[2]", z, "Z is the normal of the plane"),
         row("aim_Y = aim_Z × aim_X", "frame(AB, AC)[1]", y, nearest),
         row("A_pos", "a", made.a, "the fourth row: where it stands"),
+    ]
+
+
+def _arm(made: _Maker) -> list[Step]:
+    """The article, variable by variable. Its plane point shares AC as the bones share the limb."""
+    a, b, c = made.a, made.b, made.c
+    upper, lower = length(made.ab), length(made.bc)
+    fraction = upper / (lower + upper)
+    point = a + made.ac * fraction
+    up = normalise(b - point)
+    frames = worlds_of(np.stack([a, b, c]))
+    row = partial(made.step, ARM)
+    flexes = "n = AB × BC: a positive turn about it bends the limb more"
+    shares = "P on AC by the lengths of the bones; the talk's is the nearest to B"
+    return [
+        row("planeX = wrist - shld", "C - A", made.ac),
+        row("fraction = armDis/(foreArmDis+armDis)", "‖AB‖ / (‖BC‖ + ‖AB‖)", fraction),
+        row("planeP = shld + planeX * fraction", "A + AC * fraction", point, shares),
+        row("upNode = (elbow-planeP).normalize()", "normalise(B - planeP)", up, "where the limb bends to"),
+        row("pvPos = shld + upNode * 5.0", "A + upNode * 5", a + up * _DISTANCE, "off the shoulder"),
+        row("shdYAxis = upNode ^ shdXAxis", "hinge(A, B, C)", hinge(a, b, c), flexes),
+        row("shldM", "from_frame(frame(AB, n), A)", frames.a, "X the bone, Y the hinge"),
+        row("elbowM", "from_frame(frame(BC, n), B)", frames.b, "the same Y: one hinge for the limb"),
+        row("wristM", "from_frame(frame(BC, n), C)", frames.c, "the axes of the elbow"),
     ]
 
 

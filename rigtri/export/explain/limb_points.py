@@ -11,6 +11,7 @@ from rigtri.errors import UsageError
 from rigtri.export.explain.explain import Explanation, explain_points
 from rigtri.export.explain.matrix_steps import Worlds
 from rigtri.frames.skeleton import skeleton
+from rigtri.maths.matrices import local
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.recognition.limbs import recognise
@@ -73,7 +74,9 @@ def explain_limb(rig: Rig, joints: Sequence[int], at: str = "rest") -> Explanati
     a, b, c = joints
     posed = pose_of(rig, PoseOptions(at=at))
     above, *placed = (posed.world(node)[0] for node in (int(rig.parents[a]), a, b, c))
-    worlds = Worlds(above, placed[0], placed[1], placed[2], of_file=True)
+    at_rest = pose_of(rig, PoseOptions())
+    rest = local(at_rest.world(b)[0], at_rest.world(a)[0])
+    worlds = Worlds(above, placed[0], placed[1], placed[2], of_file=True, rest=rest)
     names = (rig.title(a), rig.title(b), rig.title(c))
     points = [world[3, :3] for world in (worlds.a, worlds.b, worlds.c)]
     return explain_points(*points, names=names, worlds=worlds)

@@ -35,6 +35,8 @@ _DEGREES = 180.0 / np.pi
 _MOVE, _TURN = np.array([1.0, 0.5, 1.0]), 30.0
 # Of angles in degrees, and of cosines: what float64 leaves of nothing, with room.
 _ROUNDING = 1e-9
+# Degrees: what the float32 rotations of a file leave of nothing.
+_STORED = 2e-5
 CONSTRAINT = "Matrix parent constraint (article)"
 
 
@@ -42,7 +44,7 @@ CONSTRAINT = "Matrix parent constraint (article)"
 class Worlds:
     """World matrices of the parent of A (the world's own where it has none), of A, B and C, (4, 4) each.
 
-    of_file: they are of joints, and not made of three points.
+    of_file: they are of joints, and not made of three points. rest: B seen from A at rest, if it differs.
     """
 
     p: Floats
@@ -50,6 +52,7 @@ class Worlds:
     b: Floats
     c: Floats
     of_file: bool = False
+    rest: Floats | None = None
 
 
 def worlds_of(points: Floats) -> Worlds:
@@ -98,6 +101,8 @@ def _grid(at: Worlds, trouble: str) -> Iterator[Step]:
     row = partial(step, trouble=trouble)
     whose = "A as the file has it" if at.of_file else "A as the article aims it: X the bone, Y the hinge"
     yield row("Transformation Matrix", "A.worldMatrix", "A", at.a, f"X, Y, Z axis and translation: {whose}")
+    for name, matrix in (("B", at.b), ("C", at.c)):
+        yield row("Transformation Matrix", f"{name}.worldMatrix", name, matrix)
     yield row("Identity Matrix", "[1,0,0] [0,1,0] [0,0,1] [0,0,0]", "identity()", identity())
     rows = at.a[:3, :3]
     yield row("Scale", "lengths of x, y, z", "length(A[:3, :3])", length(rows), "1 where nothing is scaled")
@@ -116,9 +121,10 @@ def _elsewhere(at: Worlds, trouble: str) -> Iterator[Step]:
     seen = local(at.c, at.b)
     moved = seen.copy()
     moved[3, :3] += _MOVE
-    yield row("M = P.inverse() * A", "M = local(C, B)", seen, "C in the space of B")
+    slide = "C in the space of B, which are A and P on the slide"
+    yield row("M = B.inverse() * C", "M = local(C, B)", seen, slide)
     yield row("move(M, [1, 0.5, 1])", "M[3, :3] += 1, 0.5, 1", moved[3, :3], "its position there, moved")
-    yield row("P * M", "world(M, B)[3, :3]", multiply(moved, at.b)[3, :3], "and back: C in the world")
+    yield row("B * M", "world(M, B)[3, :3]", multiply(moved, at.b)[3, :3], "and back: C in the world")
 
 
 def _constraint(at: Worlds, trouble: str) -> Iterator[Step]:
@@ -146,9 +152,15 @@ def _readers(at: Worlds, trouble: str) -> Iterator[Step]:
     """How far a joint is twisted about its bone, and how much another aims at something."""
     bone = transform_directions(normalise(at.c[3, :3] - at.b[3, :3]), inverse(at.b))
     rotation = decompose(local(at.b, at.a))[1]
-    twist = _clear(_DEGREES * twist_angle(rotation, normalise(bone)))
+    rest = rotation if at.rest is None else decompose(at.rest)[1]
+    twist = _DEGREES * twist_angle(after(conjugate(rest), rotation), normalise(bone))
     yield step(
-        "Twist", "", "twist_angle(B.local, BC)", twist, "degrees of B about its bone, from A", trouble=trouble
+        "Twist",
+        "",
+        "twist_angle(B.local · B.rest⁻¹, BC)",
+        np.where(np.abs(twist) < _STORED, 0.0, twist),
+        "degrees of B about its bone since rest, seen from A",
+        trouble=trouble,
     )
     aim = normalise(at.a[0, :3])
     for name, node in (("B", at.b), ("C", at.c)):
