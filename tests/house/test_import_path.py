@@ -28,6 +28,16 @@ WORDS = {
     "inspect": ["a.glb"],
     "recognise": ["a.glb"],
     "view": ["a.glb", "-o", "out.html"],
+    "freeze": ["a.glb", *OUT],
+    "rename-joints": ["a.glb", *OUT, "--to", "unreal"],
+    "set-rest": ["a.glb", *OUT, "--pose", "tpose"],
+    "conform": ["a.glb", *OUT, "--to", "unreal"],
+    "add-root": ["a.glb", *OUT],
+    "add-socket": ["a.glb", *OUT, "--name", "weapon", "--on", "hand_L"],
+    "root-motion": ["a.glb", *OUT],
+    "prune-joints": ["a.glb", *OUT],
+    "merge-joints": ["a.glb", *OUT, "--still"],
+    "limit-weights": ["a.glb", *OUT],
     "orient-joints": ["a.glb", *OUT, "--preset", "maya"],
     "add-polevector": ["a.glb", *OUT, "--limb", *LIMB],
     "add-controls": ["a.glb", *OUT, "--whole-character"],
@@ -48,7 +58,9 @@ WORDS = {
     "batch": ["a.glb", "a.usdz", "--spec", "rig.yaml", "-O", "out"],
     "batch-report": ["out"],
     "spec-init": ["a.glb"],
+    "convert": ["a.glb", "-o", "out.usda"],
     "schema": [],
+    "help": [],
     "check": ["a.glb", "a.usdz"],
     "completion": ["bash"],
     "verify": ["a.glb", "a.glb"],
@@ -57,7 +69,7 @@ WORDS = {
     "explain": ["0,0,0", "0,1,.1", "0,2,0"],
 }
 # These have nothing to do there, and find that out when all is loaded.
-REFUSED = {"snap": 5, "bake": 5, "export-blender": 5, "batch-report": 3, "add-rivet": 2}
+REFUSED = {"snap": 5, "root-motion": 5, "bake": 5, "export-blender": 5, "batch-report": 3, "add-rivet": 2}
 STARTS = ["forkserver", "spawn"]
 
 
@@ -95,6 +107,10 @@ def run(pack: Path, *line: object, **environment: str) -> subprocess.CompletedPr
 
 # One that reads, one that edits, one with a library of its own, and one that starts processes.
 SOME = ("inspect", "orient-joints", "build", "batch")
+
+
+def test_every_command_has_words() -> None:
+    assert set(WORDS) == set(COMMANDS)
 
 
 @pytest.mark.parametrize("command", [name if name in SOME else slow(name) for name in COMMANDS])
