@@ -46,10 +46,18 @@ _KNOWN = {
 
 
 def read_scene(document: GltfDocument, rig: Rig, name: str) -> Scene:
-    """All of a file that USD can say; the rest is in `Scene.lost`. rig: the document's, with some of its
-    clips.
+    """All of a file that USD can say; the rest is in `Scene.lost`.
+
+    rig: the document's, with some of its clips. FileError for what is broken.
     """
-    return _Reader(document, rig, name).read()
+    try:
+        return _Reader(document, rig, name).read()
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        path = document.container.path
+        raise FileError(
+            f"{path}: cameras, lights, materials or textures are not as glTF has them ({error}); find out "
+            f"what is wrong with: rigtri check {path.name}"
+        ) from None
 
 
 class _Reader:

@@ -185,7 +185,8 @@ class _Reader:
         if tracks:
             bound = next((clip for clip in playing if clip.key[0] == "samples"), playing[0])  # type: ignore[index]
             prim = self.stage.GetPrimAtPath(bound.key[1]) if bound.key[0] == "samples" else None  # type: ignore[index]
-            found[(prim and prim.GetDisplayName()) or bound.name] = tracks
+            name = ((prim and prim.GetDisplayName()) or bound.name) if prim else self.scene.name
+            found[name] = tracks
         for path, skeleton in self._loose():
             prim = self.stage.GetPrimAtPath(path)
             name = prim.GetDisplayName() or prim.GetName()

@@ -16,7 +16,7 @@ from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 from second_opinions import usd_errors
 
 import rigtri
-from rigtri.errors import GeometryError, NameNotFoundError, UsageError
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
 
@@ -214,3 +214,11 @@ def test_skins_whose_joints_stand_far_apart_share_what_is_between_them(tmp_path:
     stage = Usd.Stage.Open(str(tmp_path / "far.usda"))
     joints = [UsdSkel.Skeleton(p).GetJointsAttr().Get() for p in stage.Traverse() if p.IsA(UsdSkel.Skeleton)]
     assert ["left", "left/deep", "right"] in [list(tokens) for tokens in joints]
+
+
+def test_a_broken_reference_is_an_error_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "broken.gltf"
+    path.write_text(json.dumps({"asset": {"version": "2.0"}, "nodes": [{"camera": 3}]}))
+    with pytest.raises(FileError, match="cameras"):
+        rigtri.convert(path, tmp_path / "out.usda")
+    assert list(tmp_path.iterdir()) == [path]
