@@ -30,6 +30,7 @@ from .options import (
     verify_option,
 )
 from .parameters import given_options
+from .values import FilePath
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
@@ -47,7 +48,7 @@ SUFFIX = ".rig.yaml"
 @option(
     "--spec-out",
     metavar="FILE.yaml",
-    type=click.Path(dir_okay=False),
+    type=FilePath(dir_okay=False),
     help=f"Where to write the spec of the build. [OUT's name with {SUFFIX}]",
     group="output",
 )
@@ -56,7 +57,7 @@ SUFFIX = ".rig.yaml"
 @option(
     "--picture",
     metavar="FILE.svg",
-    type=click.Path(dir_okay=False),
+    type=FilePath(dir_okay=False),
     help="Draw the skeleton before and after, as .svg or .png; also with --dry-run.",
     group="output",
 )
@@ -82,11 +83,12 @@ def command(ctx: click.Context, /, **values: Any) -> None:
         rigtri auto hero.glb --preset unreal-editor --dry-run --picture hero.svg
         rigtri build other.glb --spec out.rig.yaml -o other-out.glb
     """
+    derived = values["spec_out"] is None
     values["spec_out"] = _spec_place(values)
     values["sidecar"] = False
     if values["picture"] is not None:
         output_file.check_picture(values["picture"], [values["source"]], values | {"as_json": False})
-    job = _Job(values)
+    job = _Job(values, derived=derived)
     run("auto", values, job.done, given_options(ctx), job.summary, job.drawn, job.more)
 
 
@@ -105,16 +107,19 @@ def _spec_place(values: dict[str, Any]) -> str | None:
 class _Job:
     """A character on its way from what was recognised to its rig."""
 
-    def __init__(self, values: dict[str, Any]) -> None:
-        self.values = values
+    def __init__(self, values: dict[str, Any], *, derived: bool) -> None:
+        """derived: the user has not named the spec's place."""
+        self.values, self.derived = values, derived
         self.proposal: Proposal
         self.built: Built
 
     def done(self, report: Report) -> Outcome:
-        from rigtri.pipeline.rigspec.auto import auto_file
+        from rigtri.pipeline.rigspec.auto import auto_file, refuse_edited
         from rigtri.recognition.naming_schemes import own_schemes
 
         values = self.values
+        if values["spec_out"] is not None and self.derived and not values["dry_run"]:
+            refuse_edited(Path(values["spec_out"]))
         try:
             self.built = auto_file(
                 edit_request(values),

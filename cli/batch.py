@@ -20,7 +20,7 @@ from .help_format import Command, option
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
 from .text import plain
-from .values import Bytes
+from .values import Bytes, FilePath
 
 if TYPE_CHECKING:
     from rigtri.pipeline.batch.inputs import Found
@@ -40,14 +40,14 @@ SOME_FAILED = 7
     "-O",
     "--out-dir",
     metavar="DIR",
-    type=click.Path(),
+    type=FilePath(),
     help="Folder of the outputs, which keep the folder tree.",
     group="output",
 )
 @option(
     "--base",
     metavar="DIR",
-    type=click.Path(),
+    type=FilePath(),
     help="The folder whose tree is kept. [the fixed part of a pattern]",
     group="output",
     rare=True,
@@ -55,21 +55,21 @@ SOME_FAILED = 7
 @option(
     "--job",
     metavar="FILE.jsonl",
-    type=click.Path(),
+    type=FilePath(),
     help="Inputs with outputs and variables of their own.",
     group="what",
 )
 @option(
     "--manifest",
     metavar="FILE.sqlite",
-    type=click.Path(),
+    type=FilePath(),
     help="File that records what was done. [rigtri-batch.sqlite in DIR]",
     group="output",
 )
 @option(
     "--log",
     metavar="FILE.jsonl",
-    type=click.Path(),
+    type=FilePath(),
     help="Add a line of JSON for each file.",
     group="output",
     rare=True,
@@ -100,7 +100,7 @@ SOME_FAILED = 7
 @option(
     "--emit-openjd",
     metavar="DIR",
-    type=click.Path(),
+    type=FilePath(),
     help="Write a job for render farms (Open Job Description) instead.",
     group="output",
     rare=True,

@@ -12,11 +12,11 @@ from .help_format import Command, option
 from .options import json_option
 from .printing import print_json
 from .text import counted, plain
-from .values import Tolerance
+from .values import FilePath, Tolerance
 
 
 @click.command("batch-report", cls=Command)
-@click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=click.Path())
+@click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=FilePath())
 @option(
     "--most",
     type=click.IntRange(1),

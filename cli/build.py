@@ -23,7 +23,7 @@ from .options import (
 )
 from .printing import print_json
 from .text import plain
-from .values import Tolerance
+from .values import FilePath, Tolerance
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome
@@ -34,7 +34,7 @@ spec_option = option(
     "--spec",
     required=True,
     metavar="FILE",
-    type=click.Path(dir_okay=False),
+    type=FilePath(dir_okay=False),
     help="The rig spec: YAML or JSON.",
     group="what",
 )
@@ -52,7 +52,7 @@ spec_tolerance_option = option(
 
 
 @click.command("build", cls=Command)
-@click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True))
+@click.argument("source", metavar="[IN]", required=False, type=FilePath(allow_dash=True))
 @optional_target_option
 @spec_option
 @set_option

@@ -15,6 +15,7 @@ from .help_format import Command, option
 from .options import json_option, quiet_option
 from .printing import print_json
 from .text import echo
+from .values import FilePath
 
 if TYPE_CHECKING:
     from rigtri.files.worker_process import WorkerProcess
@@ -33,7 +34,7 @@ _PAINTS = (
 
 
 @click.command("check", cls=Command)
-@click.argument("files", metavar="FILE…", nargs=-1, type=click.Path(allow_dash=True))
+@click.argument("files", metavar="FILE…", nargs=-1, type=FilePath(allow_dash=True))
 @option(
     "--severity",
     type=click.Choice(["error", "warning", "info"]),

@@ -14,7 +14,7 @@ from .options import json_option, reading_options
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .text import echo, plain
-from .values import Tolerance
+from .values import FilePath, Tolerance
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
 DIFFERS, ERROR = 1, 2
@@ -28,8 +28,8 @@ _PAINTS = (
 
 
 @click.command("diff", cls=Command)
-@click.argument("before", metavar="A", type=click.Path(allow_dash=True))
-@click.argument("after", metavar="B", type=click.Path(allow_dash=True))
+@click.argument("before", metavar="A", type=FilePath(allow_dash=True))
+@click.argument("after", metavar="B", type=FilePath(allow_dash=True))
 @option("-q", "--brief", is_flag=True, help="Print only whether they differ.", group="output")
 @option("--all", "every", is_flag=True, help="Show every line of long groups.", group="output")
 @option(

@@ -22,7 +22,7 @@ from .options import (
 )
 from .parameters import read_options
 from .printing import print_json
-from .values import Number
+from .values import FilePath, Number
 
 if TYPE_CHECKING:
     from rigtri.export.drawing.picture import DrawOptions
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @option(
     "--against",
     metavar="BEFORE",
-    type=click.Path(allow_dash=True),
+    type=FilePath(allow_dash=True),
     help="Draw this file on the left, at the same scale: IN before the edit.",
     group="what",
 )

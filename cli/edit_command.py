@@ -16,6 +16,7 @@ from .help_format import Command, Option
 from .operation_options import click_options
 from .options import edit_options, output_options, reading_options, source_argument, target_option
 from .parameters import given, given_options, read_options
+from .values import FilePath
 
 Step = Callable[[Any, "Report"], Any]
 Decorator = Callable[[Any], Any]
@@ -27,7 +28,7 @@ class SavedFile(Option):
     def __init__(
         self, flag: str, metavar: str, text: Callable[[Report], str], *, help: str, rare: bool = False
     ) -> None:
-        kind = click.Path(dir_okay=False)
+        kind = FilePath(dir_okay=False)
         super().__init__([flag], metavar=metavar, type=kind, help=help, group="output", rare=rare)
         self.text = text
 

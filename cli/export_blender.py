@@ -20,6 +20,7 @@ from .options import (
 )
 from .parameters import read_options
 from .printing import print_json
+from .values import FilePath
 
 
 @click.command("export-blender", cls=Command)
@@ -28,7 +29,7 @@ from .printing import print_json
     "The script to write; - for standard output.",
     "SETUP.py",
     required=True,
-    type=click.Path(allow_dash=True, dir_okay=False),
+    type=FilePath(allow_dash=True, dir_okay=False),
 )
 @overwrite_option()
 @reading_options

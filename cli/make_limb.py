@@ -30,7 +30,7 @@ from .editing import run_edit
 from .help_format import Command, Option
 from .options import needed_output, output_option
 from .parameters import given_options, refuse_given
-from .values import Number
+from .values import FilePath, Number
 
 # Options that take all words up to the next option.
 _LISTS = ("--locators", "--points", "--names")
@@ -129,7 +129,7 @@ command = command_of(
     __doc__,
     _run,
     more=_MORE,
-    source=click.argument("source", metavar="[IN]", required=False, type=click.Path(allow_dash=True)),
+    source=click.argument("source", metavar="[IN]", required=False, type=FilePath(allow_dash=True)),
     output=output_option(
         "The file to write, in the format of IN, or a new file; - for standard output. Required unless "
         "--dry-run with IN.",

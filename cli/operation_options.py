@@ -12,7 +12,7 @@ from rigtri.operations.declaration import Kind, options_of
 from rigtri.operations.declaration import Option as Declared
 
 from .help_format import Option
-from .values import Number, Parsed, Tolerance
+from .values import FilePath, Number, Parsed, Tolerance
 
 
 def click_options(declared: type) -> list[Option]:
@@ -55,7 +55,7 @@ def _value(item: Any, one: Declared) -> dict[str, Any]:
     if kind is not None and kind.parse is not None:
         return {"type": Parsed(kind.parse)}
     if kind is not None and kind.name.endswith("file"):
-        return {"type": click.Path(allow_dash=kind.name == "edited file")}
+        return {"type": FilePath(allow_dash=kind.name == "edited file")}
     if one.choices or typing.get_origin(item) is Literal:
         return {"type": click.Choice(list(one.choices or typing.get_args(item))), "metavar": None}
     if typing.get_origin(item) is tuple:

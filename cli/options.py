@@ -18,19 +18,19 @@ import click
 
 from . import failures
 from .help_format import Option, option
-from .values import Tolerance
+from .values import FilePath, Tolerance
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 TOLERANCE = 1e-5
 
 
-source_argument = click.argument("source", metavar="IN", type=click.Path(allow_dash=True))
+source_argument = click.argument("source", metavar="IN", type=FilePath(allow_dash=True))
 
 
 def output_option(words: str, metavar: str = "OUT", **more: Any) -> Callable[[F], F]:
     """-o OUT: the file that a command writes; ``more`` as click.option takes it."""
-    more = {"type": click.Path(allow_dash=True)} | more
+    more = {"type": FilePath(allow_dash=True)} | more
     return option("-o", "--output", "output", metavar=metavar, help=words, group="output", **more)
 
 
@@ -74,7 +74,7 @@ def report_option(words: str) -> Callable[[F], F]:
         "--report",
         "report_path",
         metavar="FILE.json",
-        type=click.Path(dir_okay=False),
+        type=FilePath(dir_okay=False),
         help=f"{words}, with the measured deviation.",
         group="output",
     )
@@ -152,7 +152,7 @@ scheme_option = option(
     "--scheme",
     "own",
     metavar="FILE",
-    type=click.Path(path_type=Path),
+    type=FilePath(path_type=Path),
     multiple=True,
     help="Try this naming scheme (.toml) before rigtri's own. Repeatable. RIGTRI_SCHEMES lists folders.",
     group="joints",

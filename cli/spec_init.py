@@ -15,6 +15,7 @@ from .help_format import Command
 from .options import json_option, output_option, overwrite_option, reading_options, source_argument
 from .parameters import read_options
 from .text import plain
+from .values import FilePath
 
 
 @click.command("spec-init", cls=Command)
@@ -24,7 +25,7 @@ from .text import plain
     "FILE.yaml",
     default="-",
     show_default=True,
-    type=click.Path(allow_dash=True, dir_okay=False),
+    type=FilePath(allow_dash=True, dir_okay=False),
 )
 @overwrite_option("FILE.yaml")
 @reading_options

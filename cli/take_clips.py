@@ -27,6 +27,7 @@ from .help_format import Command
 from .options import edit_options, extend_help, output_options, reading_options, target_option
 from .parameters import check_streams, given_options
 from .text import grown
+from .values import FilePath
 
 
 @extend_help(
@@ -34,7 +35,7 @@ from .text import grown
     "Also the largest difference that counts as unchanged, and error of removed keys, of the rig's size.",
 )
 @click.command("take-clips", cls=Command, help=__doc__)
-@click.argument("source", metavar="RIG", type=click.Path(allow_dash=True))
+@click.argument("source", metavar="RIG", type=FilePath(allow_dash=True))
 @target_option
 @declared_options(TakeClipsOptions)
 @reading_options

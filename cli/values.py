@@ -64,6 +64,13 @@ class Parsed(ParamType):
             self.fail(str(error), param, ctx)
 
 
+class FilePath(click.Path):
+    """A path. What cannot be read is an error of that file, with its exit code, and not of the line."""
+
+    def __init__(self, **about: Any) -> None:
+        super().__init__(readable=False, **about)
+
+
 class Bytes(ParamType):
     """A size: 2G, 500M, 1.5GiB."""
 

@@ -17,6 +17,7 @@ from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .progress import Progress
 from .text import echo, plain
+from .values import FilePath
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
@@ -32,8 +33,8 @@ _PAINTS = (
 
 
 @click.command("verify", cls=Command)
-@click.argument("before", metavar="BEFORE", type=click.Path(allow_dash=True))
-@click.argument("after", metavar="AFTER", type=click.Path(allow_dash=True))
+@click.argument("before", metavar="BEFORE", type=FilePath(allow_dash=True))
+@click.argument("after", metavar="AFTER", type=FilePath(allow_dash=True))
 @tolerance_option("Largest difference that passes, as a share of the bounding-box diagonal.")
 @reading_options
 @output_options

@@ -24,7 +24,7 @@ from .parameters import read_options
 from .printing import print_json
 from .progress import Progress
 from .text import echo_message, plain
-from .values import Number
+from .values import FilePath, Number
 
 if TYPE_CHECKING:
     from rigtri.export.viewer.view import Shown
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 @option(
     "--against",
     metavar="BEFORE",
-    type=click.Path(allow_dash=True),
+    type=FilePath(allow_dash=True),
     help="The file before: the page shows either, or both, and the distance of their vertices.",
     group="what",
 )

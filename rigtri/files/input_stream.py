@@ -15,7 +15,7 @@ from rigtri.files import temp_dirs
 from rigtri.files.text_files import check_plain
 
 # The first bytes of a stream show its format, and with it the suffix that `read` goes by.
-_MAGIC = ((b"glTF", ".glb"), (b"#usda", ".usda"), (b"PXR-USDC", ".usdc"), (b"PK", ".usdz"))
+SUFFIX_OF = {b"glTF": ".glb", b"#usda": ".usda", b"PXR-USDC": ".usdc", b"PK": ".usdz"}
 
 
 def title(source: Path | str) -> str:
@@ -47,7 +47,7 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
         yield check_plain(path_of(source))
         return
     start = sys.stdin.buffer.read(16)
-    suffix = next((s for magic, s in _MAGIC if start.startswith(magic)), ".gltf")
+    suffix = next((s for magic, s in SUFFIX_OF.items() if start.startswith(magic)), ".gltf")
     with temp_dirs.folder() as folder:
         path = Path(folder, f"stdin{suffix}")
         with path.open("wb") as file:

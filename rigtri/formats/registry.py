@@ -6,15 +6,30 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rigtri.errors import FileError, UsageError
+from rigtri.files.input_stream import SUFFIX_OF
 from rigtri.files.text_files import check_no_pointer
 from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions
+
+_IMPORT = "In Blender: File > Import, then File > Export > glTF 2.0"
+# How other formats become one that rigtri reads.
+_WAYS = {
+    ".fbx": f"{_IMPORT}; or convert it with FBX2glTF",
+    ".blend": "In Blender: File > Export > glTF 2.0, or USD",
+    ".bvh": _IMPORT,
+    ".dae": _IMPORT,
+    ".abc": "Alembic has no joints: export glTF or USD from the program that it comes from",
+    ".obj": "OBJ has no joints: export glTF or USD from the program that it comes from",
+    ".ma": "In Maya: export USD, or FBX for FBX2glTF",
+    ".mb": "In Maya: export USD, or FBX for FBX2glTF",
+    ".max": "In 3ds Max: export glTF or USD",
+}
 
 
 def read(path: Path | str, options: ReadOptions | None = None) -> Document:
     """Read a rig file of the format of its suffix. Raises FileError for anything unreadable."""
     path, options = Path(path), options or ReadOptions()
     suffix = path.suffix.lower()
-    check_no_pointer(path)
+    check_content(path)
     if suffix in GLTF_SUFFIXES:
         from rigtri.formats.gltf.document import GltfDocument
 
@@ -27,8 +42,30 @@ def read(path: Path | str, options: ReadOptions | None = None) -> Document:
         from rigtri.formats.usd.document import UsdDocument
 
         return UsdDocument.read(path, options)
+    raise unknown_format(path)
+
+
+def check_content(path: Path) -> None:
+    """FileError for a file that is not what its suffix says, but what another one would say."""
+    check_no_pointer(path)
+    suffix = path.suffix.lower()
+    try:
+        with path.open("rb") as file:
+            start = file.read(8)
+    except OSError:
+        return  # reading it raises
+    found = next((right for magic, right in SUFFIX_OF.items() if start.startswith(magic)), suffix)
+    here = next((known for known in (GLTF_SUFFIXES, USD_SUFFIXES) if suffix in known), (found,))
+    if found not in here:
+        raise FileError(f"{path} is no {suffix} file inside; rename it to {path.stem}{found}")
+
+
+def unknown_format(path: Path) -> FileError:
+    """The error for a file of another format, with the way to one that rigtri reads."""
+    suffix = path.suffix.lower()
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
-    raise FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}")
+    way = f". {_WAYS[suffix]}" if suffix in _WAYS else ""
+    return FileError(f"{path}: '{suffix}' is no format rigtri reads. It reads: {known}{way}")
 
 
 def _has(module: str) -> bool:

@@ -341,7 +341,8 @@ def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
     if not final.suffix:
         raise UsageError(f"{final} has no suffix; the output's format is the input's: {path.suffix}")
     if final.exists() and not overwrite:
-        raise UsageError(f"{final} exists; it is replaced only with --overwrite")
+        itself = "is IN itself" if same_file(final, path) else "exists"
+        raise UsageError(f"{final} {itself}; it is replaced only with --overwrite")
     if not final.parent.is_dir():
         raise FileError(f"There is no folder {final.parent} to write {final.name} into")
     return final

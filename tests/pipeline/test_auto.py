@@ -212,7 +212,7 @@ def test_the_report_lists_what_was_recognised_and_done(tmp_path: Path) -> None:
         (False, 3),
     }
     assert [one["form"] for one in report["recognised"]] == ["biped"]
-    assert report["spec"] == (tmp_path / "out.rig.yaml").read_text("utf-8")
+    assert (tmp_path / "out.rig.yaml").read_text("utf-8").startswith(report["spec"])
 
 
 @pytest.mark.parametrize(("name", "root"), [("arm.usda", "/arm/shoulder"), ("arm.gltf", "shoulder")])
@@ -308,3 +308,18 @@ def test_limbs_that_have_twist_joints_of_rigtri_keep_them(suffix: str, tmp_path:
     assert len(made) == 1 + 3 * 4
     run("auto", built, "-o", again, "--no-spec")
     assert again.read_bytes() == built.read_bytes()
+
+
+def test_a_spec_that_somebody_has_edited_is_not_replaced_unasked(tmp_path: Path) -> None:
+    line = ("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--overwrite")
+    spec = tmp_path / "out.rig.yaml"
+    cli(*line, code=0)
+    cli(*line, "--preset", "maya", code=0)  # it is as auto wrote it
+    spec.write_text(spec.read_text().replace("preset: maya", "preset: talk"))
+    edited, out = spec.read_bytes(), (tmp_path / "out.glb").read_bytes()
+    assert "--spec-out" in cli(*line, code=2).stderr
+    assert (spec.read_bytes(), (tmp_path / "out.glb").read_bytes()) == (edited, out)
+    cli(*line, "--no-spec", code=0)
+    assert spec.read_bytes() == edited
+    cli(*line, "--spec-out", spec, code=0)
+    assert spec.read_bytes() != edited

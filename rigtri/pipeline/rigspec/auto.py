@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from rigtri.errors import FixedWeightsError, GeometryError, RigtriError
+from rigtri.errors import FixedWeightsError, GeometryError, RigtriError, UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import called, opened, title
 from rigtri.files.staged_output import write_text
+from rigtri.files.text_files import text_of
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest
@@ -28,6 +30,8 @@ from rigtri.report import Report
 from rigtri.text import a
 
 SUFFIX = ".rig.yaml"
+# The last line of a spec that nobody has edited; then comes the digest of what is above it.
+_SEAL = "# Written by rigtri auto, which replaces it while it is unchanged: "
 
 
 @dataclass(frozen=True)
@@ -200,4 +204,19 @@ def _unsure_message(found: Proposal, place: Path | None, target: Path | str) -> 
 
 def _write(place: Path | None, text: str) -> None:
     if place is not None:
-        write_text(place, text)
+        write_text(place, f"{text}{_SEAL}{_digest(text)}\n")
+
+
+def _digest(text: str) -> str:
+    return sha256(text.encode("utf-8", errors="backslashreplace")).hexdigest()[:16]
+
+
+def refuse_edited(place: Path) -> None:
+    """UsageError for a spec that is there and is not as `auto` wrote it: somebody's work would be lost."""
+    text, mark, digest = text_of(place).rpartition(_SEAL) if place.is_file() else ("", "", "")
+    if place.exists() and (not mark or digest.strip() != _digest(text)):
+        raise UsageError(
+            f"{place} is not as rigtri auto wrote it, and --overwrite would lose what was edited there. "
+            f"Build by it: rigtri build IN --spec {place}; or replace it with --spec-out {place}, or give "
+            "--spec-out another name, or --no-spec"
+        )

@@ -10,8 +10,9 @@ from pathlib import Path
 
 from rigtri.errors import FileError
 from rigtri.files.input_stream import path_of
-from rigtri.files.text_files import check_no_pointer
+from rigtri.files.text_files import check_plain
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
+from rigtri.formats.registry import check_content, unknown_format
 from rigtri.verification.checks.findings import Finding, Findings, Rule
 from rigtri.verification.checks.profile_check import PROFILE_RULES, Profile, check_profile
 from rigtri.verification.checks.rule_catalogue import RULES, UNREADABLE
@@ -58,7 +59,7 @@ def unreadable(path: Path, error: FileError) -> list[Finding]:
 
 def _check(path: Path, findings: Findings, allow_external: bool, external: bool) -> None:
     suffix = path.suffix.lower()
-    check_no_pointer(path)
+    check_content(check_plain(path))
     if suffix in GLTF_SUFFIXES:
         from rigtri.verification.checks.gltf.check_gltf import check_gltf
 
@@ -69,5 +70,4 @@ def _check(path: Path, findings: Findings, allow_external: bool, external: bool)
 
         check_usd(path, findings, external=external, allow_external=allow_external)
     else:
-        known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
-        raise FileError(f"'{suffix}' is no format rigtri reads. It reads: {known}")
+        raise unknown_format(path)
