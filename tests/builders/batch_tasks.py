@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from polling import wait_for
-
 from rigtri import orient_joints
 from rigtri.errors import DeviationError, GeometryError
 from rigtri.files.staged_output import StagedOutput
@@ -97,7 +95,8 @@ def go_wrong(source: Path, report: Report) -> None:
         source.with_suffix(".begun").touch()
         threading.Event().wait()
     if name.startswith("wait"):
-        wait_for(source.with_name(WAITED_FOR).exists)
+        while not source.with_name(WAITED_FOR).exists():
+            threading.Event().wait(0.05)
     if name.startswith("eat"):
         list(range(1 << 34))
     if name.startswith("refuse"):
