@@ -69,8 +69,9 @@ def _top(rig: Rig) -> int:
     """The topmost joint of the body."""
     layout = recognise(rig)
     if len(layout.characters) != 1:
-        count = len(layout.characters) or "no"
-        raise GeometryError(f"There is {count} character here: name the joint below the root with --above")
+        count = len(layout.characters)
+        found = f"There are {count} characters here" if count else "No character is recognised here"
+        raise GeometryError(f"{found}: name the joint below the root with --above")
     (body,) = layout.characters
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
     start = body.hips if body.hips >= 0 else min(joints)

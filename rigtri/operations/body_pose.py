@@ -1,13 +1,17 @@
 """T-pose and A-pose of a recognised body: each bone turns by the shortest way to where it should point.
 
-Source: VRMC_vrm 1.0, tpose.md (arms along the lateral axis, palms down, legs down, feet ahead).
+Trunk and clavicles stay as they are: their joints stand where a rigger wants the flesh to bend, and the
+pose is defined by how a body looks there ("standing straight", "relaxed shoulders").
+
+Source: VRMC_vrm 1.0, tpose.md (arms along the lateral axis, palms down, legs down, feet ahead; fingers along
+the arm, thumbs between there and ahead).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -22,15 +26,69 @@ from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
 # Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made
 # characters are not quite even, and those that face one way get the very same pose.
 ASKEW = 0.02
+# Arms that are farther (cosine of 20°) from the lateral axis are in no T-pose.
+STRETCHED = 0.9396926207859084
 # How far arms of an A-pose are below the horizontal: 45°.
 _DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5))}
+StandardPose = Literal["tpose", "apose"]
+THUMB = ("ThumbMetacarpal", "ThumbProximal", "ThumbDistal")
+
+
+class Directions(NamedTuple):
+    """Where a body has its left, its up, and what is ahead of it: unit directions of the world, (3,)."""
+
+    left: Floats
+    up: Floats
+    ahead: Floats
+
+    def arm(self, side: str, pose: StandardPose) -> Floats:
+        """Where an arm points in a pose."""
+        down, out = _DOWN[pose], self.left if side == "left" else -self.left
+        return normalise(out * np.sqrt(1.0 - down * down) - self.up * down)
+
+    def thumb(self, side: str, pose: StandardPose) -> Floats:
+        """Where a thumb points in a pose: between its arm and ahead."""
+        return normalise(self.arm(side, pose) + self.ahead)
+
+    def palm(self, side: str, pose: StandardPose) -> Floats:
+        """Where a palm faces in a pose."""
+        arm = self.arm(side, pose)
+        return cross(arm, self.ahead) if side == "left" else cross(self.ahead, arm)
+
+
+def directions(
+    rig: Rig, world: Floats, character: Character, facing: tuple[float, float, float] | None
+) -> Directions | None:
+    """The directions of a body in a pose, world (n, 4, 4); None where nothing says where it faces."""
+    up = np.array(character.up if any(character.up) else rig.rules.up)
+    left = _left(world, sure_bones(character), character, up)
+    ahead = np.array(facing if facing is not None else character.facing)
+    if not any(left) or not any(ahead):
+        return None
+    return Directions(left, up, normalise(perpendicular(ahead, left)) if facing is None else ahead)
+
+
+def stands_in_tpose(rig: Rig, character: Character, facing: tuple[float, float, float] | None) -> bool:
+    """Whether the arms of a body are stretched out to its sides at rest, as far as they are known."""
+    found = directions(rig, rig.world, character, facing)
+    bones, at = sure_bones(character), rig.world[:, 3, :3]
+    sides = [k for k in ("left", "right") if {f"{k}UpperArm", f"{k}Hand"} <= bones.keys()]
+    if found is None:
+        return not sides
+    arms = {k: normalise(at[bones[f"{k}Hand"]] - at[bones[f"{k}UpperArm"]]) for k in sides}
+    return all(dot(arms[k], found.arm(k, "tpose")) >= STRETCHED for k in sides)
+
+
+def sure_bones(character: Character) -> dict[str, int]:
+    """The joints that are surely bones of the VRM 1.0 humanoid."""
+    return {part.bone: part.joint for part in character.parts if part.bone and part.confidence >= CONFIDENT}
 
 
 def posed(
     rig: Rig,
     world: Floats,
     character: Character,
-    pose: Literal["tpose", "apose"],
+    pose: StandardPose,
     facing: tuple[float, float, float] | None,
     *,
     straight_fingers: bool,
@@ -40,28 +98,25 @@ def posed(
     Only joints that are surely bones turn. Raises GeometryError for a body without arms or legs, or of which
     nothing says where it faces.
     """
-    bones = {part.bone: part.joint for part in character.parts if part.bone and part.confidence >= CONFIDENT}
+    bones = sure_bones(character)
     if not {"leftUpperArm", "rightUpperArm"} <= bones.keys() and "leftUpperLeg" not in bones:
         raise GeometryError("No arms or legs are known surely enough. See why: rigtri recognise FILE")
-    body = _Body(rig, world, bones)
-    up = np.array(character.up if any(character.up) else rig.rules.up)
-    left = _left(world, bones, character, up)
-    ahead = np.array(facing if facing is not None else character.facing)
-    if not any(left) or not any(ahead):
+    found = directions(rig, world, character, facing)
+    if found is None:
         raise GeometryError("Nothing says where this body faces: give the direction with --facing")
-    if facing is None:
-        ahead = normalise(perpendicular(ahead, left))
-    down = _DOWN[pose]
-    for side, out in (("left", left), ("right", -left)):
-        arm = normalise(out * np.sqrt(1.0 - down * down) - up * down)
+    body, up, ahead = _Body(rig, world, bones), found.up, found.ahead
+    for side in ("left", "right"):
+        arm = found.arm(side, pose)
         for bone, end in (("UpperArm", "LowerArm"), ("LowerArm", "Hand"), ("Hand", "MiddleProximal")):
             body.point(side + bone, side + end, arm)
-        body.turn_palm(side, arm, cross(arm, ahead) if side == "left" else cross(ahead, arm), ahead)
+        body.turn_palm(side, arm, ahead)
         if straight_fingers:
             for finger in FINGERS[1:]:
                 names = [f"{side}{finger}{part}" for part in PHALANGES]
                 for bone, end in pairwise(names):
                     body.point(bone, end, arm)
+            for bone, end in pairwise(THUMB):
+                body.point(side + bone, side + end, found.thumb(side, pose))
         for bone, end in (("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot")):
             body.point(side + bone, side + end, -up)
         body.point_ahead(side + "Foot", side + "Toes", ahead, up)
@@ -109,7 +164,7 @@ class _Body:
             if flat > 0.1:
                 self.point(bone, end, ahead * flat + up * steep)
 
-    def turn_palm(self, side: str, arm: Floats, down: Floats, ahead: Floats) -> None:
+    def turn_palm(self, side: str, arm: Floats, ahead: Floats) -> None:
         """Turn a forearm about itself until the index finger is ahead of the little one, the palm down."""
         names = [f"{side}LowerArm", f"{side}IndexProximal", f"{side}LittleProximal"]
         if all(name in self.bones for name in names):

@@ -1,7 +1,8 @@
 """conform: the standard skeleton of an engine, by the steps that make it.
 
-Two characters that conform to one skeleton have the same names, rest pose, axes and root, and differ in the
-lengths of their bones: clips of one fit the other.
+Two characters that conform to one skeleton have the same names, axes at rest and root, and arms, fingers and
+legs that point alike: clips of one fit the other. Lengths of bones are their own, and so is where trunk,
+clavicles and feet have their joints.
 
 Source: Godot, SkeletonProfileHumanoid; VRMC_vrm 1.0, humanoid.md and tpose.md; Unity, HumanBodyBones; Unreal
 Engine, the mannequin.
@@ -9,33 +10,44 @@ Engine, the mannequin.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rigtri.errors import UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.model.rig import Rig
+from rigtri.operations.body_pose import stands_in_tpose
 from rigtri.operations.operation import operation
 from rigtri.operations.options.conform import ConformOptions as ConformOptions
 from rigtri.operations.registry import operation as function_of
+from rigtri.recognition.humanoid_order import misplaced
+from rigtri.recognition.layout import Character
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
+from rigtri.text import listed
 
 Steps = tuple[tuple[str, Mapping[str, Any]], ...]
-# What each skeleton takes, in this order: what it is like at rest before its axes.
+
+
+def _steps(pose: str, preset: str, root: str = "") -> Steps:
+    """What a skeleton takes, in this order: how it rests before its axes, which are those at rest."""
+    above: Steps = (("add-root", {"name": root}),) if root else ()
+    return (
+        ("set-rest", {"pose": pose, "straight_fingers": True}),
+        *above,
+        ("orient-joints", {"preset": preset, "standard_pose": pose, "pose": "nodes"}),
+    )
+
+
 _STEPS: Mapping[str, Steps] = {
-    "unreal": (
-        ("set-rest", {"pose": "apose"}),
-        ("add-root", {"name": "root"}),
-        ("orient-joints", {"preset": "unreal-editor"}),
-    ),
-    "unity": (("set-rest", {"pose": "tpose"}), ("orient-joints", {"preset": "vrm"})),
-    "godot": (
-        ("set-rest", {"pose": "tpose"}),
-        ("add-root", {"name": "Root"}),
-        ("orient-joints", {"preset": "blender"}),
-    ),
-    "vrm": (("set-rest", {"pose": "tpose"}), ("orient-joints", {"preset": "vrm"})),
-    "mixamo": (("set-rest", {"pose": "tpose"}), ("orient-joints", {"preset": "blender"})),
+    "unreal": _steps("apose", "unreal-editor", "root"),
+    "unity": _steps("tpose", "vrm"),
+    "godot": _steps("tpose", "blender", "Root"),
+    "vrm": _steps("tpose", "vrm"),
+    "mixamo": _steps("tpose", "blender"),
 }
+
+# The skeletons whose joints have the axes of the world.
+_ALONG_WORLD = ("unity", "vrm")
 
 
 def steps_of(options: ConformOptions) -> Steps:
@@ -55,16 +67,53 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
 
     Raises as the steps do (`steps_of`): freeze, rename-joints, set-rest, add-root, orient-joints.
     """
-    for name, values in steps_of(options):
+    steps = steps_of(options)
+    bodies = recognise(rig).characters
+    if len(bodies) > 1:
+        names = listed([rig.title(body.root) for body in bodies], 6)
+        raise UsageError(f"There are {len(bodies)} characters here, {names}: take one with --character")
+    if rig.rules.orient_locked:
+        steps = _of_locked(rig, options, steps, bodies)
+    for name, values in steps:
         known = len(report.joints)
         try:
             rig = function_of(name)(rig, report=report, **values)
-        except UsageError as error:
-            raise UsageError(f"{name}: {error}") from error
+        except (UsageError, GeometryError) as error:
+            # What an error says to do is for the step: it goes first, and this one finds it done.
+            first = f" These are options of {name}: run it first" if "--" in str(error) else ""
+            raise type(error)(f"{name}: {str(error).rstrip('.')}.{first}") from error
         del report.joints[known:]
         report.added.append({"type": "step", "do": name, "node": "", "new": False, **_shown(values)})
+    _warn_misplaced(rig, report)
     return rig
 
 
+def _of_locked(rig: Rig, options: ConformOptions, steps: Steps, bodies: Sequence[Character]) -> Steps:
+    """The steps for joints that may not rotate at rest: they stand as bound, with the axes of the world.
+
+    GeometryError for other axes, and for bodies that stand in no T-pose.
+    """
+    locked = rig.rules.orient_locked
+    if options.to not in _ALONG_WORLD:
+        ways = " or ".join(_ALONG_WORLD)
+        raise GeometryError(f"{locked}, and --to {options.to} has other axes: take --to {ways}, or VRM 1.0")
+    for body in bodies:
+        if not stands_in_tpose(rig, body, options.facing):
+            raise GeometryError(f"{locked}, and its arms are not stretched out to the sides: take VRM 1.0")
+    return tuple((name, values) for name, values in steps if name != "set-rest")
+
+
+def _warn_misplaced(rig: Rig, report: Report) -> None:
+    """Say which joints clips of other characters do not fit, for they are below other joints."""
+    for body in recognise(rig).characters:
+        if found := list(misplaced(rig, body)):
+            pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
+            text = f"Not below the joints that a standard skeleton has above them: {listed(pairs, 6)}"
+            report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
+
+
 def _shown(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: list(value) if isinstance(value, tuple) else value for key, value in values.items()}
+    return {
+        key.replace("_", "-"): list(value) if isinstance(value, tuple) else value
+        for key, value in values.items()
+    }

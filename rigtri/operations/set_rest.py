@@ -14,6 +14,7 @@ from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.maths.matrices import local, multiply
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import posed
@@ -28,6 +29,8 @@ from rigtri.text import listed
 
 # Radians, and shares of the size and scale: a rest pose that differs by less is the one that is there.
 SAME = 1e-5
+# Scales along axes that differ by a larger share are meant: smaller ones are noise of exporters.
+UNEVEN = 0.01
 
 
 @operation(SetRestOptions)
@@ -38,7 +41,10 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     no body is known, where joints may have no rotations (VRM 0.x), and where VRM constraints or springs count
     from the rest pose; UsageError and NameNotFoundError for moments that there are not.
     """
-    parts = {node: part for node, part in _target(rig, options, report).items() if _differs(rig, node, part)}
+    uneven, target = _unevenness(rig), _target(rig, options, report)
+    parts = {node: part for node, part in target.items() if _differs(rig, node, part, uneven[node])}
+    if options.pose in ("tpose", "apose"):
+        _refuse_uneven(rig, list(parts), uneven)
     least = np.full(len(rig), 0.1 * NOTHING * size_of(rig))
     taken, moved = at_rest(rig, parts, least)
     _refuse(rig, moved)
@@ -76,14 +82,35 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
     return {node: cache.part(node) for node in sorted(cache.parts) if node in set(joints)}
 
 
-def _differs(rig: Rig, node: int, part: Parts) -> bool:
-    """Whether a joint stands elsewhere by more than float32 and a chain of products leave."""
+def _unevenness(rig: Rig) -> Floats:
+    """By how much scales along the axes of what each node stands in differ, as a share, at rest, (n,)."""
+    sizes = length(rig.world[:, :3, :3])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = sizes.max(axis=1) / sizes.min(axis=1) - 1.0
+    return np.where(rig.parents >= 0, np.where(np.isfinite(found), found, np.inf)[rig.parents], 0.0)
+
+
+def _refuse_uneven(rig: Rig, moved: list[int], uneven: Floats) -> None:
+    """GeometryError for joints that would be sheared as they turn, so that no rotations make the pose."""
+    if odd := [node for node in moved if uneven[node] > UNEVEN]:
+        node = odd[0]
+        path = rig.path_to_root(node)[:0:-1]
+        above = next(k for k in path if rig.has_matrix[k] or np.ptp(np.abs(rig.scale[k])) > 0)
+        raise GeometryError(
+            f"The scale of '{rig.title(above)}' is not uniform, so that {len(odd)} joints below it, such "
+            f"as '{rig.title(node)}', would be sheared as they turn: no rotations make this pose"
+        )
+
+
+def _differs(rig: Rig, node: int, part: Parts, uneven: float) -> bool:
+    """Whether a joint stands elsewhere by more than float32, a chain of products and uneven scales leave."""
     was = to_parts(rig.normalised_local[node])
     place = float(np.abs(was.translation - part.translation).max())
     size = float(np.abs(was.scale - part.scale).max())
     turn = float(angle_between(was.rotation, part.rotation)[0])
     far = max(size_of(rig), float(np.abs(was.translation).max()))
-    return place > SAME * far or turn > SAME or size > SAME * float(np.abs(was.scale).max())
+    least = SAME + uneven
+    return place > least * far or turn > least or size > least * float(np.abs(was.scale).max())
 
 
 def _bind(rig: Rig) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,12 @@ from program import cli
 from usd_files import deviation
 
 import rigtri
+from rigtri.errors import GeometryError
+from rigtri.maths.matrices import compose, decompose, inverse, multiply
 from rigtri.maths.quaternions import angle_between, normalise
 from rigtri.maths.vectors import length
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
 from rigtri.verification.checks import check
 
 TARGETS = ("unreal", "unity", "godot", "vrm", "mixamo")
@@ -77,6 +82,61 @@ def test_two_characters_differ_in_the_lengths_of_their_bones_alone(tmp_path: Pat
     for name in shared:
         a, b = (rig.rotation[rig.find(name)] for rig in (mine, theirs))
         assert angle_between(normalise(a), normalise(b)) < 1e-4, name
+
+
+@pytest.mark.parametrize("target", ["unity", "godot", "unreal"])
+def test_bodies_bound_in_other_poses_and_facing_other_ways_have_the_same_frames(
+    target: str, tmp_path: Path
+) -> None:
+    """A clip of one is right for the other: local rotations below the hips at rest are the same numbers."""
+    one, other, bound = (tmp_path / f"{name}.glb" for name in ("one", "other", "bound"))
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    back = compose(np.zeros(3), np.array([0.0, 1.0, 0.0, 0.0]), np.ones(3))
+    (hips,) = (body.hips for body in recognise(rig).characters)
+    turned = rigtri.set_rest(rig, pose="apose")
+    # Bound as it stands now, and the body's back to the front.
+    world = multiply(turned.world, back)
+    top = rig.path_to_root(hips)[-1]
+    rotation, translation = turned.rotation.copy(), turned.translation.copy()
+    translation[top], rotation[top], _ = decompose(world[top])
+    skins = tuple(replace(skin, inverse_bind=inverse(world[skin.joints])) for skin in turned.skins)
+    still = replace(turned, rotation=rotation, translation=translation, skins=skins, clips=())
+    rigtri.write(still, bound, verify=False)
+    cli("conform", SAMPLES / "biped.glb", "-o", one, "--to", target, code=0)
+    assert "faces -z" in cli("conform", bound, "-o", other, "--to", target, code=0).stderr
+    assert {item.id for item in check(other, profile="unity")} & {"profile.facing"}
+    mine, theirs = rigtri.read(one), rigtri.read(other)
+    (body,) = recognise(mine).characters
+    for bone, node in body.bones.items():
+        a, b = mine.rotation[node], theirs.rotation[theirs.find(mine.names[node])]
+        assert bone == "hips" or angle_between(normalise(a), normalise(b)) < 1e-4, bone
+
+
+def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:
+    rig, report = rigtri.set_rest(rigtri.read(SAMPLES / "biped.glb"), pose="tpose"), Report()
+    joints = frozenset(np.flatnonzero(rig.is_joint).tolist())
+    rules = replace(rig.rules, orient_locked="VRM 0.x forbids it", world_aligned=joints)
+    locked = replace(rig, source=None, rules=rules)
+    with pytest.raises(GeometryError, match="--to godot has other axes: take --to unity or vrm"):
+        rigtri.conform(locked, to="godot")
+    rigtri.conform(locked, to="unity", report=report)
+    assert "set-rest" not in {entry["do"] for entry in report.added if entry["type"] == "step"}
+    down = rigtri.set_rest(rig, pose="apose").rotation
+    with pytest.raises(GeometryError, match="arms are not stretched out"):
+        rigtri.conform(replace(locked, rotation=down), to="unity")
+
+
+def test_a_leg_below_another_joint_is_told() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    parents = rig.parents.copy()
+    foot, hips = rig.find("foot_L"), recognise(rig).characters[0].hips
+    parents[foot] = hips
+    local = rig.translation.copy()
+    local[foot] = multiply(rig.world[foot], inverse(rig.world[hips]))[3, :3]
+    report = Report()
+    flat = replace(rig, parents=parents, translation=local, clips=(), source=None)
+    rigtri.conform(flat, to="unity", report=report)
+    assert any("LeftFoot (below LeftLowerLeg)" in warning.text for warning in report.warnings)
 
 
 def test_the_steps_are_a_spec_that_builds_the_same(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from places import slow
+from places import SAMPLES, slow
 from program import cli
 
 from rigtri.formats import read
@@ -127,3 +127,13 @@ def test_a_character_that_is_not_there_is_named_with_those_that_are(samples: Pat
     printed = cli("orient-joints", source, "-o", tmp_path / "out.usda", "--character", "C", code=4).output
     assert "No character is named 'C'. There are 'A', 'B'." in printed
     assert len(read(source).rig.skins) == 2
+
+
+def test_several_characters_are_conformed_one_at_a_time(tmp_path: Path) -> None:
+    path = pair(SAMPLES, tmp_path, "gltf")
+    ran = cli("conform", path, "-o", tmp_path / "out.gltf", "--to", "unity", code=2)
+    assert "There are 2 characters here" in ran.stderr
+    assert "--character" in ran.stderr
+    cli("conform", path, "-o", tmp_path / "out.gltf", "--to", "unity", "--character", "B", code=0)
+    names = read(tmp_path / "out.gltf").rig.names
+    assert names.count("LeftHand") == names.count("hand_L") == 1

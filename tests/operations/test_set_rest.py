@@ -87,6 +87,14 @@ def test_vrm_0_has_no_rest_rotations(tmp_path: Path) -> None:
         rigtri.set_rest(rig, like=replace(rig, rotation=turned, source=None))
 
 
+def test_a_scale_that_shears_is_refused() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale = rig.scale.copy()
+    scale[rig.find("spine")] = 1, 2, 1
+    with pytest.raises(GeometryError, match=r"scale of 'spine' is not uniform, so that \d+ joints below it"):
+        rigtri.set_rest(replace(rig, scale=scale, source=None), pose="tpose")
+
+
 @pytest.mark.parametrize("path", real_files())
 def test_real_files_play_as_before(path: Path, tmp_path: Path) -> None:
     out, again = tmp_path / f"o{path.suffix}", tmp_path / f"a{path.suffix}"

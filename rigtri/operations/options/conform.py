@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from rigtri.operations.declaration import Facing, option
+from rigtri.operations.declaration import Facing, OneCharacter, option
 
 Target = Literal["unreal", "unity", "godot", "vrm", "mixamo"]
 
 
 @dataclass(frozen=True)
-class ConformOptions:
+class ConformOptions(OneCharacter):
     """Give a character the standard skeleton of an engine: scale, rest pose, root, axes and names."""
 
     to: Target = option(

@@ -38,7 +38,7 @@ End = Literal["tip", "parent", "incoming", "keep", "world"]
 # What is said of bones and limbs, which axes parallel to the world do not look at.
 _OF_BONES = ("aim_at", "branch", "end", "per_joint_plane", "facing")
 # Options that say where axes go, which frames from elsewhere have said already.
-_GEOMETRY = ("preset", *AXES, "aim_at", "branch", "end", "per_joint_plane", "facing", "world")
+_GEOMETRY = ("preset", *AXES, *_OF_BONES, "world", "standard_pose")
 
 
 def _degrees(text: str) -> Vector:
@@ -143,6 +143,12 @@ class OrientJointsOptions(OneCharacter):
         rare=True,
     )
     world: bool = option(False, help="Make every frame parallel to the world.", group="what", rare=True)
+    standard_pose: Literal["tpose", "apose"] | None = option(
+        None,
+        help="Take a recognised body that stands so for a standard skeleton: joints aim where its bones do.",
+        values={"tpose": "arms to the side", "apose": "arms 45° down"},
+        rare=True,
+    )
     on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
     on_constraint: OnConstraint = option("freeze", rare=True)
     snap: bool = option(False, help="Rotate only to the nearest cardinal axes.", rare=True)
@@ -187,7 +193,8 @@ class OrientJointsOptions(OneCharacter):
         if self.like is not None:
             refuse(given, _GEOMETRY, "does not go with --like")
         if self.world or self.preset == "vrm":
-            refuse(given, [*AXES, *_OF_BONES], "does not go with axes parallel to the world")
+            of_bones = [name for name in _OF_BONES if name != "facing" or self.standard_pose is None]
+            refuse(given, [*AXES, *of_bones], "does not go with axes parallel to the world")
         if self.world and self.preset not in (None, "vrm"):
             raise UsageError("give --preset or --world, not both")
         if sum(word in BRANCHES for word in self.branch) > 1:

@@ -22,6 +22,7 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy
+from rigtri.operations.orient_joints.standard_frames import StandardFrames
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import UpLadder
 
@@ -108,7 +109,9 @@ def apply_deadband(delta: Floats, limit: Floats) -> Floats:
     return np.where((angle <= limit)[:, np.newaxis], IDENTITY, delta)
 
 
-def joint_frames(targets: Targets, ladder: UpLadder, band: DeadBand, policy: ScalePolicy) -> Floats:
+def joint_frames(
+    targets: Targets, ladder: UpLadder, band: DeadBand, policy: ScalePolicy, standard: StandardFrames
+) -> Floats:
     """The change of frame of each node, (n, 4), in its own space; identity of what is no target.
 
     Finds the up directions of ``ladder`` and widens ``band`` by them on the way: an up direction may be
@@ -122,13 +125,28 @@ def joint_frames(targets: Targets, ladder: UpLadder, band: DeadBand, policy: Sca
             band.widen_for_roll(aimed, targets, ladder.ups)
             _set_aimed(delta, aimed, targets, ladder.ups.vector)
         world = [joint for joint in joints if _is_world(targets, joint)]
-        set_world_axes(delta, np.broadcast_to(np.eye(3), (len(world), 3, 3)), world, targets)
+        rows = np.array([standard.axes.get(joint, np.eye(3)) for joint in world]).reshape(-1, 3, 3)
+        set_world_axes(delta, rows, world, targets)
         copies = [joint for joint in joints if targets.aims[joint].how == "parent" and joint not in world]
         if copies:
             above = [targets.tree.above[joint] for joint in copies]
             band.roll[copies] = band.roll[above]
             set_world_axes(delta, _new_axes(above, delta, targets, band, policy), copies, targets)
+        _set_standard(delta, [joint for joint in joints if joint not in world], targets, ladder, standard)
     return delta
+
+
+def _set_standard(
+    delta: Floats, joints: Sequence[int], targets: Targets, ladder: UpLadder, standard: StandardFrames
+) -> None:
+    """Bring joints of a standard skeleton onto its axes."""
+    for joint in (joint for joint in joints if joint in standard.bones):
+        aim, hinge = standard.bones[joint]
+        ladder.ups.set([joint], -hinge if targets.mirrored[joint] else hinge, 2, "standard skeleton")
+        into = targets.ref.inverse[joint]
+        own_aim, own_up = (transform_directions(k, into) for k in (aim, ladder.ups.vector[joint]))
+        style = targets.styles[joint]
+        delta[joint] = from_axes(frame(own_aim, own_up, aim_axis=style.aim, up_axis=style.up))
 
 
 def _batches(targets: Targets) -> Iterator[list[int]]:

@@ -37,6 +37,7 @@ from rigtri.operations.orient_joints.frame_sources import (
 from rigtri.operations.orient_joints.joint_frames import dead_band, joint_frames, like_dead_band
 from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
+from rigtri.operations.orient_joints.standard_frames import StandardFrames, standard_frames, warn_facing
 from rigtri.operations.orient_joints.targets import Targets, find_targets
 from rigtri.operations.orient_joints.up_direction import UpLadder
 from rigtri.recognition.body_hinges import bodies
@@ -246,15 +247,21 @@ def requested_frames(
     elif not options.keep:
         facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
         along_world = all(targets.styles[joint].world for joint in targets.joints)
-        characters = () if along_world else recognise(rig).characters
+        # Where a format asks for the axes of the world, a body has no others.
+        pose = None if rig.rules.world_aligned else options.standard_pose
+        characters = () if along_world and pose is None else recognise(rig).characters
+        standard = StandardFrames()
+        if pose is not None:
+            standard = standard_frames(rig, targets.ref.world, characters, pose, options.facing)
+            warn_facing(standard, report)
         known = bodies(rig, characters, targets.ref.world, facing)
         messages.warn_unsure(targets, report)
         planes = bend_planes(targets, known, facing, per_joint=options.per_joint_plane, report=report)
         # After an offset or a snap the present axis is not the one that a run before has found.
         present = not any(options.offset) and not options.snap
         ladder = UpLadder(targets, planes, present=present, report=report)
-        delta = joint_frames(targets, ladder, band, policy)
-        ups, straight = ladder.ups, planes.straight
+        delta = joint_frames(targets, ladder, band, policy, standard)
+        ups, straight = ladder.ups, {k: v for k, v in planes.straight.items() if k not in standard.bones}
     delta[joints] = _with_offset(delta[joints], options)
     if options.mirror is not None:
         across = options.across

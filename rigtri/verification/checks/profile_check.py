@@ -17,7 +17,9 @@ import numpy as np
 from rigtri.formats.rules import Rule, Severity
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.rig import Rig
+from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
+from rigtri.recognition.output import direction_text
 from rigtri.recognition.recognise import recognise
 from rigtri.verification.checks.cycle_check import place_of
 from rigtri.verification.checks.findings import Findings
@@ -26,6 +28,8 @@ Profile = Literal["unity", "unreal", "godot", "vrm", "three", "webgl"]
 PROFILES: tuple[Profile, ...] = ("unity", "unreal", "godot", "vrm", "three", "webgl")
 # A world scale this near to 1 is 1; arms this far (cosine of 20°) from the lateral axis are in no T-pose.
 _ONE, _LATERAL = 1e-3, 0.9396926207859084
+# A body that faces farther to the side (cosine of 45°) faces another way.
+_AHEAD = 0.7071067811865476
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,20 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "The rest pose is no T-pose, from which the engine retargets.",
         "VRMC_vrm 1.0, tpose.md; Unity manual, Avatar Mapping; Godot, Retargeting 3D Skeletons",
         "Give it one with rigtri set-rest --pose tpose.",
+    ),
+    (
+        "facing",
+        "warning",
+        "The character does not face as its format has it: engines take that for ahead.",
+        "glTF 2.0, 3.4 Coordinate System and Units (the front faces +z); VRMC_vrm 1.0, tpose.md",
+        "Turn it in a DCC. With rigtri conform it shares clips, which then turn it ahead.",
+    ),
+    (
+        "hierarchy",
+        "warning",
+        "A bone is not below the one that a humanoid has above it, so clips of others do not fit.",
+        "VRMC_vrm 1.0, humanoid.md; Unity manual, Avatar Mapping; Godot, SkeletonProfileHumanoid",
+        "Parent it there in a DCC; rigtri recognise --joints shows what is known.",
     ),
     (
         "root",
@@ -145,6 +163,7 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
             yield from _pose(rig, body, engine)
         if engine.root:
             yield from _root(rig, body, engine)
+        yield from _placed(rig, body, engine)
     if engine.scale:
         yield from _scale(rig, joints, engine)
     yield from _limits(rig, engine)
@@ -171,6 +190,15 @@ def _pose(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int
                 ends[0],
                 f"the {side} arm is not stretched out to its side, as {engine.title} expects",
             )
+
+
+def _placed(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:
+    usual = rig.rules.facing
+    if usual is not None and any(body.facing) and dot(np.array(body.facing), np.array(usual)) < _AHEAD:
+        faces, ahead = direction_text(body.facing), direction_text(usual)
+        yield "facing", body.root, f"it faces {faces}, and {engine.title} takes {ahead} for ahead"
+    for node, above in misplaced(rig, body):
+        yield "hierarchy", node, f"it is not below {rig.title(above)}"
 
 
 def _root(rig: Rig, body: Character, engine: _Engine) -> Iterator[tuple[str, int, str]]:

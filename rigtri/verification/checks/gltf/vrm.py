@@ -11,7 +11,8 @@ import numpy as np
 
 from rigtri.formats.json_values import short_repr
 from rigtri.frames.nonuniform_scale import SAME_SCALE
-from rigtri.recognition.layout import FINGERS, PHALANGES, REQUIRED
+from rigtri.recognition.humanoid_order import ABOVE, ABOVE_0
+from rigtri.recognition.layout import REQUIRED
 from rigtri.verification.checks.gltf.tolerant_reader import Item, View
 
 # Rest rotations of VRM 0.x files are written as nearly nothing, too: as a rule exact, or rounded.
@@ -22,44 +23,6 @@ _PERSON_0 = ("Auto", "Both", "ThirdPersonOnly", "FirstPersonOnly")
 
 # --- the bones of humanoids: which there are, which must be there, and which is above which
 
-_TRUNK = {
-    "hips": "",
-    "spine": "hips",
-    "chest": "spine",
-    "upperChest": "chest",
-    "neck": "upperChest",
-    "head": "neck",
-    "leftEye": "head",
-    "rightEye": "head",
-    "jaw": "head",
-}
-_LIMBS = {
-    "UpperLeg": "hips",
-    "LowerLeg": "UpperLeg",
-    "Foot": "LowerLeg",
-    "Toes": "Foot",
-    "Shoulder": "upperChest",
-    "UpperArm": "Shoulder",
-    "LowerArm": "UpperArm",
-    "Hand": "LowerArm",
-}
-
-
-def _above(thumb: tuple[str, str, str]) -> dict[str, str]:
-    """Every bone with the bone above it. thumb: its segments from the hand on."""
-    found = dict(_TRUNK)
-    for side in ("left", "right"):
-        for bone, parent in _LIMBS.items():
-            found[side + bone] = parent if parent in _TRUNK else side + parent
-        chains = [[f"{finger}{part}" for part in PHALANGES] for finger in FINGERS[1:]]
-        for chain in (*chains, [f"Thumb{part}" for part in thumb]):
-            for bone, parent in zip(chain, ["Hand", *chain], strict=False):
-                found[side + bone] = side + parent
-    return found
-
-
-ABOVE: Mapping[str, str] = _above(("Metacarpal", "Proximal", "Distal"))
-ABOVE_0: Mapping[str, str] = _above(PHALANGES)
 REQUIRED_0 = (*REQUIRED, "chest", "neck")
 
 

@@ -1,0 +1,113 @@
+"""Axes of a standard skeleton: joints aim where its bones point in a T-pose or A-pose, not at their children.
+
+Joints of trunk, clavicles and feet stand elsewhere in every body. Axes along the bones of a standard skeleton
+are the same in all that rest in its pose, so that rotations of clips mean the same.
+
+Source: VRMC_vrm 1.0, tpose.md; Godot, SkeletonProfileHumanoid (rotations of its own, not of a body's joints).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot
+from rigtri.model.rig import Rig
+from rigtri.operations.body_pose import THUMB, Directions, StandardPose, directions, sure_bones
+from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
+from rigtri.recognition.output import direction_text
+from rigtri.report import Report
+
+_TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
+
+
+@dataclass(frozen=True)
+class StandardFrames:
+    """bones: where joints aim and about what they flex, unit directions of the world, (3,) each.
+
+    axes: the rows, (3, 3), that joints of a body have for those of the world: quarter turns of them about up,
+    where a body does not face as its format has it. turned: where such bodies face, and should, in words.
+    """
+
+    bones: Mapping[int, tuple[Floats, Floats]] = field(default_factory=dict)
+    axes: Mapping[int, Floats] = field(default_factory=dict)
+    turned: tuple[tuple[str, str], ...] = ()
+
+
+def standard_frames(
+    rig: Rig,
+    world: Floats,
+    characters: Sequence[Character],
+    pose: StandardPose,
+    facing: tuple[float, float, float] | None,
+) -> StandardFrames:
+    """The frames of recognised bodies, which stand in the pose in ``world``, (n, 4, 4)."""
+    bones: dict[int, tuple[Floats, Floats]] = {}
+    axes: dict[int, Floats] = {}
+    turned: list[tuple[str, str]] = []
+    for character in (character for character in characters if character.confidence >= CONFIDENT):
+        found = directions(rig, world, character, facing)
+        if found is None:
+            continue
+        known = sure_bones(character)
+        bones |= {known[bone]: pair for bone, *pair in _bones(found, pose) if bone in known}  # type: ignore[misc]
+        for chain in (k for k in character.chains if k.kind in ("spine", "neck") and k.is_sure):
+            bones |= dict.fromkeys(chain.joints, (found.up, found.left))
+        rows = quarter_turn(rig, found)
+        axes |= {part.joint: rows for part in character.parts}
+        if (rows != np.eye(3)).any():
+            faces, ahead = (direction_text(tuple(k.tolist())) for k in (found.ahead, _usual(rig)))
+            turned.append((faces, ahead))
+    return StandardFrames(bones, axes, tuple(turned))
+
+
+def warn_facing(frames: StandardFrames, report: Report) -> None:
+    """Say of bodies that face another way what it means for clips."""
+    for faces, ahead in frames.turned:
+        text = (
+            f"The character faces {faces}, and not {ahead}: its joints have axes turned with it. Its own "
+            f"clips look as before, and clips of characters that face {ahead} make it face {ahead}, too"
+        )
+        report.warn("facing", text)
+
+
+def _bones(body: Directions, pose: StandardPose) -> Iterator[tuple[str, Floats, Floats]]:
+    """Bones of the VRM 1.0 humanoid: where they aim, and about what a positive rotation flexes them."""
+    left, up, ahead = body
+    for bone in _TRUNK:
+        yield bone, up, left
+    for side, out in (("left", left), ("right", -left)):
+        arm, palm, thumb = body.arm(side, pose), body.palm(side, pose), body.thumb(side, pose)
+        yield f"{side}Shoulder", out, cross(out, ahead)
+        for bone in ("UpperArm", "LowerArm"):
+            yield side + bone, arm, cross(arm, ahead)
+        for bone in ("Hand", *(finger + part for finger in FINGERS[1:] for part in PHALANGES)):
+            yield side + bone, arm, cross(arm, palm)
+        for bone in THUMB:
+            # Its nail faces outwards, a quarter of a turn from those of the fingers.
+            yield side + bone, thumb, cross(ahead, arm) if side == "left" else cross(arm, ahead)
+        for bone in ("UpperLeg", "LowerLeg"):
+            yield side + bone, -up, left
+        for bone in ("Foot", "Toes"):
+            yield side + bone, ahead, left
+
+
+def quarter_turn(rig: Rig, body: Directions) -> Floats:
+    """The world's axes, rows (3, 3), turned about up by quarters as the body is against its format."""
+    up = np.array(rig.rules.up)
+    usual = _usual(rig)
+    aside = cross(up, usual)
+    turns = ((usual, aside), (aside, -usual), (-usual, -aside), (-aside, usual))
+    # Of two that are as near, the first: a body between two axes faces as it should.
+    ahead, left = max(turns, key=lambda turn: round(float(dot(turn[0], body.ahead)), 6))
+    eye = np.eye(3)
+    rows = [dot(e, usual) * ahead + dot(e, aside) * left + dot(e, up) * up for e in eye]
+    return np.array(rows)
+
+
+def _usual(rig: Rig) -> Floats:
+    """Where characters of a format face, (3,): where it says nothing, as in programs with its up axis."""
+    return np.array(rig.rules.facing or ((0.0, 0.0, 1.0) if rig.rules.up[1] else (0.0, -1.0, 0.0)))

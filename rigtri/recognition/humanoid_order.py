@@ -1,0 +1,61 @@
+"""Which bone of a humanoid is below which.
+
+Source: VRMC_vrm 1.0, humanoid.md (parent-child relationships of humanoid bones); VRM 0.x, humanoid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import FINGERS, PHALANGES, Character
+
+_TRUNK = {
+    "hips": "",
+    "spine": "hips",
+    "chest": "spine",
+    "upperChest": "chest",
+    "neck": "upperChest",
+    "head": "neck",
+    "leftEye": "head",
+    "rightEye": "head",
+    "jaw": "head",
+}
+_LIMBS = {
+    "UpperLeg": "hips",
+    "LowerLeg": "UpperLeg",
+    "Foot": "LowerLeg",
+    "Toes": "Foot",
+    "Shoulder": "upperChest",
+    "UpperArm": "Shoulder",
+    "LowerArm": "UpperArm",
+    "Hand": "LowerArm",
+}
+
+
+def _above(thumb: tuple[str, str, str]) -> dict[str, str]:
+    """Every bone with the bone above it. thumb: its segments from the hand on."""
+    found = dict(_TRUNK)
+    for side in ("left", "right"):
+        for bone, parent in _LIMBS.items():
+            found[side + bone] = parent if parent in _TRUNK else side + parent
+        chains = [[f"{finger}{part}" for part in PHALANGES] for finger in FINGERS[1:]]
+        for chain in (*chains, [f"Thumb{part}" for part in thumb]):
+            for bone, parent in zip(chain, ["Hand", *chain], strict=False):
+                found[side + bone] = side + parent
+    return found
+
+
+ABOVE: Mapping[str, str] = _above(("Metacarpal", "Proximal", "Distal"))
+ABOVE_0: Mapping[str, str] = _above(PHALANGES)
+
+
+def misplaced(rig: Rig, character: Character) -> Iterator[tuple[int, int]]:
+    """The joints of bones that are not below the joint of the bone above them, with that joint."""
+    bones = character.bones
+    for bone, node in bones.items():
+        parent = ABOVE.get(bone, "")
+        while parent and parent not in bones:
+            parent = ABOVE.get(parent, "")
+        if parent and bones[parent] not in rig.path_to_root(node):
+            yield node, bones[parent]
