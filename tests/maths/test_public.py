@@ -10,7 +10,7 @@ import pytest
 from places import ROOT, SAMPLES
 
 import rigtri
-from rigtri import euler, matrices, quaternions, triangle, vectors
+from rigtri.maths import euler, matrices, quaternions, triangle, vectors
 
 MODULES = [vectors, matrices, quaternions, triangle, euler]
 
@@ -21,6 +21,7 @@ MODULES = [vectors, matrices, quaternions, triangle, euler]
     ids=lambda each: each if isinstance(each, str) else each.__name__.rpartition(".")[2],
 )
 def test_a_function_says_its_shape_its_source_and_an_example(module: ModuleType, name: str) -> None:
+    assert getattr(getattr(rigtri, module.__name__.rpartition(".")[2]), name) is getattr(module, name)
     text = inspect.getdoc(getattr(module, name)) or ""
     assert ">>>" in text
     assert name == "axis_of" or "(..." in text or "(k, 4)" in text
@@ -30,7 +31,7 @@ def test_a_function_says_its_shape_its_source_and_an_example(module: ModuleType,
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__.rpartition(".")[2])
 def test_a_module_has_a_page_and_is_an_attribute_of_rigtri(module: ModuleType) -> None:
     name = module.__name__.rpartition(".")[2]
-    assert getattr(rigtri, name) is module
+    assert getattr(rigtri, name).__name__ == f"rigtri.{name}"
     assert f"::: {module.__name__}" in (ROOT / "docs" / "maths" / f"{name}.md").read_text("utf-8")
 
 
