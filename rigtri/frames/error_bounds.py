@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, key_times, worlds
-from rigtri.frames.rig_size import fits, sizes_at_least, sizes_of
+from rigtri.frames.rig_size import sizes_at_least, sizes_of
 from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
@@ -92,7 +92,7 @@ class LeverArm:
     @cached_property
     def _meshes(self) -> list[Mesh]:
         try:
-            return [mesh for mesh in self._rig.content.read_outlines() if fits(mesh, self._rig)]
+            return [mesh for mesh in self._rig.content.read_outlines() if mesh.fits(self._rig.skins)]
         except FileError:
             return []
 

@@ -122,11 +122,3 @@ def _outermost(mesh: Mesh) -> Mesh:
     weights = mesh.weights[rows] if len(mesh.weights) else mesh.weights
     morphs = mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs
     return replace(mesh, points=mesh.points[rows], joints=joints, weights=weights, morphs=morphs)
-
-
-def fits(mesh: Mesh, rig: Rig) -> bool:
-    """Whether all joints that a mesh names are joints of its skin."""
-    if mesh.skin is None:
-        return True
-    used, _ = mesh.moved
-    return not len(used) or 0 <= int(used[0]) <= int(used[-1]) < len(rig.skins[mesh.skin].joints)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.skin import Skin
 
 
 class Surface(NamedTuple):
@@ -70,6 +71,13 @@ class Mesh:
         # Of so few joints a sort counts, which is far faster.
         order = np.argsort(joints.astype(np.uint16) if few else joints, kind="stable")
         return joints[order], points[order]
+
+    def fits(self, skins: Sequence[Skin]) -> bool:
+        """Whether all joints that it names are joints of its skin."""
+        if self.skin is None:
+            return True
+        used, _ = self.moved
+        return not len(used) or 0 <= int(used[0]) <= int(used[-1]) < len(skins[self.skin].joints)
 
     @cached_property
     def surface_now(self) -> Surface | None:

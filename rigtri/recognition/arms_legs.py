@@ -28,8 +28,8 @@ _NUMBERED = 0.45
 _STUNTED = 0.25
 # A joint within a bone bends no further than this, as a cosine (25°).
 _IN_LINE = 0.9
-# Below this, what says where a body faces contradicts itself, so that sides are in doubt.
-_DOUBT = 0.15
+# Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
+_DOUBT = 0.25
 # Of a body of many legs it has to be so sure before any side is given.
 _SEEN = 0.6
 # Another way to see the body that is as good as this speaks against both.
@@ -249,7 +249,7 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     if draft.shape.plane is None or draft.shape.body is None:
         return [replace(each, side=_side(draft, each)) for each in pairs] if by_names else []
     sure, why = _faces(draft, draft.shape.body, by_names)
-    share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 0.5)
+    share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 2.0 * _DOUBT)
     because = () if by_names else tuple(f"faces so that: {w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
         return list(pairs)  # nothing tells front from behind, and so left from right

@@ -1,4 +1,4 @@
-"""The facing direction of a character: weighed from feet, knees, elbows, head and the format."""
+"""The facing direction of a character: weighed from feet, thumbs, knees, elbows, head and motion."""
 
 from __future__ import annotations
 
@@ -7,18 +7,32 @@ from math import fsum
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.scalar_vector import Vector
+from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, dot, normalise
+from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_triples import offset
+from rigtri.recognition.limb_triples import offset, thumb_of
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Plane
 
 # Votes of less weight than this together are not sure, however they agree.
 _ENOUGH = 1.0
+# What the format says is a custom: it decides where nothing else does, and makes nothing sure.
+_CUSTOM = 0.4
+# Who travels by less than this part of the body goes nowhere.
+_STEP = 0.25
+# Bends from 10° on are no noise; smaller ones count less, and where twins have them alike, up to this part.
+_CLEAR, _ALIKE = 0.17453292519943295, 0.25
+# So far beside its line, a part of the whole limb, is a middle that is bent by 10°, or by 5°.
+_FULL, _SLIGHT = 0.04, 0.02
+# What a foot moves reaches this part of the leg further ahead than back to count in full, or a third at all.
+_SOLE = 0.1
+# A thumb stands aside by this much (a sine) to count; hands that are raised beyond this may turn either way.
+_ASIDE, _RAISED = 0.3, 0.5
 # A trunk that leans so far from its up (a sine) leans ahead, and from the second on it lies.
 _LEANS, _LIES = 0.35, 0.7
 # A face stands so far ahead of the trunk or skull, as a part of a limb, to count in full.
@@ -35,19 +49,23 @@ def facing_of(
     """
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
-    votes = [vote for vote in _votes(tree, body, plane, ahead, poses, bends) if vote[0]]
-    total, most = fsum(weight for weight, _ in votes), fsum(abs(weight) for weight, _ in votes)
-    sure = abs(total) / max(most, _ENOUGH)
-    why = tuple(words for weight, words in votes if weight * total > 0)
+    clear, slight = list(_votes(tree, body, plane, ahead, poses)), []
+    for weight, noise, words in _bends(tree, body, plane, ahead, poses) if bends else ():
+        clear.append((weight, words))
+        slight.append((noise, words))
+    slight.append((_CUSTOM * Vector(*(tree.rig.rules.facing or ())).dot(ahead), "the format says so"))
+    seen, most = fsum(weight for weight, _ in clear), fsum(abs(weight) for weight, _ in clear)
+    total = seen + fsum(weight for weight, _ in slight)
+    sure = abs(seen) / max(most, _ENOUGH) if seen * total > 0 else 0.0
+    why = tuple(dict.fromkeys(words for weight, words in (*clear, *slight) if weight * total > 0))
     return (ahead if total >= 0 else -ahead), sure, why
 
 
-def _votes(
-    tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses, bends: bool
-) -> Iterator[tuple[float, str]]:
+def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
     """What says that a body looks ahead: weights, negative for the other way, with words."""
     yield 3.0 * _named(tree, body, ahead), "what its names call the head is there"
-    yield 1.5 * poses.travel(tree.nodes).unit.dot(ahead), "it goes there"
+    way = poses.travel(tree.nodes)
+    yield 1.5 * way.dot(ahead) / max(way.length, _STEP * tree.span, 1e-30), "it goes there"
     if body.legs and body.arms:
         along = (body.arms.starts - body.legs.starts).unit.dot(ahead)
         if body.form == "quadruped" and body.lead > 0.02:
@@ -55,12 +73,9 @@ def _votes(
         elif abs(along) > _LEANS:
             yield 3.0 * along, "the trunk leans there"
     if body.legs:
-        yield 2.0 * _toes(tree, body.legs, ahead), "the feet point there"
-    if bends:
-        yield from _bends(tree, body, plane, ahead, poses)
-    facing = tree.rig.rules.facing
-    if facing is not None:
-        yield 0.4 * Vector(*facing).dot(ahead), "the format says so"
+        yield 2.0 * _feet(tree, body, ahead, poses), "the feet point there"
+    if body.arms and body.form == "biped":
+        yield _thumbs(tree, body.arms, body.up, ahead), "the thumbs are there"
 
 
 def _named(tree: Tree, body: Body, ahead: Vector) -> float:
@@ -85,20 +100,60 @@ def _middle(places: Sequence[Vector]) -> Vector | None:
     return total * (1.0 / len(places)) if places else None
 
 
-def _bends(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
-    """As `_votes`, of knees and elbows."""
+def _bends(
+    tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses
+) -> Iterator[tuple[float, float, str]]:
+    """As `_votes`, of knees and elbows; and what bends add that may be noise."""
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    bent = _bent(body, plane.normal, ahead, moments)
-    if body.legs in bent:
-        sure = 0.3 if _goes_on(tree, body.legs) else 1.0
-        yield sure * bent[body.legs], "the knees bend there"
-    if body.arms in bent:
-        yield -0.5 * bent[body.arms], "the elbows bend away from there"
+    for limbs, clear, all_ in _bent(body, plane.normal, ahead, moments):
+        weight = -0.5 if limbs is body.arms else 0.3 if _goes_on(tree, limbs) else 1.0
+        words = "the elbows bend away from there" if limbs is body.arms else "the knees bend there"
+        yield weight * clear, weight * (all_ - clear), words
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:
     """Whether what follows the ankle is long: which joint of an animal's leg is the knee is not plain."""
     return tree.reach[legs.joints(0)[-1]] > 0.6 * 0.5 * legs.size
+
+
+def _feet(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
+    """How far feet point ahead, by their toes or else by what they move: −1 to 1."""
+    assert body.legs is not None
+    toes = _toes(tree, body.legs, ahead)
+    if abs(toes) > 0.5 or body.form != "biped":
+        return toes
+    soles = _soles(tree, body.legs, ahead, poses)
+    return soles if abs(soles) > abs(toes) else toes
+
+
+def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
+    """How much further ahead of ankles than behind them the points reach that feet move: −1 to 1."""
+    total = 0.0
+    for path in legs.pair.paths:
+        ankle = path[legs.at[-1]]
+        ends = poses.box_of(tree.branch(ankle), tree.places)
+        along = [(point - tree.at[ankle]).dot(ahead) for point in ends]
+        if not along:
+            return 0.0
+        further = (max(along) + min(along)) / max(_SOLE * legs.size, 1e-30)
+        total += 0.5 * max(-1.0, min(1.0, further)) if abs(further) > 1.0 / 3.0 else 0.0
+    return total
+
+
+def _thumbs(tree: Tree, arms: Limbs, up: Vector, ahead: Vector) -> float:
+    """How far thumbs stand ahead of the fingers: they do unless palms are turned out; −1 to 1."""
+    total = 0.0
+    for path in arms.pair.paths:
+        wrist = path[arms.at[-1]]
+        fingers = [tree.paths[k] for k in tree.below[wrist] if len(tree.paths[k]) > 1]
+        which = thumb_of(tree, wrist, fingers) if len(fingers) > 2 else -1
+        along = _middle([tree.at[k[0]] - tree.at[wrist] for j, k in enumerate(fingers) if j != which])
+        if which < 0 or along is None or along.unit.dot(up) > _RAISED:
+            return 0.0
+        aside = tree.at[fingers[which][1]] - tree.at[wrist]
+        aside = (aside - along.unit * aside.dot(along.unit)).unit
+        total += 0.5 * aside.dot(ahead)
+    return total if abs(total) > _ASIDE else 0.0
 
 
 def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
@@ -111,15 +166,16 @@ def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
     return total
 
 
-def _bent(body: Body, lateral: Vector, level: Vector, places: Floats) -> dict[Limbs, float]:
+def _bent(body: Body, lateral: Vector, level: Vector, places: Floats) -> Iterator[tuple[Limbs, float, float]]:
     """How far the middles of limbs stand ahead, at rest and in motion, places (f, n, 3): −1 to 1.
 
-    Of legs and arms those that bend. In each pose ahead is what lies across the line between both
-    limbs and the spine; of a trunk that lies, the spine itself, on the side of ``level``.
+    Of legs and arms those that bend: where that is no noise, and in all. In each pose ahead is what lies
+    across the line between both limbs and the spine; of a trunk that lies, the spine itself, on the side
+    of ``level``.
     """
     pairs = [k for k in (body.legs, body.arms) if k is not None and len(k.at) == 3]
     if not pairs:
-        return {}
+        return
     points = places[:, [(k.joints(0), k.joints(1)) for k in pairs]]  # pose, pair, limb, joint, 3
     start, middle, end = (points[..., k, :] for k in range(3))
     across = start[:, :, 0] - start[:, :, 1]
@@ -134,12 +190,29 @@ def _bent(body: Body, lateral: Vector, level: Vector, places: Floats) -> dict[Li
     if lies:
         spine = cross(spine * np.sign(dot(spine[:1], np.array([*level]))), across)
     ahead = normalise(cross(across, spine))[:, :, np.newaxis]
-    along = finite(dot(offset(start, middle, end), ahead))
-    found = {}
+    aside = offset(start, middle, end)
+    along = finite(dot(aside, ahead))
+    clear = along * _is_bend(aside, across, bend_angle(start, middle, end))
     for k, limbs in enumerate(pairs):
-        share = np.minimum(np.maximum(along[:, k] / max(0.02 * limbs.size, 1e-30), -1.0), 1.0)
-        found[limbs] = fsum(share.ravel().tolist()) / share.size
-    return found
+        yield limbs, _share(clear[:, k], _FULL * limbs.size), _share(along[:, k], _SLIGHT * limbs.size)
+
+
+def _share(along: Floats, full: float) -> float:
+    """The mean of how far something stands ahead: 1 from ``full`` on."""
+    share = np.minimum(np.maximum(along / max(full, 1e-30), -1.0), 1.0)
+    return fsum(share.ravel().tolist()) / share.size
+
+
+def _is_bend(aside: Floats, across: Floats, angles: Floats) -> Booleans:
+    """Whether the middles of both limbs stand ``aside``, (f, k, 2, 3), by more than noise, (f, k, 1).
+
+    Noise is not its own mirror image.
+    """
+    lateral = normalise(across)
+    one, other = aside[:, :, 0], aside[:, :, 1]
+    apart = length(one - (other - 2.0 * dot(other, lateral)[..., np.newaxis] * lateral))
+    alike = apart <= _ALIKE * np.maximum(length(one), length(other))
+    return np.asarray((angles > _CLEAR).all(axis=-1) | alike)[..., np.newaxis]
 
 
 def _spine(body: Body, places: Floats) -> Floats:

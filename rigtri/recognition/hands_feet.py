@@ -11,6 +11,7 @@ from rigtri.recognition.arms_legs import Found
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.layout import FINGERS, NAMES, PHALANGES, Kind
+from rigtri.recognition.limb_triples import thumb_of
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 from rigtri.recognition.shape_analysis import MOST
 
@@ -27,8 +28,6 @@ _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
 # Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
-# A thumb begins this much nearer to the wrist than fingers do, or points this far aside (the cosine of 20°).
-_NEAR, _APART = 0.7, 0.9396926207859084
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
 # A hand alone has no more joints than this.
@@ -196,7 +195,9 @@ def _in_order(
     at = draft.tree.at
     if not 3 <= len(chains) <= 6:
         return [("", chain) for chain in chains]
-    thumb = next((k for k in chains if named.get(k[0]) == "Thumb"), []) or _thumb(draft, hand, chains)
+    which = next((k for k, chain in enumerate(chains) if named.get(chain[0]) == "Thumb"), -1)
+    which = which if which >= 0 else thumb_of(draft.tree, hand, chains)
+    thumb = chains[which] if which >= 0 else []
     others = [chain for chain in chains if chain is not thumb]
     if len(others) > 4:  # which of them has one too many nobody knows
         return [("Thumb" if chain is thumb else "", chain) for chain in chains]
@@ -206,26 +207,6 @@ def _in_order(
     row = (at[end[0]] - at[start[0]]).unit
     others.sort(key=lambda chain: (at[chain[0]] - at[start[0]]).dot(row))
     return list(zip(FINGERS, [thumb, *others], strict=False)) if thumb else [("", chain) for chain in others]
-
-
-def _thumb(draft: Draft, hand: int, chains: Sequence[list[int]]) -> list[int]:
-    """The chain that begins clearly nearer to the wrist than the others; empty for none.
-
-    Fingers with metacarpals all begin there: of these the one whose first bone goes another way than any
-    other, and that of fewer joints where one has.
-    """
-    at = draft.tree.at
-    far = [(at[chain[0]] - at[hand]).length for chain in chains]
-    usual = sorted(far)[len(far) // 2]
-    near = [chain for chain, size in zip(chains, far, strict=True) if size < _NEAR * usual]
-    if len(near) == 1:
-        return near[0]
-    first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
-    alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
-    least = min(len(chain) for chain in chains)
-    short = [k for k, chain in enumerate(chains) if len(chain) == least]
-    apart = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
-    return chains[apart] if alike[apart] < _APART else []
 
 
 def lay_others(draft: Draft, found: Sequence[Found]) -> None:

@@ -38,6 +38,8 @@ _FOLD, _FOLDED = 0.1, 0.34
 _MOVES, _SHARP = 0.1, 0.966
 # What it costs to end elsewhere than where fingers begin, and so many of them.
 _HANDLESS, HAND = 0.25, 4
+# A thumb begins this much nearer to the wrist than fingers do, or points this far aside (the cosine of 20°).
+_NEAR, _APART = 0.7, 0.9396926207859084
 # What names of all three joints weigh against the shape of a limb.
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
@@ -64,6 +66,26 @@ class Triple:
     lead: float
     size: float
     named: float = 0.0
+
+
+def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]]) -> int:
+    """Which chain begins clearly nearer to the wrist than the others; −1 for none.
+
+    Fingers with metacarpals all begin there: of these the one whose first bone goes another way than any
+    other, and that of fewer joints where one has.
+    """
+    at = tree.at
+    far = [(at[chain[0]] - at[hand]).length for chain in chains]
+    usual = sorted(far)[len(far) // 2]
+    near = [k for k, size in enumerate(far) if size < _NEAR * usual]
+    if len(near) == 1:
+        return near[0]
+    first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
+    alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
+    least = min(len(chain) for chain in chains)
+    short = [k for k, chain in enumerate(chains) if len(chain) == least]
+    apart = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
+    return apart if alike[apart] < _APART else -1
 
 
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:

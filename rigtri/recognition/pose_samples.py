@@ -9,12 +9,14 @@ from typing import Literal
 
 import numpy as np
 
+from rigtri.errors import FileError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.sampling import worlds
-from rigtri.maths.matrices import compose, transform_directions
+from rigtri.maths.matrices import compose, multiply, transform_directions, transform_points
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
+from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.rig import Rig
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.
@@ -85,6 +87,37 @@ class Poses:
     def moves_points(self, node: int) -> bool:
         """Whether a joint has weight of any point. It reads the weights of all meshes when first asked."""
         return node in self._movers
+
+    @cached_property
+    def _boxes(self) -> dict[int, list[Floats]]:
+        """For each joint the corners of the boxes of what it moves, (8, 3) each, in its own space."""
+        found: dict[int, list[Floats]] = {}
+        try:
+            meshes = [mesh for mesh in self.rig.content.read_outlines() if mesh.skin is not None]
+        except FileError:
+            return found
+        for mesh in meshes:
+            assert mesh.skin is not None
+            skin = self.rig.skins[mesh.skin]
+            # Of a box around all of a mesh no joint knows its part.
+            if not mesh.fits(self.rig.skins) or (mesh.box is not None and mesh.box.ndim < 3):
+                continue
+            low, high = boxes(mesh, len(skin.joints))
+            known = np.flatnonzero(np.isfinite(low).all(axis=1) & np.isfinite(high).all(axis=1))
+            own = multiply(mesh.bind, skin.inverse_bind)[known, np.newaxis]
+            for row, ends in zip(known, transform_points(corners(low[known], high[known]), own), strict=True):
+                found.setdefault(int(skin.joints[row]), []).append(ends)
+        return found
+
+    def box_of(self, nodes: Sequence[int], places: Floats) -> list[Vector]:
+        """The corners of boxes of what joints move, where all nodes stand at ``places``: `rest` or `bind`.
+
+        It reads all meshes when first asked.
+        """
+        bind = bind_pose(self.rig) if places is self.bind else None
+        world = self.rig.world if bind is None else bind
+        ends = [transform_points(box, world[k]) for k in nodes for box in self._boxes.get(k, ())]
+        return [Vector(*point) for box in ends for point in finite(box).tolist()]
 
     def named(self, pose: Literal["rest", "bind"]) -> Floats:
         return self.bind if pose == "bind" and self.bind is not None else self.rest

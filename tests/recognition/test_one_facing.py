@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,12 @@ from broken_vrm import avatar_0, avatar_1
 from places import asset_files, sample_files, slow
 from posed_bodies import Pose, posed_body
 from program import cli
+from recognition_bodies.skeletons import MAN, Joint, rig_with
 
 from rigtri.formats import ReadOptions, read
+from rigtri.model.content import Content
+from rigtri.model.mesh import Mesh
+from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import facing, forward
 from rigtri.recognition.output import direction_text
 from rigtri.recognition.recognise import recognise
@@ -58,3 +63,38 @@ def test_avatars_face_as_their_format_says(tmp_path: Path) -> None:
         ahead = facing(rig)
         assert ahead is not None
         assert direction_text(tuple(ahead.tolist())) == expected
+
+
+def nameless(evidence: str, ahead: float, seed: int) -> Rig:
+    """A straight man with noise and without toes and names, who faces ±z as ``evidence`` alone tells."""
+    random = np.random.default_rng(seed)
+    joints: list[Joint] = []
+    for name, above, (x, y, _) in MAN:
+        if not name.startswith("toe"):
+            bent = 0.06 * (evidence == "knees" and name.startswith("shin"))
+            place = np.array([x, y, bent]) + 0.006 * random.normal(size=3)
+            joints.append((name, above, (place[0], place[1], place[2])))
+    for hand, _, (x, y, z) in joints[:] if evidence == "thumbs" else ():
+        for k, far in enumerate((0.03, 0.02, 0.0, -0.02) if hand.startswith("hand") else ()):
+            along = [float(np.sign(x)) * (step + 0.06 * (k > 0)) for step in (0.03, 0.07)]
+            joints.append((f"{hand}{k}", hand, (x + along[0], y, z + far)))
+            joints.append((f"{hand}{k}+", f"{hand}{k}", (x + along[1], y, z + far * (2 if k == 0 else 1))))
+    rig = rig_with([(name, above, (x, y, ahead * z)) for name, above, (x, y, z) in joints], named=False)
+    feet = np.array([[k] for k, (name, _, _) in enumerate(joints) if name.startswith("foot")])
+    points = rig.world[feet.repeat(2), 3, :3] + [[0, 0, -0.06 * ahead], [0, -0.08, 0.2 * ahead]] * 2
+    mesh = Mesh("feet", -1, points, 0, feet.repeat(2, axis=0), np.ones((4, 1)))
+    return replace(rig, content=Content(read_outlines=lambda: [mesh])) if evidence == "soles" else rig
+
+
+@pytest.mark.parametrize("evidence", ["soles", "thumbs", "knees"])
+@pytest.mark.parametrize("ahead", [1.0, -1.0])
+def test_bodies_without_toes_and_names_face_as_what_is_no_noise_says(evidence: str, ahead: float) -> None:
+    for seed in range(3):
+        layout = recognise(nameless(evidence, ahead, seed))
+        assert layout.characters[0].facing[2] * ahead > 0.9
+        assert [chain.kind for chain in layout.chains if chain.is_sure].count("leg") == 2
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_and_what_formats_say_of_front_make_no_side_sure(seed: int) -> None:
+    assert not any(c.is_sure for c in recognise(nameless("", -1.0, seed)).chains if c.kind in ("arm", "leg"))

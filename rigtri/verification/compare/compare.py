@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.frames.rig_size import fits, sizes_of
+from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.arrays import Booleans
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
@@ -190,10 +190,9 @@ def _measurable(source: Source, read: Callable[[], Sequence[Mesh]]) -> list[Mesh
         meshes = read()
     except FileError:
         return []
-    own = source.rig.own
-    return [
-        mesh for mesh in meshes if fits(mesh, source.rig) and (mesh.skin is not None or mesh.node not in own)
-    ]
+    rig = source.rig
+    drawn = (mesh for mesh in meshes if mesh.skin is not None or mesh.node not in rig.own)
+    return [mesh for mesh in drawn if mesh.fits(rig.skins)]
 
 
 def _mesh_pairs(
