@@ -52,8 +52,9 @@ class Directions(NamedTuple):
 
     def palm(self, side: str, pose: StandardPose) -> Floats:
         """Where a palm faces in a pose."""
-        arm = self.arm(side, pose)
-        return cross(arm, self.ahead) if side == "left" else cross(self.ahead, arm)
+        across = cross(self.arm(side, pose), self.ahead)
+        # Names may say left where a body has its right: palms face down all the same.
+        return across if dot(across, self.up) < 0 else -across
 
 
 def directions(

@@ -18,6 +18,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
+from rigtri.text import listed
 
 # Motion over the ground by no more of the hips' height is none.
 _NONE = 1e-7
@@ -36,11 +37,23 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     clips = []
     for k, clip in enumerate(rig.clips):
         asked = k in chosen and not clip.idle
+        if asked:
+            _warn_still_moving(rig, clip, root, options, report)
         clips.append(_moved(rig, clip, hips, root, options, report) if asked else clip)
     if not report.added:
         return rig
     report.reposed = True  # the root, or all
     return replace(rig.with_parts([root]), clips=tuple(clips))
+
+
+def _warn_still_moving(rig: Rig, clip: Clip, root: int, options: RootMotionOptions, report: Report) -> None:
+    """Say which nodes above the hips have keys that move the character over the ground besides."""
+    above = rig.path_to_root(root)[0 if options.mode == "remove" else 1 :]
+    moving = {t.node for t in clip.tracks if t.node in above and t.path != "weights" and not _rests(t, rig)}
+    if moving:
+        names = listed([rig.title(node) for node in sorted(moving)], 6)
+        text = f"In clip '{clip.name}', {names} above the hips move, too, and keep their keys"
+        report.warn("still-moving", f"{text}: bake them to the hips for all motion over the ground")
 
 
 def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:

@@ -15,7 +15,9 @@ import rigtri
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import compose, decompose, inverse, multiply
 from rigtri.maths.quaternions import angle_between, normalise
-from rigtri.maths.vectors import length
+from rigtri.maths.vectors import cross, dot, length
+from rigtri.operations.body_pose import Directions, StandardPose
+from rigtri.operations.orient_joints.standard_frames import standard_bones
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.verification.checks import check
@@ -110,6 +112,23 @@ def test_bodies_bound_in_other_poses_and_facing_other_ways_have_the_same_frames(
     for bone, node in body.bones.items():
         a, b = mine.rotation[node], theirs.rotation[theirs.find(mine.names[node])]
         assert bone == "hips" or angle_between(normalise(a), normalise(b)) < 1e-4, bone
+
+
+@pytest.mark.parametrize("pose", ["tpose", "apose"])
+def test_bones_of_a_standard_skeleton_are_mirror_images(pose: StandardPose) -> None:
+    """Aims are mirrored; hinges, about which a positive rotation flexes, are mirrored as rotations are."""
+    x, y, z = np.eye(3)
+    found = {bone: pair for bone, *pair in standard_bones(Directions(x, y, z), pose)}
+    mirror = np.array([-1.0, 1.0, 1.0])
+    for bone, (aim, hinge) in found.items():
+        assert abs(dot(aim, hinge)) < 1e-12, bone
+        assert np.allclose((length(aim), length(hinge)), 1.0), bone
+        other = bone.replace("left", "right")
+        assert np.allclose(found[other][0], aim * mirror) or bone == other, bone
+        assert np.allclose(found[other][1], -hinge * mirror) or bone == other, bone
+    # VRMC_vrm 1.0, tpose.md, 1.8: the nail of the left thumb faces −x and +z, so it flexes to +x and −z.
+    aim, hinge = found["leftThumbDistal"]
+    assert pose == "apose" or np.allclose(cross(hinge, aim), np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0))
 
 
 def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:

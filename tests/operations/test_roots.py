@@ -124,6 +124,8 @@ def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -
     assert np.abs(moved[:, 1]).max() < 1e-6
     cli("root-motion", source, "-o", still, "--mode", "remove", "--clip", clip.name, code=0)
     assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4
+    ran = cli("root-motion", out, "-o", still, "--overwrite", "--mode", "remove", "--clip", clip.name, code=0)
+    assert "root above the hips move, too" in ran.stderr
 
 
 def rigtri_with(rig: Rig, tracks: tuple[object, ...]) -> Rig:

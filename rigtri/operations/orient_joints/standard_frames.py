@@ -53,9 +53,9 @@ def standard_frames(
         if found is None:
             continue
         known = sure_bones(character)
-        bones |= {known[bone]: pair for bone, *pair in _bones(found, pose) if bone in known}  # type: ignore[misc]
+        bones |= {known[bone]: pair for bone, *pair in standard_bones(found, pose) if bone in known}  # type: ignore[misc]
         for chain in (k for k in character.chains if k.kind in ("spine", "neck") and k.is_sure):
-            bones |= dict.fromkeys(chain.joints, (found.up, found.left))
+            bones |= dict.fromkeys(chain.joints, (found.up, cross(found.up, found.ahead)))
         rows = quarter_turn(rig, found)
         axes |= {part.joint: rows for part in character.parts}
         if (rows != np.eye(3)).any():
@@ -74,11 +74,12 @@ def warn_facing(frames: StandardFrames, report: Report) -> None:
         report.warn("facing", text)
 
 
-def _bones(body: Directions, pose: StandardPose) -> Iterator[tuple[str, Floats, Floats]]:
+def standard_bones(body: Directions, pose: StandardPose) -> Iterator[tuple[str, Floats, Floats]]:
     """Bones of the VRM 1.0 humanoid: where they aim, and about what a positive rotation flexes them."""
     left, up, ahead = body
+    lateral = cross(up, ahead)  # names may say left where a body has its right
     for bone in _TRUNK:
-        yield bone, up, left
+        yield bone, up, lateral
     for side, out in (("left", left), ("right", -left)):
         arm, palm, thumb = body.arm(side, pose), body.palm(side, pose), body.thumb(side, pose)
         yield f"{side}Shoulder", out, cross(out, ahead)
@@ -88,11 +89,11 @@ def _bones(body: Directions, pose: StandardPose) -> Iterator[tuple[str, Floats, 
             yield side + bone, arm, cross(arm, palm)
         for bone in THUMB:
             # Its nail faces outwards, a quarter of a turn from those of the fingers.
-            yield side + bone, thumb, cross(ahead, arm) if side == "left" else cross(arm, ahead)
+            yield side + bone, thumb, cross(ahead, arm)
         for bone in ("UpperLeg", "LowerLeg"):
-            yield side + bone, -up, left
+            yield side + bone, -up, lateral
         for bone in ("Foot", "Toes"):
-            yield side + bone, ahead, left
+            yield side + bone, ahead, lateral
 
 
 def quarter_turn(rig: Rig, body: Directions) -> Floats:
