@@ -22,6 +22,8 @@ from .edit_command import edit_command
 from .options import extend_help
 from .text import counted, grown
 
+_HINT = " (the clips of the joints go onto the controls with --to controls)"
+
 
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
@@ -29,7 +31,7 @@ def summary(report: Report) -> str:
     beside = _beside(report)
     if not clips:
         bare = any(notice.code == "no-clips" for notice in report.warnings)
-        nothing = "the file has no clips" if bare else "no clip has keys of controls or constraints"
+        nothing = "the file has no clips" if bare else f"no clip has keys of controls or constraints{_HINT}"
         return "; ".join([nothing, *(beside or ["nothing was baked"])])
     keys, frames = sum(entry["keys"] for entry in clips), sum(entry["frames"] for entry in clips)
     if not keys and not any(entry["keys_before"] for entry in clips):
