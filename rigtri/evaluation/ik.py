@@ -189,6 +189,13 @@ class Ik:
         return to_parts(self.reference.local[node][np.newaxis])
 
     @cached_property
+    def reach_at_rest(self) -> float:
+        """How far the end is from the root while controls are zero, as a share of the limb."""
+        a, b, c = self._points
+        total = float(length(b - a) + length(c - b))
+        return float(length(c - a)) / total if total > 0 else 0.0
+
+    @cached_property
     def start(self) -> Floats:
         """Where the limb's root is, (1, 3), seen from the node above it."""
         return self._own(self.limb.chain[0]).translation
@@ -213,6 +220,7 @@ class Ik:
             side=rotate(turn, rest.side),
             soft=self.limb.soft,
             stretch=self.limb.stretch,
+            at_rest=self.reach_at_rest,
         )
 
     def solved(self, posed: PoseCache, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:

@@ -18,6 +18,10 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 # As shares of the limb: a target nearer than this to the root gives no direction, and a pole nearer than
 # this to the line to the target no side: files hold float32, some nodes deep.
 NOWHERE, ON_LINE = 1e-6, 1e-5
+# A limb that rests this near to straight, as a share of its length, bends by the root of what rounding does
+# to its reach: by 2e-4 radians for 3e-8. Up to how far a target is taken to be where the limb ends at rest,
+# some roundings of float32, and up to how many times that this is felt.
+STRAIGHT, _SETTLES, _FELT = 1e-5, 2e-7, 4.0
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
 BEYOND, _NEWTON = 5.0, 12
 
@@ -45,17 +49,19 @@ def two_bone(
     side: Floats,
     soft: float = 0.0,
     stretch: bool = False,
+    at_rest: float = 0.0,
 ) -> Solved:
     """Solve a limb that starts at ``root``, (f, 3), and whose bones have ``lengths``, (f,) each.
 
     target, pole: (f, 3), in the world. root_to_end, side: (f, 3), what holds where the target stands at
     the root, or the pole on the line to the target. soft: as a share of the limb, how far before
-    it is straight it slows down. stretch: bones grow so that the end reaches the target.
+    it is straight it slows down. stretch: bones grow so that the end reaches the target. at_rest: how far
+    the end is from the root at rest, as a share of the limb.
     """
     first, second = lengths
     total = first + second
     away = target - root
-    distance = length(away)
+    distance = _settled(length(away), total, at_rest)
     near = distance <= NOWHERE * total
     along = np.where(near[..., np.newaxis], normalise(root_to_end), normalise(away))
     reach = np.maximum(_reach(distance, total, soft), np.abs(first - second))
@@ -79,6 +85,17 @@ def two_bone(
         np.maximum(distance - reach * growth, 0.0),
         np.asarray(near | poleless),
     )
+
+
+def _settled(distance: Floats, total: Floats, at_rest: float) -> Floats:
+    """How far off targets are, (f,); of a straight limb those beside where it rests are there."""
+    if at_rest < 1.0 - STRAIGHT:
+        return distance
+    off = distance / total - at_rest
+    beside = np.abs(off)
+    felt = (beside - _SETTLES) * (_FELT / (_FELT - 1.0))
+    settled = at_rest + np.where(off < 0, -1.0, 1.0) * np.maximum(felt, 0.0)
+    return np.where(beside < _FELT * _SETTLES, settled * total, distance)
 
 
 def _reach(distance: Floats, total: Floats, soft: float) -> Floats:

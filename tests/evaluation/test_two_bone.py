@@ -115,3 +115,16 @@ def test_one_is_the_same_as_many():
         one, _, _ = solved(targets[k], poles[k], soft=0.05, stretch=True)
         assert np.array_equal(one.upper[0], many.upper[k])
         assert np.array_equal(one.lower[0], many.lower[k])
+
+
+def test_rounding_of_a_target_does_not_bend_a_limb_that_rests_straight():
+    def bend(share: float, at_rest: float) -> float:
+        _, middle, _ = solved((0, 2.0 - 2.0 * share, 0), (1, 0, 0), at_rest=at_rest)
+        return float(middle[0, 0])
+
+    assert max(bend(share, 1.0) for share in (0.0, 0.5e-7, 1e-7, 1.9e-7)) < 1e-12
+    assert bend(0.5e-7, 0.9) > 1e-4
+    # It is felt without a jump, and a target farther off is reached as ever.
+    steps = np.array([bend(share, 1.0) for share in np.linspace(0, 2e-6, 400)])
+    assert (np.diff(steps) >= 0).all()
+    assert bend(2e-6, 1.0) == bend(2e-6, 0.0)

@@ -25,12 +25,6 @@ REFUSED = {
     "strip": "that motion would be lost",
     "snap": "has no IK end|follows",
 }
-# What moves more than it may, as docs/carrying.md says.
-STRAIGHT = "a limb that is straight bends by the root of what is rounded"
-OPEN = {
-    ("tpose.glb", "control joints", "orient-joints"): STRAIGHT,
-    ("tpose.glb", "control joints", "conform"): STRAIGHT,
-}
 # What the fast run looks at; all others are proofs.
 FEW = ("orient-joints", "add-controls", "mirror", "take-clips, other axes", "pose", "strip")
 FILES = ("tpose.glb", "biped.glb", "biped.usda")
@@ -69,9 +63,6 @@ def test_every_operation_is_among_the_edits() -> None:
 def test_motion_survives_an_edit(
     name: str, thing: str, edit: str, folder: Path, request: pytest.FixtureRequest
 ) -> None:
-    command = edit.split(" ")[0]
-    if why := OPEN.get((name, thing, command)):
-        request.applymarker(pytest.mark.xfail(reason=why, raises=AssertionError, strict=True))
     _hold(SAMPLES / name, thing, edit, folder)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.twist_joints import twist_joints
+from rigtri.evaluation.two_bone_ik import STRAIGHT
 from rigtri.evaluation.zero_pose import SAME_PLACE, FkControl
 from rigtri.export.blender.plan import Plan, Share, frame
 from rigtri.maths.matrices import from_frame, transform_directions, transform_points
@@ -125,9 +126,9 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, s
         pole = plan.socket(f"{title} pole", f"b{base}", from_frame(np.eye(3), root + side), bone=True)
     target = plan.node(ik.limb.control)
     words = [f"b{bone}" for bone in (base, *marks, aim, upper, lower)]
-    plan.triangles.append(
-        {"name": name, "bones": words, "target": target, "pole": pole, "rest": (root + side).tolist()}
-    )
+    about = {"name": name, "bones": words, "target": target, "pole": pole, "rest": (root + side).tolist()}
+    straight = ik.reach_at_rest >= 1.0 - STRAIGHT
+    plan.triangles.append(about | ({"straight": ik.reach_at_rest} if straight else {}))
     return f"b{base}", f"b{upper}", f"b{lower}"
 
 

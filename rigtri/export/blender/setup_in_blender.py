@@ -40,6 +40,8 @@ NAME = "rigtri_name"
 GROUPS = {"root": "Root", "ik": "IK", "pole": "IK", "fk": "FK", "offset": "Offsets"}
 # How much turns of bones may differ from those of the file's joints, in the numbers of a matrix.
 SAME = 1e-2
+# How far, as a share of a straight limb, its target may be from where it rests by Blender's rounding.
+SETTLES = 8e-7
 
 
 class SetupError(Exception):
@@ -787,7 +789,12 @@ class Setup:
         bend.name, bend.target, bend.subtarget = "Pole", *pole
         bend.track_axis, bend.lock_axis = "TRACK_X", "LOCK_Y"
         ends = {"a": (self.solver, first), "c": (self.solver, second), "d": target}
-        for bone, start, square in ((upper, "-", "a*a + d*d - c*c"), (lower, "pi - ", "a*a + c*c - d*d")):
+        far = "d"
+        if "straight" in about:  # but rounding from where it rests: bends by the root of that
+            there = f"{about['straight']:.8g}*(a+c)"
+            far = f"({there} if abs(d-{there})<{SETTLES}*(a+c) else d)"
+        sides = (upper, "-", f"a*a+{far}*{far}-c*c"), (lower, "pi-", f"a*a+c*c-{far}*{far}")
+        for bone, start, square in sides:
             bones[bone].rotation_mode = "XYZ"
             path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].rotation_euler'
             driver = self.solver.driver_add(path, 2).driver
@@ -796,8 +803,8 @@ class Setup:
                 variable.name, variable.type = name, "LOC_DIFF"
                 for each, (thing, part) in zip(variable.targets, ((self.solver, base), end), strict=True):
                     each.id, each.bone_target = thing, part
-            around = f"max(2 * a * {'d' if bone == upper else 'c'}, 1e-12)"
-            driver.expression = f"{start}acos(max(min(({square}) / {around}, 1), -1))"
+            around = f"max(2*a*{far if bone == upper else 'c'},1e-12)"
+            driver.expression = f"{start}acos(max(min(({square})/{around},1),-1))"
 
     def target(self, word: str) -> tuple[Any, str]:
         """The object and bone that a word of the plan means."""
