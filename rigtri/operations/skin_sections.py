@@ -53,11 +53,18 @@ class SkinSections:
         return cut or whole
 
     def _of(self, joint: int) -> Iterator[tuple[_Skinned, Integers]]:
-        """The meshes that have skin of a joint or of its neighbours, and which vertices of each, (v,)."""
+        """The meshes that have skin of a joint or of its neighbours, and which vertices of each, (v,).
+
+        Meshes that are children of a joint are the body where there is no skin; else they are held or worn.
+        """
         joints = [joint, int(self.rig.parents[joint]), *self.rig.children[joint]]
-        for skinned in (mesh for node in joints for mesh in self._by_node.get(node, ())):
-            if skinned.usable:
-                yield skinned, np.arange(len(skinned.points))
+        found = list(self._skin_of(joints))
+        if not found:
+            rigid = (mesh for node in joints for mesh in self._by_node.get(node, ()))
+            found = [(mesh, np.arange(len(mesh.points))) for mesh in rigid if mesh.usable]
+        yield from found
+
+    def _skin_of(self, joints: list[int]) -> Iterator[tuple[_Skinned, Integers]]:
         for skin, meshes in self._by_skin.items():
             rows = [row for k in joints for row in self._rows[skin].get(k, ())]
             for skinned in meshes if rows else ():

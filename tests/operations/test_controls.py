@@ -21,6 +21,7 @@ from rigtri.errors import UsageError
 from rigtri.formats import read
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.declaration import Selection
@@ -421,3 +422,10 @@ def test_limbs_with_ik_have_fk_controls_below_it_though_they_deform_no_vertex(wh
     assert whole or fk == {"thigh_L", "shin_L", "foot_L"}
     again = add_controls(made, options=options)
     assert len(again) == len(made)
+
+
+def test_what_a_hand_holds_does_not_make_its_control_larger() -> None:
+    """The sample's right hand holds a staff, a mesh that is its child."""
+    rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
+    sizes = [rig.records(ControlRecord)[rig.find(f"hand_{side}_ik_ctl")].size for side in "LR"]
+    assert sizes[1] == pytest.approx(sizes[0], rel=1e-4)
