@@ -33,21 +33,23 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
 
     It is a joint of every skin that has the top joint, and moves no point. A joint of the name above the body
     is the root already. In USD the paths of all joints below it begin with it. GeometryError where no body is
-    known, UsageError for a name that is taken, and in USD for a prim of that name above the skeleton.
+    known, UsageError for a name that is taken.
     """
     top = rig.find(options.above) if options.above is not None else _top(rig)
     for node in rig.path_to_root(top):
-        if rig.names[node] == options.name:
-            return rig if rig.is_joint[node] else _made_joint(rig, node, top, report)
-    if options.name in rig.names:
+        if rig.names[node] == options.name and rig.is_joint[node]:
+            return rig
+        # A prim above a skeleton is no joint of it, and can be none: joints are elsewhere, of whatever name.
+        if rig.names[node] == options.name and not rig.rules.sized_binding:
+            return _made_joint(rig, node, top, report)
+    named = [node for node, name in enumerate(rig.names) if name == options.name]
+    if any(rig.is_joint[node] or not rig.rules.sized_binding for node in named):
         raise UsageError(f"--name {options.name}: another node is called so")
     return _with_root(rig, top, options.name, report)
 
 
 def _made_joint(rig: Rig, root: int, top: int, report: Report) -> Rig:
     """The rig with a node above the top joint as a joint of its skins."""
-    if rig.rules.sized_binding:
-        raise UsageError(f"add-root: '{rig.title(root)}' is a prim above the skeleton, and no joint of it")
     report.joints.append(joint_record(rig, root, "added"))
     return replace(rig, skins=_joined(rig.skins, rig, top, root, rig.world[root]))
 

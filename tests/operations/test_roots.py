@@ -84,9 +84,14 @@ def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Pat
     assert np.ptp(places(rigtri.read(moved), "root"), axis=0).max() > 0
 
 
-def test_a_prim_above_a_skeleton_is_not_made_its_root() -> None:
-    with pytest.raises(UsageError, match="is a prim above the skeleton"):
-        rigtri.add_root(rigtri.read(SAMPLES / "biped.usda"), name="figure")
+def test_a_prim_above_a_skeleton_is_not_made_its_root_whatever_its_name(tmp_path: Path) -> None:
+    out, again = tmp_path / "out.usda", tmp_path / "again.usda"
+    cli("add-root", SAMPLES / "biped.usda", "-o", out, "--name", "figure", code=0)
+    rig = rigtri.read(out)
+    assert sorted(rig.is_joint[[k for k, name in enumerate(rig.names) if name == "figure"]]) == [False, True]
+    assert deviation(SAMPLES / "biped.usda", out) < 1e-6
+    cli("add-root", out, "-o", again, "--name", "figure", code=0)
+    assert again.read_bytes() == out.read_bytes()
 
 
 def test_keys_that_hold_a_root_where_it_rests_do_not_hinder(rooted: Path, tmp_path: Path) -> None:
