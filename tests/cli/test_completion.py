@@ -65,7 +65,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_bash_completes(here: Path) -> None:
     asked = """source ./rigtri.bash
         tried() {
-            COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _rigtri_completion rigtri
+            COMP_LINE="$*"; COMP_POINT=${#COMP_LINE}; COMPREPLY=(); _rigtri_completion rigtri
             echo "${COMPREPLY[*]}"
         }
         tried rigtri ori; tried rigtri bake --to ""; complete -p rigtri"""
