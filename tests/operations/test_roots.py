@@ -14,7 +14,7 @@ from program import cli
 from usd_files import deviation
 
 import rigtri
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import read
 from rigtri.model.animation import Track
