@@ -126,8 +126,12 @@ class ScalePolicy:
         for node in refused:
             if self.in_place == "skip":
                 exact[node] = IDENTITY
+        # The one that is farthest off first: of many, only a few are shown.
+        off = {node: float(angle_between(delta[node], exact[node])) for node in refused}
+        for node in sorted(refused, key=lambda node: -round(off[node], 6)):
             aim = _axes_of(styles[node])[0] if node in styles else 0
-            self._warn(node, delta[node], exact[node], aim, report)
+            self._warn(node, delta[node], exact[node], aim, report, refused)
+            refused = []
         return exact
 
     def nearest(self, delta: Floats, styles: Mapping[int, AxisStyle]) -> dict[int, Floats]:
@@ -144,7 +148,10 @@ class ScalePolicy:
         """The nodes whose delta, (n, 4), is not the `nearest` one that they can take."""
         return [node for node, exact in nearest.items() if angle_between(exact, delta[node]) > EXACT]
 
-    def _warn(self, node: int, requested: Floats, got: Floats, aim: int, report: Report) -> None:
+    def _warn(
+        self, node: int, requested: Floats, got: Floats, aim: int, report: Report, alike: list[int]
+    ) -> None:
+        """alike: with the first warning, all nodes that it is of."""
         name, scales = self.rig.title(node), self.scales
         aim_error = np.degrees(angle(to_axes(requested)[aim], to_axes(got)[aim]))
         whole = np.degrees(angle_between(requested, got))
@@ -152,10 +159,14 @@ class ScalePolicy:
         scale, spread = str(first_uneven(self.rig, node, scales)), float(scales.spread[node])
         if scales.same[node] < SAME_SCALE:  # noise, but of something long
             scale += f", by {spread:.2g}, and what hangs there reaches so far that it would be seen"
+        remedy = ""
+        if alike:
+            most = f" It is the farthest off of {len(alike)}." if len(alike) > 1 else ""
+            remedy = f"{most} With --on-nonuniform-scale split, a new parent holds exact axes."
         report.warn(
             "nonuniform-scale",
             f"'{name}' has a scale that is not uniform ({scale}): {what}, its aim is "
-            f"{aim_error:.3f}° and its frame {whole:.3f}° off.",
+            f"{aim_error:.3f}° and its frame {whole:.3f}° off.{remedy}",
             joint=name,
         )
 
