@@ -189,7 +189,7 @@ def _bend(
         return None
     if options.facing is not None:
         _warn_unheard(rig, limb, found, report)
-    return believable(rig, limb, ref.world, found, facing, report)
+    return believable(rig, limb, ref.world, found, facing, report, others=others)
 
 
 def _warn_unheard(rig: Rig, limb: Limb, found: Bend, report: Report) -> None:

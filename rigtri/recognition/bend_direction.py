@@ -32,8 +32,9 @@ BENT = 0.08726646259971647
 AGREEMENT = 0.9
 # From this bend on (the sine of 10°) a pose is the truth about the side …
 CLEAR = 0.17364817766693033
-# … and below it within this of the natural side (the cosine of 60°).
-NATURAL = 0.5
+# … and below it within this of the natural side (the cosine of 60°), from 30° on where its twin is so
+# near to the mirror image.
+NATURAL, MIRRORED = 0.5, 0.8660254037844386
 # Keys looked at per clip; more are thinned out evenly.
 MOST_KEYS = 2000
 # A limb nearer to the facing direction than this (cosine of 45°) is stretched out ahead or back.
@@ -93,9 +94,7 @@ def bend(
     own = _own(rig, limb, world, least_sine, other_pose)
     if own is not None:
         return own
-    twins = [o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}]
-    # Of several characters in a file, the nearest twin is the limb's own.
-    twin = min(twins, key=lambda o: abs(o.start - limb.start), default=None)
+    twin = _twin(limb, others)
     if twin is not None:
         theirs = _own(rig, twin, world, least_sine, other_pose)
         if theirs is not None:
@@ -109,18 +108,38 @@ def bend(
     return None
 
 
+def _twin(limb: Limb, others: Sequence[Limb]) -> Limb | None:
+    """The limb of the other side."""
+    twins = [o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}]
+    # Of several characters in a file, the nearest twin is the limb's own.
+    return min(twins, key=lambda o: abs(o.start - limb.start), default=None)
+
+
 def believable(
-    rig: Rig, limb: Limb, world: Floats, found: Bend, facing: Floats | None, report: Report
+    rig: Rig,
+    limb: Limb,
+    world: Floats,
+    found: Bend,
+    facing: Floats | None,
+    report: Report,
+    *,
+    others: Sequence[Limb] = (),
 ) -> Bend:
     """The bend of a limb, or what limbs of its kind do where it contradicts that and is small.
 
     From 10° on a bend is the truth; below, it is taken within 60° of what knees and elbows do where the
-    body faces ``facing``, (3,). None: nobody knows.
+    body faces ``facing``, (3,), but from 30° on only where it is no noise: where the limb of the other side,
+    one of ``others``, mirrors it. None: nobody knows.
     """
     if facing is None or not limb.kind or found.source not in ("pose", "other side") or found.sine >= CLEAR:
         return found
     natural = _towards(limb, world, -facing if limb.bends_back else facing, "facing", 1.0)
-    if natural is None or dot(found.direction, natural.direction) >= NATURAL:
+    if natural is None:
+        return found
+    near = float(dot(found.direction, natural.direction))
+    if near >= MIRRORED or (
+        near >= NATURAL and _is_mirrored(limb, world, found, natural, _twin(limb, others))
+    ):
         return found
     off = float(np.degrees(angle(found.direction, natural.direction)))
     bent = float(np.degrees(bend_angle(*world[list(limb.triple), 3, :3])))
@@ -134,6 +153,18 @@ def believable(
         geometry=True,
     )
     return natural
+
+
+def _is_mirrored(limb: Limb, world: Floats, found: Bend, natural: Bend, twin: Limb | None) -> bool:
+    """Whether the limb of the other side shows that a small bend is no noise; also where there is none."""
+    if twin is None:
+        return True
+    (theirs,) = in_pose([twin], world)
+    if theirs.sine >= CLEAR:
+        return True  # of a pose in which both sides do different things
+    image = _mirrored(theirs.direction, world[limb.start, 3, :3], world[twin.start, 3, :3])
+    alike = dot(found.direction, image) >= MIRRORED and dot(theirs.direction, natural.direction) >= NATURAL
+    return found.source == "pose" and bool(alike)
 
 
 def facing_along(limb: Floats, facing: Floats, up: Floats) -> Floats:
@@ -222,9 +253,9 @@ def _bent_hinges(limb: Limb, world: Floats) -> Floats:
 
 
 def _mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
-    """A direction of the other side seen in the mirror: across the world axis that parts the sides."""
-    axis = int(np.argmax(np.abs(here - there)))
-    return direction * np.where(np.arange(3) == axis, -1.0, 1.0)
+    """A direction of the other side seen in the mirror: across the line that parts the sides."""
+    line = normalise(here - there)
+    return direction - 2.0 * dot(direction, line)[..., np.newaxis] * line
 
 
 def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:

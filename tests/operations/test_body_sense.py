@@ -11,6 +11,7 @@ from posed_bodies import Pose, PosedBody, posed_body, poses
 
 from rigtri import add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
+from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.report import Report
@@ -178,6 +179,28 @@ def test_a_small_bend_to_an_unnatural_side_is_not_believed() -> None:
         assert ahead < 0 if limb == "arm" else ahead > 0
     assert [notice.code for notice in report.warnings].count("bends-otherwise") == 4
     assert len(out) > len(body.rig)
+
+
+def knees_aside(left: float, right: float) -> Rig:
+    """A body whose knees, bent by 4°, stand so far aside, in metres: each plane 45° out for 0.015."""
+    body = posed_body(Pose(knee=4.0))
+    rig, moved = body.rig, body.rig.translation.copy()
+    for side, aside in (("left", left), ("right", right)):
+        knee, foot = body.parts[f"{side} lower leg"], body.parts[f"{side} foot"]
+        for node, step in ((knee, aside), (foot, -aside)):
+            moved[node] += np.linalg.solve(rig.world[rig.parents[node], :3, :3].T, [step, 0.0, 0.0])
+    rig = replace(rig, translation=moved)
+    binds = inverse(rig.world[rig.skins[0].joints])
+    return replace(rig, skins=(replace(rig.skins[0], inverse_bind=binds),))
+
+
+@pytest.mark.parametrize(("left", "right", "believed"), [(0.015, -0.015, True), (0.015, 0.0, False)])
+def test_a_small_bend_aside_is_believed_where_the_other_side_mirrors_it(
+    left: float, right: float, believed: bool
+) -> None:
+    out = orient_joints(knees_aside(left, right))
+    (hinge,) = hinge_axes(out, "+y")[[out.find("mixamorig:LeftLeg")]]
+    assert (abs(float(hinge[0])) < 0.9) == believed
 
 
 def test_a_clear_bend_is_believed_whatever_is_natural() -> None:

@@ -143,7 +143,8 @@ def _set_limb(
             other_pose=ref.other,
         )
     if found is not None:
-        _set_bend(planes.normals, members, believable(rig, limb, ref.world, found, known, report))
+        believed = believable(rig, limb, ref.world, found, known, report, others=targets.limbs)
+        _set_bend(planes.normals, members, believed)
 
 
 def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body]) -> None:

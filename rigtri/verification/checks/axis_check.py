@@ -328,7 +328,7 @@ class _Seen:
         )
         if found is None:
             return None
-        hinge = believable(self.rig, limb, self.world, found, facing, Report()).hinge
+        hinge = believable(self.rig, limb, self.world, found, facing, Report(), others=self.limbs).hinge
         axes = self.axes[limb.middle] * self.turning[limb.middle]
         signed = product((k for k in range(3) if k != aim[0]), (1.0, -1.0))
         return {(k, s) for k, s in signed if s * dot(axes[k], hinge) > FLEXES}
