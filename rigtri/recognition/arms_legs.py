@@ -31,7 +31,7 @@ _IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
 _DOUBT = 0.25
 # Of a body of many legs it has to be so sure before any side is given.
-_SEEN = 0.6
+_SEEN = 0.5
 # Another way to see the body that is as good as this speaks against both.
 _CLOSE = 0.04
 # A pair of legs or of arms alone is never surer than this by its shape.
