@@ -237,7 +237,7 @@ LOST = {
 def test_a_base_that_is_lost_hides_nothing_and_makes_nothing_up(base: str, tmp_path: Path) -> None:
     write(tmp_path, "steps: [\n", "broken.yaml")
     text = f"extends: {base}\nsteps:\n- {{do: orient-joints, aim: q, joints: ['${{side}}', hed]}}\n"
-    found = faults(write(tmp_path, text + "- {do: constrain, child: hips}\n"))
+    found = faults(write(tmp_path, text + "- {do: add-socket, on: hips}\n"))
     assert [place[0] for place in found][1:] == [3, 3]
     assert LOST[base] in next(iter(found.values()))
     assert "'hed'" in list(found.values())[-1]

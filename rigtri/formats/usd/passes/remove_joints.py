@@ -8,7 +8,6 @@ from itertools import islice
 
 import numpy as np
 
-from rigtri.errors import UsageError
 from rigtri.formats.usd.composition.stage import refuse, why_instanced
 from rigtri.formats.usd.opinions.edits import Edit, remove_prim, remove_properties, set_tokens
 from rigtri.formats.usd.opinions.skeleton_edits import (
@@ -18,7 +17,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
     set_array,
     set_joints,
 )
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, changed_besides
 from rigtri.formats.usd.reading.animation_reader import PROPERTIES, Animation
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
@@ -62,14 +61,6 @@ def _remove_rows(edit: UsdEdit) -> None:
     if edits:
         edit.rig = replace(rig, skins=tuple(skins))
         edit.removals += edits
-
-
-def changed_besides(path: str) -> UsageError:
-    """The error for a skeleton that loses joints, and whose other joints change in the same edit."""
-    return UsageError(
-        f"Joints were taken out of <{path}>, and others of it were added or changed in the same edit: write "
-        "the file after each of the two"
-    )
 
 
 def _without_rows(source: Source, skeleton: Skeleton, keep: Booleans) -> Iterator[Edit]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from pxr import Sdf
 
+from rigtri.errors import UsageError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.opinions.composition_check import Expected
@@ -107,6 +108,14 @@ def new_above(rig: Rig) -> dict[int, int]:
             if rig.keys[joint] is not None and above in skin.joints and rig.keys[above] is None:
                 found[joint] = above
     return found
+
+
+def changed_besides(path: str) -> UsageError:
+    """The error for a skeleton that loses joints, and whose other joints change in the same edit."""
+    return UsageError(
+        f"Joints were taken out of <{path}>, and others of it were added or changed in the same edit: write "
+        "the file after each of the two"
+    )
 
 
 def resting(track: Track, rig: Rig) -> Track:

@@ -15,8 +15,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.opinions.edits import Edit, set_tokens
 from rigtri.formats.usd.opinions.joint_influences import ORDER
 from rigtri.formats.usd.opinions.skin_influences import check_editable, read_influences, set_influences
-from rigtri.formats.usd.passes.remove_joints import changed_besides
-from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.passes.usd_edit import UsdEdit, changed_besides
 from rigtri.formats.usd.reading.mesh_reader import seen_at_start
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.maths.matrices import transform_points
