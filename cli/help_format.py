@@ -86,6 +86,18 @@ option: Callable[..., Callable[[Any], Any]] = partial(click.option, cls=Option)
 class Command(click.Command):
     """A command whose options stand in groups; rare ones only in its whole help."""
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        words = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.MissingParameter as error:
+            left = self.make_parser(ctx).parse_args(words)[1]
+            if left and error.param is not None and isinstance(error.param, click.Option):
+                flag = error.param.opts[0]
+                asked = f"Missing option '{flag}'. Did you mean {flag} {left[0]}?"
+                raise click.UsageError(asked, ctx) from None
+            raise
+
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         for title, rows in option_groups(self, ctx):
             with formatter.section(title):

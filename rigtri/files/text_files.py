@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.text import and_more
 
 # The axes of a million joints take less, and so does a list of a million files.
 MOST_BYTES = 1 << 28
@@ -31,7 +32,13 @@ def check_plain(path: Path | str, what: str = "") -> Path:
             raise FileError(f"{name} is a device or a pipe; give a plain file")
     except (OSError, ValueError) as error:  # a name that no file can have
         raise FileError(f"{name} cannot be read: {getattr(error, 'strerror', error)}") from error
-    raise FileError(f"There is no file {path}{f' ({what})' if what else ''}")
+    if (scheme := path.parts[0] if path.parts else "").endswith(":") and len(scheme) > 2:  # no drive
+        address = f"{scheme}//{'/'.join(path.parts[1:])}"
+        raise FileError(f"{address} is no file here: fetch it, or give it to rigtri batch")
+    near = [] if path.suffix or not path.parent.is_dir() else sorted(path.parent.iterdir())
+    alike = [each.name for each in near if each.stem == path.name]
+    meant = f". Did you mean {and_more(alike, 4)}?" if alike else ""
+    raise FileError(f"There is no file {path}{f' ({what})' if what else ''}{meant}")
 
 
 def check_no_pointer(path: Path) -> None:

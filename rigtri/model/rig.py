@@ -80,8 +80,10 @@ class Rig(NodeNames):
     source: RigSource | None = None
 
     def __repr__(self) -> str:
-        counts = (len(self), int(np.count_nonzero(self.is_joint)), len(self.skins), len(self.clips))
-        return "<Rig: {} nodes, {} joints, {} skins, {} clips>".format(*counts)
+        joints = int(np.count_nonzero(self.is_joint))
+        counts = {"node": len(self), "joint": joints, "skin": len(self.skins), "clip": len(self.clips)}
+        words = (f"{count} {word}" + "s" * (count != 1) for word, count in counts.items())
+        return f"<Rig: {', '.join(words)}>"
 
     @property
     def meshes(self) -> Sequence[Mesh]:

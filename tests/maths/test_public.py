@@ -37,7 +37,7 @@ def test_a_module_has_a_page_and_is_an_attribute_of_rigtri(module: ModuleType) -
 
 def test_a_rig_and_what_is_bound_to_it_are_one_line_each() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
-    assert repr(rig) == "<Rig: 30 nodes, 23 joints, 1 skins, 2 clips>"
+    assert repr(rig) == "<Rig: 30 nodes, 23 joints, 1 skin, 2 clips>"
     assert repr(rig.skins[0]) == "<Skin 'biped': 23 joints>"
     assert repr(rig.clips[0]) == "<Clip 'walk': 24 tracks>"
     assert [repr(mesh) for mesh in rig.meshes] == [
