@@ -24,7 +24,7 @@ from rigtri.maths.matrices import inverse
 from rigtri.maths.matrices import multiply as matrices
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.animation import Clip, Interpolation, Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
@@ -759,3 +759,22 @@ def test_a_usd_rig_takes_its_controls_home_and_bakes_them_to_joints(tmp_path: Pa
     far = {name: float(np.abs(mine[name] - its[name]).max()) for name in mine}
     assert {name for name, apart in far.items() if apart > 1e-6} == {"forearm_L", "hand_L", "fingers_L"}
     assert far["hand_L"] > 0.05
+
+
+@pytest.mark.parametrize("now", ["LINEAR", "CUBICSPLINE"])
+@pytest.mark.parametrize("gap", [0.25, 0.04])
+def test_few_keys_with_another_interpolation_are_an_edit_and_frames_of_a_dcc_are_none(
+    gap: float, now: Interpolation
+) -> None:
+    rig = rig_of(BIPED)
+    node = rig.find("forearm_L")
+    times = np.arange(5) * gap
+    turns = multiply(from_axis_angle((1.0, 0.0, 0.0), 4.0 * times), rig.rotation[node])
+    smooth = np.stack([np.zeros_like(turns), turns, np.zeros_like(turns)], axis=1)
+    tracks = (
+        Track(node, "rotation", "STEP", times, turns),
+        Track(node, "rotation", now, times, smooth if now == "CUBICSPLINE" else turns),
+    )
+    ours, theirs = (replace(rig, clips=(replace(rig.clips[0], tracks=(each,)),)) for each in tracks)
+    (found,) = take_clips(ours, from_=theirs, report=Report()).clips[0].tracks
+    assert found.interpolation == (now if gap > 0.1 else "STEP")

@@ -1,7 +1,7 @@
 """Whether two tracks give the same motion, within what a DCC's arithmetic and sampling change.
 
 A DCC writes its own keys: one a frame, with quaternions that it has interpolated number by number.
-So two tracks are compared at the keys of the edited one.
+So two tracks are compared at the keys of the edited one, and between them where no DCC has made these.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ MISSED = 1e-4
 _ONE_KEY, _FRAME = 1e-2, 1.0 / 24.0
 # Gaps between keys this much longer than a frame were made by hand.
 _GAP = 1.5
+# Seconds between keys that no DCC has sampled: none shows fewer than ten frames in a second.
+_BY_HAND = 0.1
 # Exporters leave out all keys between the first and the last where no number moves by more than this,
 # in EDITED's units: Blender's does, unless it is set to keep them.
 _STILL = 1e-4
@@ -79,7 +81,8 @@ def _off(was: Track, now: Track, missed: float) -> Floats:
 def differing(was: Track, now: Track, bound: Floats) -> Booleans:
     """The keys, (k,), at which a track differs; of splines also beside a curve that does."""
     found = ~(off(was, now) <= bound)  # what a flat matrix says, NaN, is no motion at all
-    if was.interpolation == now.interpolation == "CUBICSPLINE" and len(now.times) > 1:
+    splines = was.interpolation == now.interpolation == "CUBICSPLINE" and len(now.times) > 1
+    if splines or reinterpolated(was, now):
         for share in (0.25, 0.5, 0.75):
             between = now.times[:-1] + share * np.diff(now.times)
             far = differences(now.path, sample(now, between), sample(was, between))
@@ -87,6 +90,15 @@ def differing(was: Track, now: Track, bound: Floats) -> Booleans:
             found[:-1] |= bent
             found[1:] |= bent
     return np.asarray(found)
+
+
+def reinterpolated(was: Track, now: Track) -> bool:
+    """Whether a track has the keys of the other, few as a hand makes them, with another interpolation."""
+    if was.interpolation == now.interpolation or not 1 < len(was.times) == len(now.times):
+        return False
+    return bool(
+        np.abs(was.times - now.times).max() <= MISSED and float(np.median(np.diff(now.times))) > _BY_HAND
+    )
 
 
 def _straight(track: Track, times: Floats) -> Floats:
@@ -175,6 +187,8 @@ def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) 
     dropped: it may as well have replaced the tangents alone. None where it is off at its keys too, or farther
     between them than curves through the same keys go.
     """
+    if reinterpolated(was, now):
+        return None
     if dropped and now.interpolation == "CUBICSPLINE" and len(now.times) > 2:
         shares = (0.25, 0.5, 0.75)
         between = [now.times[:-1] + share * np.diff(now.times) for share in shares]
