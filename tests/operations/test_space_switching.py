@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from places import SAMPLES
+from program import cli
 from rigs import rig_of
 
 import rigtri
@@ -192,3 +193,9 @@ def test_strip_takes_switches_out(tmp_path: Path) -> None:
     rigtri.write(rigtri.strip(rigtri.read(out)), back)
     assert rigtri.read(back).names == source.names
     assert [len(c.tracks) for c in rigtri.read(back).clips] == [len(c.tracks) for c in source.clips]
+
+
+def test_a_switch_outside_of_its_clip_is_refused() -> None:
+    words = ["--child", "hand_L", "--space", "hips", "--space", "chest", "--switch", "walk@99=chest"]
+    told = cli("constrain", SAMPLES / "biped.glb", "-n", *words, code=2).stderr
+    assert "clip 'walk' runs from 0 to 1" in told

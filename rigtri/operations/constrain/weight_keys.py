@@ -24,6 +24,8 @@ from rigtri.model.constraints import Constraint
 from rigtri.model.rig import Rig
 from rigtri.operations.options.constrain import ConstrainOptions, check_weight
 
+# By so much a time may be rounded, in seconds.
+_MISSED = 1e-4
 _LETTERS = {"t": "translation", "s": "scale"}
 
 
@@ -62,9 +64,21 @@ def requested_keys(
     found += _from_channels(rig, rule, words, options.weight_from)
     homes = [keys.timeline.members for keys in found]
     for keys in found:
+        _check_range(keys)
         if homes.count(keys.timeline.members) > 1:
             raise UsageError(f"clip '{keys.timeline.name}' gets weights from more than one option; give one")
     return found
+
+
+def _check_range(keys: WeightKeys) -> None:
+    """UsageError for keys outside of their clip, which would make it longer."""
+    first, last = times_within(keys.timeline, None)[[0, -1]].tolist()
+    outside = [time for time in keys.times.tolist() if not first - _MISSED <= time <= last + _MISSED]
+    if outside:
+        raise UsageError(
+            f"clip '{keys.timeline.name}' runs from {first:.6g} to {last:.6g}: it has no time "
+            f"{outside[0]:.6g} at which a weight could change"
+        )
 
 
 def _from_file(rig: Rig, words: Sequence[str], content: Any) -> Iterator[WeightKeys]:
