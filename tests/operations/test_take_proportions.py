@@ -12,7 +12,8 @@ from rigs import chain
 from taken_clips import notices, places, rig_of
 
 from rigtri.errors import GeometryError
-from rigtri.maths.matrices import inverse
+from rigtri.maths.matrices import compose, decompose, inverse
+from rigtri.maths.matrices import multiply as multiply_matrices
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
@@ -22,6 +23,8 @@ from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
 TIMES = np.linspace(0.0, 1.0, 9)
+# As FBX lays the node above a skeleton: on its back, in centimetres.
+LAID = from_axis_angle([1.0, 0.0, 0.0], -np.pi / 2.0), np.full(3, 0.01)
 LEGS = ("shin_L", "foot_L", "shin_R", "foot_R")
 BODIES = {
     "longer legs": dict.fromkeys(LEGS, 1.5),
@@ -223,6 +226,45 @@ def test_a_root_that_is_bound_elsewhere_leaves_feet_on_the_ground(ours: float, t
     assert taken is not rig
     for time, found in zip(TIMES, places(taken, "walk", TIMES)["d"], strict=True):
         np.testing.assert_allclose(found, places(edited, "walk", np.array([time]))["d"][0], atol=1e-6)
+
+
+@pytest.mark.parametrize("shown", [0, 1])
+@pytest.mark.parametrize("keyed", [True, False])
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (0.0, 0.5, 0.0)])
+def test_a_node_above_that_rests_otherwise_puts_the_body_where_edited_has_it(
+    place: tuple[float, float, float], keyed: bool, shown: int
+) -> None:
+    """FBX lays it on its back, in centimetres. Before, a character was a metre beside, without a word."""
+    rig = replace(rig_of(), clips=())
+    hips, parts = 1, [rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()]
+    lies = compose(np.array(place), *((np.array([0, 0, 0, 1.0]), np.ones(3)) if any(place) else LAID))
+    for node, local in (0, lies), (hips, multiply_matrices(rig.local[hips], inverse(lies))):
+        for values, part in zip(parts, decompose(local), strict=True):
+            values[node] = part
+    ours = replace(rig, translation=parts[0], rotation=parts[1], scale=parts[2])
+    times = np.array([0.0, 1.0])
+    ways, turns = np.array([[0, 0, 0], [1.0, 0, 2]]), np.array([[0, 0, 0, 1], [0, 0.28, 0, 0.96]])
+    tracks = [Track(0, "translation", "LINEAR", times, ways), Track(0, "rotation", "LINEAR", times, turns)]
+    if keyed:
+        bob = rig.translation[hips] + [[0, 0, 0], [0, 0.1, 0]]
+        tracks.append(Track(hips, "translation", "LINEAR", times, bob))
+    resting, turned = rig.translation.copy(), rig.rotation.copy()
+    resting[0], turned[0] = ways[shown], turns[shown]  # the frame that the DCC has shown
+    edited = replace(rig, translation=resting, rotation=turned, clips=(Clip("walk", tuple(tracks), 0),))
+    home = take_clips(ours, from_=edited)
+    theirs = places(edited, "walk", times)
+    for name, found in places(home, "walk", times).items():
+        np.testing.assert_allclose(found, theirs[name], atol=1e-5)
+
+
+def test_a_body_that_only_keys_of_the_rig_place_below_a_moved_node_is_refused() -> None:
+    rig = rig_of()
+    times, translation = np.array([0.0, 1.0]), rig.translation.copy()
+    track = Track(0, "translation", "LINEAR", times, np.array([[0, 0, 0], [1.0, 0, 2]]))
+    translation[1] += [0.0, 0.0, 0.5]
+    edited = replace(rig, translation=translation, clips=(Clip("walk", (track,), 0),))
+    with pytest.raises(GeometryError, match="EDITED moves 'biped', but has no keys of where 'hips' is"):
+        take_clips(rig, from_=edited)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 48.0, 80.0])

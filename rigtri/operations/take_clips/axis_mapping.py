@@ -223,10 +223,40 @@ class Counterparts:
             return self._bound[node]
         theirs, between = self.of[node], self.between(node)
         drawn = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
-        posed = theirs in self.moving and not self.other.is_joint[theirs]
-        if posed or not np.isfinite(drawn).all():
+        if not np.isfinite(drawn).all():
             return self._inherited(node, between)
+        if theirs not in self.moving or self.other.is_joint[theirs]:
+            return drawn
+        turned, in_place = self._rests_alike(node)
+        if not turned:
+            return self._inherited(node, between)
+        if not in_place:
+            drawn[3, :3] = 0.0
         return drawn
+
+    def _rests_alike(self, node: int) -> tuple[bool, bool]:
+        """Whether the bound joints that a node carries rest alike in both worlds: their axes, and places.
+
+        Then the node itself does, too: the frame that the DCC has shown is that of RIG's rest.
+        """
+        joints = [
+            n
+            for n in self._tops
+            if node in self.rig.path_to_root(n) and self.of[node] in self.other.path_to_root(self.of[n])
+        ]
+        if not joints:
+            return False, False
+        ours, theirs = self.rig.world[joints], self.other.world[[self.of[n] for n in joints]]
+        seen = multiply(multiply([self._bound[n] for n in joints], theirs), self.space)
+        sizes = length(ours[:, :3, :3])[..., np.newaxis]
+        turned = (np.abs(ours - seen)[:, :3, :3] <= SAME_TURN * sizes).all()
+        in_place = (length(ours[:, 3, :3] - seen[:, 3, :3]) <= OTHER_SHAPE * self.size).all()
+        return bool(turned), bool(turned and in_place)
+
+    @cached_property
+    def _tops(self) -> list[int]:
+        """The topmost of the joints that a skin of each file holds."""
+        return [n for n in self._bound if not self._bound.keys() & set(self.rig.path_to_root(n)[1:])]
 
     def _inherited(self, node: int, between: Floats) -> Floats:
         """C of the nearest node above that both files have, of a size that makes scales at rest alike."""

@@ -147,6 +147,8 @@ class Proportions:
         if places is None:
             return _scaled(self.body, np.zeros(3))
         ours, theirs = places
+        # A node above that rests otherwise in the two files makes places differ in its axes alone.
+        apart = float(length(ours - transform_points(theirs, both.space)))
         above = both.line(node)[2]
         if above >= 0:
             ours = transform_points(ours, inverse(both.rig.world[above]))
@@ -154,7 +156,7 @@ class Proportions:
         seen = transform_points(theirs, inverse(both.turns[above]) if above >= 0 else both.space)
         offset = ours - self.body * seen
         unit = float(length(both.rig.world[above, 0, :3])) if above >= 0 else 1.0
-        if self.body == 1.0 and not float(length(offset)) * unit > OTHER_SHAPE * both.size:
+        if self.body == 1.0 and not min(apart, float(length(offset)) * unit) > OTHER_SHAPE * both.size:
             return None
         return _scaled(self.body, offset if np.isfinite(offset).all() else np.zeros(3))
 

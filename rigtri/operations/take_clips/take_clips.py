@@ -16,7 +16,8 @@ from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances
 from rigtri.evaluation.timelines import put_tracks, timelines
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import PATHS, Clip, Track
+from rigtri.maths.vectors import length
+from rigtri.model.animation import PATHS, Clip, Track, key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
@@ -43,7 +44,7 @@ from rigtri.operations.take_clips.messages import (
 )
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
+from rigtri.operations.take_clips.proportions import SHORT, Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton, warn_unsure_axes
 from rigtri.operations.take_clips.time_ranges import Ranges
@@ -174,8 +175,8 @@ class _Taking:
         for node in sorted({node for node, path in self.seen.tracks if node in left and path in PATHS}):
             self._keep(node, ())
         self._take_morphs()
+        self._rest_of_joints()
         if home is None:
-            self._rest_of_joints()
             rig = self._with_new_clip()
         else:
             self._one_range()
@@ -264,18 +265,41 @@ class _Taking:
         return rest_parts(rig, node)[track.path]
 
     def _rest_of_joints(self) -> None:
-        """In a new clip, joints that EDITED leaves at its bind pose, which is not RIG's rest."""
-        start = np.array([span(self.taken.clip)[0]])
-        for node in sorted(self.both.of):
-            theirs = self.both.of[node]
-            if theirs in self.transfer.driven or not (
-                self.rig.is_joint[node] and self.both.other.is_joint[theirs]
-            ):
+        """Joints where EDITED leaves them without keys, which is not RIG's rest.
+
+        In a new clip all without any; and in every clip what hangs on a node that EDITED moves and that is no
+        joint: its axes may be others than in RIG, and only keys say where in these the body is.
+        """
+        both, start = self.both, np.array([span(self.taken.clip)[0]])
+        for node in sorted(both.of):
+            theirs, above = both.of[node], both.line(node)[2]
+            if not (self.rig.is_joint[node] and both.other.is_joint[theirs]):
+                continue
+            own = self.transfer.driven.get(theirs, {})
+            hangs = above >= 0 and not self.rig.is_joint[above] and both.of[above] in self.transfer.driven
+            if self.transfer.is_carried(node) or not (hangs or (self.taken.home is None and not own)):
                 continue
             parts = to_parts(self.transfer.still(node)[np.newaxis])
             for path, values in zip(PATHS, parts, strict=True):
-                if np.isfinite(values).all():
+                if path in own or not np.isfinite(values).all():
+                    continue
+                if (old := self._old(node, path)) is None:
                     self._add(self._fresh(Track(node, path, "STEP", start, values)))
+                elif path == "translation":
+                    self._refuse_elsewhere(old, values[0])
+
+    def _refuse_elsewhere(self, old: Track, place: Floats) -> None:
+        """GeometryError where EDITED holds a joint, (3,), where none of RIG's keys is, which would stay."""
+        keys, node = key_values(old), old.node
+        off = place - np.clip(place, keys.min(axis=0), keys.max(axis=0))
+        unit = float(length(self.rig.world[self.rig.parents[node], 0, :3]))
+        if float(length(off)) * unit > SHORT * self.both.size:
+            above = self.rig.title(self.both.line(node)[2])
+            raise GeometryError(
+                f"EDITED moves '{above}', but has no keys of where '{self.rig.title(node)}' is below it, "
+                "and holds it where none of RIG's keys does: with these it would be elsewhere than in "
+                f"EDITED. Key its location in EDITED, or --clip without '{self.taken.name}'"
+            )
 
     # --- morphs
 
