@@ -63,7 +63,7 @@ def oriented(source: Path, target: Path) -> Path:
 def misplaced(rig: Rig, at: str, shown: dict[str, list[float]]) -> float:
     """How far three.js has any joint from where rigtri has it at a moment, as a share of the rig's size."""
     timeline, time = timeline_and_time(rig, at)
-    local = None if timeline is None else locals_at(rig, timeline.clip, [time])
+    local = rig.local if timeline is None else locals_at(rig, timeline.clip, [time])
     world = worlds(rig, local).reshape(-1, 4, 4)
     joints = np.flatnonzero(rig.is_joint)
     there = np.array([shown[rig.path(int(joint))] for joint in joints]).reshape(-1, 4, 4)
