@@ -18,6 +18,7 @@ from rigtri.formats.gltf.scene_facts import LIGHTS, VISIBILITY
 from rigtri.maths.matrices import compose, decompose, multiply
 from rigtri.maths.quaternions import from_axes, unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length, normalise
 from rigtri.model.animation import Clip
 from rigtri.model.mesh import Mesh
 
@@ -194,7 +195,7 @@ class GltfWriter:
         return self._skins[key]
 
     def _clip(self, clip: Clip) -> dict[str, Any]:
-        samplers: list[dict[str, Any]] = []
+        samplers: dict[tuple[int, int, str], int] = {}
         channels = []
         for track in clip.tracks:
             node = int(self.index[track.node])
@@ -202,16 +203,13 @@ class GltfWriter:
                 continue
             values = unit(track.values) if track.path == "rotation" else track.values
             rows = np.clip(values.astype(np.float32), -1.0, 1.0) if track.path == "rotation" else values
-            sampler = {
-                "input": self.buffer.accessor(track.times, bounds=True),
-                "output": self.buffer.accessor(rows.reshape(-1) if track.path == "weights" else rows),
-                "interpolation": track.interpolation,
-            }
-            if sampler not in samplers:
-                samplers.append(sampler)
-            target = {"node": node, "path": track.path}
-            channels.append({"sampler": samplers.index(sampler), "target": target})
-        return {"name": clip.name, "samplers": samplers, "channels": channels}
+            times = self.buffer.accessor(track.times, bounds=True)
+            output = self.buffer.accessor(rows.reshape(-1) if track.path == "weights" else rows)
+            number = samplers.setdefault((times, output, track.interpolation), len(samplers))
+            channels.append({"sampler": number, "target": {"node": node, "path": track.path}})
+        words = "input", "output", "interpolation"
+        listed = [dict(zip(words, sampler, strict=True)) for sampler in samplers]
+        return {"name": clip.name, "samplers": listed, "channels": channels}
 
     def _lenses(self) -> None:
         for node, camera in self.scene.cameras.items():
@@ -227,9 +225,7 @@ class GltfWriter:
 
 def _normalised(normals: Floats) -> Floats:
     """Unit normals; what has no length points up."""
-    size = np.sqrt(normals[:, 0] ** 2 + normals[:, 1] ** 2 + normals[:, 2] ** 2)[:, np.newaxis]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(size > 0, normals / size, [0.0, 1.0, 0.0])
+    return np.where((length(normals) > 0)[:, np.newaxis], normalise(normals), [0.0, 1.0, 0.0])
 
 
 def _camera(camera: Camera) -> dict[str, Any]:

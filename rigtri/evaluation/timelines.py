@@ -83,23 +83,25 @@ def chosen_timelines(rig: Rig, patterns: Sequence[str]) -> list[Timeline]:
 
     Raises NameNotFoundError for a glob that matches none.
     """
-    every, shown = timelines(rig), rig.shown_clips
-    names = {clip.name for clip in shown}
+    every = timelines(rig)
     found: list[Timeline] = []
     for pattern in patterns:
-        hits = [
-            t
-            for t in every
-            if any(
-                pattern in (rig.clips[k].name, f"#{k}")
-                or (pattern not in names and fnmatchcase(rig.clips[k].name, pattern))
-                for k in t.members
-            )
-        ]
+        matching = matching_clips(rig, pattern)
+        hits = [t for t in every if not matching.isdisjoint(t.members)]
         if not hits:
-            raise NameNotFoundError("clip", pattern, [clip.name for clip in shown])
+            raise NameNotFoundError("clip", pattern, [clip.name for clip in rig.shown_clips])
         found += [t for t in hits if t not in found]
     return found if patterns else every
+
+
+def matching_clips(rig: Rig, pattern: str) -> set[int]:
+    """The numbers of the clips that a glob matches, by name or ``#NUMBER``; a clip's own name is no glob."""
+    named = any(clip.name == pattern for clip in rig.shown_clips)
+    return {
+        k
+        for k, clip in enumerate(rig.clips)
+        if pattern in (clip.name, f"#{k}") or (not named and fnmatchcase(clip.name, pattern))
+    }
 
 
 def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:

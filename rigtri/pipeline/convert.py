@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rigtri.errors import DeviationError, NameNotFoundError, UsageError
-from rigtri.files import temp_dirs
+from rigtri.evaluation.timelines import matching_clips
 from rigtri.files.input_stream import opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
 from rigtri.formats import read
@@ -21,7 +18,7 @@ from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
 from rigtri.formats.registry import need_usd
 from rigtri.model.rig import Rig
 from rigtri.operations.options.convert import ConvertOptions
-from rigtri.pipeline.edit import EditRequest, Outcome
+from rigtri.pipeline.edit import Clock, EditRequest, Outcome, allowed_target, working_folder
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.across import compare_converted
@@ -52,7 +49,7 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
     clip that is not there, and with ``strict`` GeometryError for anything that is lost.
     """
     need_usd()
-    laps, start = {}, time.perf_counter()
+    clock = Clock()
     with opened(request.source) as path:
         final = _checked(path, request)
         begin_stage("read")
@@ -61,20 +58,20 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
         check_not_an_input(final, [(path, "the input"), *needed])
         conversion = _conversion(document, path, options)
         rig = _chosen(conversion.rig, options.clip)
-        laps["read"] = time.perf_counter() - start
-        with _folder(final, request) as folder:
+        clock.lap("read")
+        with working_folder(final, request) as folder:
             written = StagedOutput(folder / final.name, request.overwrite, needed)
             try:
                 begin_stage("write")
                 with as_file_error(written.final):
                     for companion in conversion.write(rig, written.part, written.final):
                         written.add(companion)
-                laps["write"] = time.perf_counter() - start - laps["read"]
+                clock.lap("write")
                 found = None
                 if request.verify:
                     begin_stage("verify")
                     found = compare_converted(conversion.compared(written.part))
-                    laps["verify"] = time.perf_counter() - start - laps["write"] - laps["read"]
+                    clock.lap("verify")
                 report.extend(document.warnings)
                 report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)
                 if found is not None and not found.passes(request.tolerance):
@@ -84,10 +81,10 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                     report.refuse_warnings()
                 if request.is_kept:
                     written.finish()
-            except BaseException:
+            except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
-            return Outcome(report, found, not request.dry_run, True, laps, rig, (path,))
+            return Outcome(report, found, not request.dry_run, True, clock.laps, rig, (path,))
 
 
 def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:
@@ -139,27 +136,17 @@ def _checked(path: Path, request: EditRequest) -> Path:
             f"{final.name}: convert writes {path.suffix} files as {', '.join(allowed)}; a command that "
             "edits, such as orient-joints, keeps the format"
         )
-    if final.exists() and not request.overwrite:
-        raise UsageError(f"{final} exists; it is replaced only with --overwrite")
-    return final
+    return allowed_target(final, path, request.overwrite)
 
 
 def _chosen(rig: Rig, globs: Sequence[str]) -> Rig:
     """The rig with the clips that were asked for."""
     if not globs:
         return rig
+    chosen: set[int] = set()
     for glob in globs:
-        if not any(fnmatchcase(clip.name, glob) for clip in rig.clips):
+        found = matching_clips(rig, glob)
+        if not found:
             raise NameNotFoundError("clip", glob, [clip.name for clip in rig.clips], pattern=True)
-    kept = tuple(clip for clip in rig.clips if any(fnmatchcase(clip.name, glob) for glob in globs))
-    return replace(rig, clips=kept)
-
-
-@contextmanager
-def _folder(final: Path, request: EditRequest) -> Iterator[Path]:
-    """Where the output is made: its own folder, or one for the meantime where nothing is to be written."""
-    if request.is_kept:
-        yield final.parent
-        return
-    with temp_dirs.folder() as folder:
-        yield Path(folder)
+        chosen |= found
+    return replace(rig, clips=tuple(clip for k, clip in enumerate(rig.clips) if k in chosen))

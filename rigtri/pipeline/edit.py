@@ -114,7 +114,7 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
     Raises FileError for anything that cannot be read or written, UsageError for an existing
     target without ``overwrite``, and for a target or side file that the source refers to.
     """
-    clock = _Clock()
+    clock = Clock()
     begin_stage("read")
     with opened(request.source) as path:
         spooled = request.options.from_stream or str(request.source) == "-"
@@ -132,7 +132,7 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         _check_order(rig)
         _take_warnings(document, report, request.strict)
         clock.lap("edit")
-        with _folder(final, request) as folder:
+        with working_folder(final, request) as folder:
             shared = request.ready is not None
             written = StagedOutput(
                 folder / final.name, request.overwrite, needed, request.ahead, shared=shared
@@ -178,7 +178,7 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
         layer = options.is_override and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
     with as_file_error(Path(request.target)):
-        final = _allowed(destination(Path(request.target)), path, request.overwrite)
+        final = allowed_target(destination(Path(request.target)), path, request.overwrite)
     fits = output_suffixes(path, options)  # writers know it more closely, when the file has been read
     if fits and final.suffix.lower() not in fits:
         what = "an override is a layer" if options.is_override else "the output has the format of the input"
@@ -249,7 +249,7 @@ def _deliver(
     written: StagedOutput,
     request: EditRequest,
     report: Report,
-    clock: _Clock,
+    clock: Clock,
 ) -> Comparison | None:
     """Write the part, re-open it, compare it with the source."""
     begin_stage("write")
@@ -334,7 +334,7 @@ def _left_behind(
     ]
 
 
-def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
+def allowed_target(final: Path, path: Path, overwrite: bool) -> Path:
     """``final``, if a result of ``path`` may be written there."""
     if final.is_dir():
         raise UsageError(f"{final} is a folder; give the name of the output file")
@@ -349,7 +349,7 @@ def _allowed(final: Path, path: Path, overwrite: bool) -> Path:
 
 
 @contextmanager
-def _folder(final: Path, request: EditRequest) -> Iterator[Path]:
+def working_folder(final: Path, request: EditRequest) -> Iterator[Path]:
     """Where the part is written: beside the target, or in a folder that is thrown away."""
     if request.is_kept:
         yield final.parent
@@ -358,7 +358,7 @@ def _folder(final: Path, request: EditRequest) -> Iterator[Path]:
         yield Path(folder)
 
 
-class _Clock:
+class Clock:
     """Seconds per stage."""
 
     def __init__(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -222,3 +223,16 @@ def test_a_broken_reference_is_an_error_of_the_file(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cameras"):
         rigtri.convert(path, tmp_path / "out.usda")
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_clip_is_chosen_by_its_number_and_by_a_name_that_could_be_a_glob(
+    samples: Path, tmp_path: Path
+) -> None:
+    source, out, written = tmp_path / "in.gltf", tmp_path / "out.usda", []
+    source.write_text((samples / "biped.gltf").read_text().replace('"walk"', '"walk[1]"'))
+    shutil.copy(samples / "biped.bin", tmp_path)
+    for clip in ("walk[1]", "#0"):
+        rigtri.convert(source, out, clip=[clip], overwrite=True)
+        written.append(out.read_text())
+    assert written[0] == written[1]
+    assert "wave" not in written[0]

@@ -212,7 +212,7 @@ def test_a_second_interrupt_gives_up_what_is_begun(tmp_path: Path, start: Start,
     wait_for(lambda: list((tmp_path / "in").glob("hang*.begun")))
     process.send_signal(signal.SIGINT)
     assert process.stderr is not None
-    while "files that are begun are finished" not in process.stderr.readline():
+    while "started files are finished" not in process.stderr.readline():
         assert process.poll() is None
     process.send_signal(signal.SIGINT)
     out, told = process.communicate(timeout=60)
