@@ -92,11 +92,11 @@ def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:
     from rigtri.formats.gltf.document import GltfDocument
 
     if isinstance(document, GltfDocument):
-        from rigtri.conversion.to_usd import ToUsd
-        from rigtri.conversion.usd_stage import UsdLook
+        from rigtri.export.conversion.to_usd import ToUsd
+        from rigtri.export.conversion.usd_stage import UsdLook
 
         return ToUsd(document, UsdLook(options.fps, options.up_axis.upper(), options.meters_per_unit))
-    from rigtri.conversion.to_gltf import ToGltf
+    from rigtri.export.conversion.to_gltf import ToGltf
 
     return ToGltf(document, path.stem)
 
@@ -106,8 +106,8 @@ def verify_converted(before: Source, after: Source) -> Comparison | None:
 
     None where they have hardly a node in common, by the names and the order that a conversion gives.
     """
-    from rigtri.conversion.to_gltf import ToGltf
-    from rigtri.conversion.to_usd import ToUsd
+    from rigtri.export.conversion.to_gltf import ToGltf
+    from rigtri.export.conversion.to_usd import ToUsd
     from rigtri.formats.gltf.document import GltfDocument
     from rigtri.formats.usd.document import UsdDocument
 

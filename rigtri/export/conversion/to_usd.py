@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from pxr import UsdGeom, UsdSkel
 
-from rigtri.conversion.gltf_scene import read_scene
-from rigtri.conversion.scene import Scene
-from rigtri.conversion.usd_stage import UsdLook, WrittenStage, conversion_matrix, write_stage
+from rigtri.export.conversion.gltf_scene import read_scene
+from rigtri.export.conversion.scene import Scene
+from rigtri.export.conversion.usd_stage import UsdLook, WrittenStage, conversion_matrix, write_stage
 from rigtri.formats.document import Companion, ReadOptions
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.usd import usdz

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.conversion.gltf_buffers import ARRAY, BufferBuilder
-from rigtri.conversion.gltf_materials import MaterialWriter
-from rigtri.conversion.scene import Camera, Image, Light, Primitive, Scene
 from rigtri.evaluation.skinning import normalised_weights
+from rigtri.export.conversion.gltf_buffers import ARRAY, BufferBuilder
+from rigtri.export.conversion.gltf_materials import MaterialWriter
+from rigtri.export.conversion.scene import Camera, Image, Light, Primitive, Scene
 from rigtri.formats.gltf.scene_facts import LIGHTS, VISIBILITY
 from rigtri.maths.matrices import compose, decompose, multiply
 from rigtri.maths.quaternions import from_axes, unit

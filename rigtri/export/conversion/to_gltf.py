@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rigtri.conversion.gltf_file import GltfWriter
-from rigtri.conversion.scene import Scene
-from rigtri.conversion.usd_scene import read_scene, without_instances
+from rigtri.export.conversion.gltf_file import GltfWriter
+from rigtri.export.conversion.scene import Scene
+from rigtri.export.conversion.usd_scene import read_scene, without_instances
 from rigtri.formats.document import Companion, ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdSkel, Vt
 
-from rigtri.conversion import usd_values as values
-from rigtri.conversion.usd_samples import sample_times, time_codes
-from rigtri.conversion.usd_skeletons import Skeleton
 from rigtri.evaluation.sampling import sample
+from rigtri.export.conversion import usd_values as values
+from rigtri.export.conversion.usd_samples import sample_times, time_codes
+from rigtri.export.conversion.usd_skeletons import Skeleton
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.quaternions import make_continuous, unit
 from rigtri.maths.trigonometry import Floats

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, UsdGeom, UsdLux
 
-from rigtri.conversion.scene import Camera, Light, Scene
-from rigtri.conversion.usd_materials import DEGREES
+from rigtri.export.conversion.scene import Camera, Light, Scene
+from rigtri.export.conversion.usd_materials import DEGREES
 from rigtri.maths.trigonometry import sin_cos
 
 # The height of the film, in tenths of a unit: that of 35 mm film, where a unit is a centimetre.

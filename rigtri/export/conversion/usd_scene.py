@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
-from rigtri.conversion.scene import Primitive, Scene
-from rigtri.conversion.usd_looks import Looks, read_camera, read_light
-from rigtri.conversion.usd_surfaces import Faces, materials_of, read_faces
-from rigtri.conversion.usd_values import json_value
+from rigtri.export.conversion.scene import Primitive, Scene
+from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light
+from rigtri.export.conversion.usd_surfaces import Faces, materials_of, read_faces
+from rigtri.export.conversion.usd_values import json_value
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of

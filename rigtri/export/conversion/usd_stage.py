@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from pxr import Kind, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
-from rigtri.conversion import usd_clips, usd_meshes
-from rigtri.conversion import usd_values as values
-from rigtri.conversion.scene import Image, Primitive, Scene
-from rigtri.conversion.usd_lenses import define_camera, define_light
-from rigtri.conversion.usd_materials import MaterialWriter
-from rigtri.conversion.usd_names import Names, identifier, node_identifiers
-from rigtri.conversion.usd_samples import motion_times, rate_of
-from rigtri.conversion.usd_skeletons import Skeleton, plan_skeletons
 from rigtri.evaluation.sampling import Motion, key_times, worlds
+from rigtri.export.conversion import usd_clips, usd_meshes
+from rigtri.export.conversion import usd_values as values
+from rigtri.export.conversion.scene import Image, Primitive, Scene
+from rigtri.export.conversion.usd_lenses import define_camera, define_light
+from rigtri.export.conversion.usd_materials import MaterialWriter
+from rigtri.export.conversion.usd_names import Names, identifier, node_identifiers
+from rigtri.export.conversion.usd_samples import motion_times, rate_of
+from rigtri.export.conversion.usd_skeletons import Skeleton, plan_skeletons
 from rigtri.formats.usd.composition import layers
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import decompose, identity

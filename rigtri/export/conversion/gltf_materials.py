@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rigtri.conversion.gltf_buffers import BufferBuilder
-from rigtri.conversion.scene import Image, Material, Texture
+from rigtri.export.conversion.gltf_buffers import BufferBuilder
+from rigtri.export.conversion.scene import Image, Material, Texture
 
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 

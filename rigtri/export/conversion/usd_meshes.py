@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, UsdGeom, UsdSkel, Vt
 
-from rigtri.conversion import usd_values as values
-from rigtri.conversion.scene import Primitive, Scene
-from rigtri.conversion.usd_materials import primvar
 from rigtri.evaluation.skinning import normalised_weights
+from rigtri.export.conversion import usd_values as values
+from rigtri.export.conversion.scene import Primitive, Scene
+from rigtri.export.conversion.usd_materials import primvar
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.mesh import Mesh, Surface

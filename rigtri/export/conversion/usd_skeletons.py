@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rigtri.conversion.scene import Scene
+from rigtri.export.conversion.scene import Scene
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig

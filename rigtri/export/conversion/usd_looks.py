@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from pxr import Ar, UsdGeom, UsdLux, UsdShade
 
-from rigtri.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
-from rigtri.conversion.usd_lenses import CANDELA, FAR, TENTHS
-from rigtri.conversion.usd_materials import DEGREES, flipped
+from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
+from rigtri.export.conversion.usd_lenses import CANDELA, FAR, TENTHS
+from rigtri.export.conversion.usd_materials import DEGREES, flipped
 from rigtri.maths.trigonometry import arc_tangent
 
 _WRAPS = {"clamp": "clamp", "mirror": "mirror", "repeat": "repeat", "black": "clamp"}

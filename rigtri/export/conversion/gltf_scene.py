@@ -11,8 +11,8 @@ from pathlib import PurePosixPath
 from typing import Any
 from urllib.parse import unquote
 
-from rigtri.conversion.scene import Camera, Image, Light, Material, Primitive, Scene, Slot, Texture
 from rigtri.errors import FileError
+from rigtri.export.conversion.scene import Camera, Image, Light, Material, Primitive, Scene, Slot, Texture
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.scene_facts import LIGHTS
 from rigtri.formats.gltf.uris import is_data

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, UsdShade
 
-from rigtri.conversion.scene import Image, Material, Scene, Slot, Texture
+from rigtri.export.conversion.scene import Image, Material, Scene, Slot, Texture
 from rigtri.maths.trigonometry import sin_cos
 
 _TYPES = Sdf.ValueTypeNames
