@@ -110,8 +110,11 @@ class Command(click.Command):
 
 def option_groups(command: click.Command, ctx: click.Context) -> Iterator[tuple[str, list[tuple[str, str]]]]:
     """The options that help shows under each heading, with what their values mean."""
+    examples = {word for line in (command.help or "").splitlines() for word in line.split()}
     shown = [
-        each for each in _options(command, ctx) if ctx.meta.get(WHOLE) or not getattr(each, "rare", False)
+        each
+        for each in _options(command, ctx)
+        if ctx.meta.get(WHOLE) or not getattr(each, "rare", False) or examples.intersection(each.opts)
     ]
     for group, title in GROUPS.items():
         # That of --help is click's own.

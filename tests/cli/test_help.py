@@ -203,3 +203,9 @@ def test_a_file_that_cannot_be_read_completes_nothing(tmp_path: Path) -> None:
     for name in ("broken.glb", "none.glb"):
         assert completed("rigtri", "orient-joints", tmp_path / name, "--joints", "") == []
     assert os.listdir(tmp_path) == ["broken.glb"]
+
+
+def test_short_help_has_every_option_of_its_own_examples() -> None:
+    shown = cli("merge-joints", "--help", code=0).stdout
+    assert "  --tolerance NUMBER" in shown
+    assert "  --tolerance NUMBER" not in cli("prune-joints", "--help", code=0).stdout

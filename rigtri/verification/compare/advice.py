@@ -16,7 +16,7 @@ _BLAME = 0.1
 
 
 def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
-    """What to do about a deviation that is near the tolerance, with a space before it; "" where it is not.
+    """What to do about a deviation that is asked for or near the tolerance, with a space before it; else "".
 
     Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
     of stored numbers can be what differs.
@@ -24,6 +24,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     if result.lost or result.different:
         return ""
     allow = f"allow more with --tolerance {_rounded_up(result.shown):g}"
+    if after.pending.joint_merges or after.pending.weight_limit is not None:
+        return f" Other weights move the skin: {allow}"
     if rough := rough_scales(before, after, result.shown):
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
