@@ -4,7 +4,8 @@ The names below are the library: each operation is the twin of a command. They
 are loaded when first used, so that the core needs numpy alone.
 
 `vectors`, `matrices`, `quaternions`, `triangle` and `euler` are the mathematics, for arrays of any
-shape: ``rigtri.triangle.pole_position([0, 0, 0], [3, 4, 0], [6, 0, 0])``.
+shape: ``rigtri.triangle.pole_position([0, 0, 0], [3, 4, 0], [6, 0, 0])``, or
+``from rigtri.maths.triangle import pole_position``.
 """
 
 from __future__ import annotations
@@ -126,11 +127,6 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from rigtri import euler as euler
-    from rigtri import matrices as matrices
-    from rigtri import quaternions as quaternions
-    from rigtri import triangle as triangle
-    from rigtri import vectors as vectors
     from rigtri.errors import RigtriError as RigtriError
     from rigtri.export.blender.script import export_blender as export_blender
     from rigtri.export.drawing.picture import draw as draw
@@ -139,6 +135,11 @@ if TYPE_CHECKING:
     from rigtri.export.viewer.view import view as view
     from rigtri.formats import ReadOptions as ReadOptions
     from rigtri.formats.usd.codeless_schemas import register_usd_schemas as register_usd_schemas
+    from rigtri.maths import euler as euler
+    from rigtri.maths import matrices as matrices
+    from rigtri.maths import quaternions as quaternions
+    from rigtri.maths import triangle as triangle
+    from rigtri.maths import vectors as vectors
     from rigtri.model.rig import Rig as Rig
     from rigtri.operations.add_controls import add_controls as add_controls
     from rigtri.operations.add_polevector import add_polevector as add_polevector
@@ -190,5 +191,5 @@ def __getattr__(name: str) -> Any:
     if name in _WHERE:
         return getattr(import_module(_WHERE[name]), name)
     if name in _MODULES:
-        return import_module(f"rigtri.{name}")
+        return import_module(f"rigtri.maths.{name}")
     raise AttributeError(f"module 'rigtri' has no attribute '{name}'")

@@ -382,10 +382,11 @@ def test_what_is_no_operation_takes_keywords_too(samples: Path) -> None:
             function(rig)
 
 
-def test_the_mathematics_can_be_imported_by_its_public_name() -> None:
-    from rigtri.vectors import dot
+def test_the_mathematics_is_an_attribute_and_a_package() -> None:
+    from rigtri import vectors
+    from rigtri.maths.vectors import dot
 
-    assert dot is rigtri.vectors.dot is rigtri.maths.vectors.dot
+    assert dot is vectors.dot is rigtri.vectors.dot
 
 
 def test_help_shows_all_keywords() -> None:
