@@ -147,12 +147,12 @@ class _Job:
             raise FileError(f"{error}. {written} were written before" if written else str(error)) from error
 
     def _draw(self, rig: Rig, before: Rig | None) -> None:
-        from rigtri.export.drawing.picture import DrawOptions, draw
+        from rigtri.export.drawing.picture import draw
 
         target = self.values["picture"]
         if target is not None:
             report, titles = Report(), {"title": "after", "title_against": "before"}
-            svg = draw(rig, against=before, options=DrawOptions(), report=report, **titles)
+            svg = draw(rig, against=before, report=report, **titles)
             output_file.write_picture(svg, target)
 
     def summary(self, report: Report) -> str:

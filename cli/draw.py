@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from rigtri.operations.declaration import made
+from rigtri.operations.options.draw import DrawOptions
 from rigtri.report import Report
 
 from . import output_file
+from .edit_command import declared_options
 from .help_format import Command, option
 from .options import (
     json_option,
@@ -20,12 +22,9 @@ from .options import (
     reading_options,
     source_argument,
 )
-from .parameters import read_options
+from .parameters import given, read_options
 from .printing import print_json
-from .values import FilePath, Number
-
-if TYPE_CHECKING:
-    from rigtri.export.drawing.picture import DrawOptions
+from .values import FilePath
 
 
 @click.command("draw", cls=Command)
@@ -41,56 +40,13 @@ if TYPE_CHECKING:
     help="Draw this file on the left, at the same scale: IN before the edit.",
     group="what",
 )
-@output_file.view_option
-@option(
-    "--pose",
-    metavar="CLIP@TIME",
-    default="rest",
-    show_default=True,
-    help="The moment, in seconds (USD: time codes), or rest. Active controls move their joints.",
-    group="what",
-)
-@option(
-    "--joints",
-    multiple=True,
-    metavar="GLOB",
-    help="Draw only these joints, larger. Repeatable.",
-    group="joints",
-)
-@option(
-    "--chain",
-    nargs=2,
-    multiple=True,
-    metavar="START END",
-    help="Draw only this chain. Repeatable.",
-    group="joints",
-)
-@option(
-    "--below",
-    multiple=True,
-    metavar="NAME",
-    help="Draw this joint and all below it. Repeatable.",
-    group="joints",
-)
-@option("--skin", metavar="NAME", help="Only joints of this skin.", group="joints", rare=True)
-@option("--exclude", multiple=True, metavar="GLOB", help="Leave these joints out.", group="joints")
-@option("--names/--no-names", default=True, show_default=True, help="Write the joints' names.")
-@option(
-    "--axes",
-    type=Number(min=0, max=10),
-    default=0.35,
-    show_default=True,
-    help="Length of the axes' arrows as a share of the bone; 0 for none.",
-)
-@option("--mesh/--no-mesh", default=True, show_default=True, help="Draw the outline of the meshes.")
-@option(
-    "--size", metavar="WIDTHxHEIGHT", callback=output_file.size, help="In pixels. [1000x900; two: 1500x900]"
-)
+@declared_options(DrawOptions)
 @reading_options
 @overwrite_option("the picture")
 @quiet_option
 @json_option
-def command(source: str, output: str, **values: Any) -> None:
+@click.pass_context
+def command(ctx: click.Context, /, source: str, output: str, **values: Any) -> None:
     """Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.
 
     The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
@@ -109,7 +65,7 @@ def command(source: str, output: str, **values: Any) -> None:
     from rigtri.files.input_stream import opened, title
     from rigtri.formats import read
 
-    options, report = _draw_options(values), Report()
+    options, report = made(DrawOptions, values, given(ctx)), Report()
     sources = [source] if values["against"] is None else [source, values["against"]]
     output_file.check_picture(output, sources, values)
     with ExitStack() as stack:
@@ -128,7 +84,7 @@ def command(source: str, output: str, **values: Any) -> None:
         )
         for document in documents:  # meshes are read, and found unreadable, while they are drawn
             report.extend(document.warnings)
-        lines = [as_json(seen(rig, options)) for rig in rigs] if values["as_json"] else []
+        lines = [as_json(seen(rig, options=options)) for rig in rigs] if values["as_json"] else []
     output_file.write_picture(svg, output)
     if values["as_json"]:
         sides = [{"file": name, "marks": found} for name, found in zip(sources, lines, strict=True)]
@@ -136,10 +92,3 @@ def command(source: str, output: str, **values: Any) -> None:
         found = {"picture": output, "sides": sides, "warnings": warnings}
         print_json(found)
     output_file.print_result(report, output, values)
-
-
-def _draw_options(values: dict[str, Any]) -> DrawOptions:
-    from rigtri.export.drawing.picture import DrawOptions
-
-    kept = {one.name: values[one.name] for one in fields(DrawOptions) if values[one.name] is not None}
-    return DrawOptions(**kept).checked()

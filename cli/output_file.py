@@ -11,31 +11,10 @@ import click
 
 from rigtri.errors import UsageError
 from rigtri.report import Report
-from rigtri.text import is_number
 
-from .help_format import option
 from .parameters import check_streams
 from .printing import print_warnings
 from .text import plain
-
-view_option = option(
-    "--view",
-    metavar="front|back|side|top|three-quarter|X,Y,Z",
-    help="View direction; front looks at the character's face, side at its left. [three-quarter]",
-    group="what",
-)
-
-
-def size(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[int, int] | None:
-    """WIDTHxHEIGHT in pixels."""
-    if value is None:
-        return None
-    wide, mark, high = value.lower().partition("x")
-    if not (mark and is_number(wide) and is_number(high)):
-        raise click.BadParameter(
-            f"'{value}' is not a valid size: use WIDTHxHEIGHT in pixels, e.g. 1200x900", ctx, param
-        )
-    return int(wide), int(high)
 
 
 def check_place(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:

@@ -23,7 +23,7 @@ from second_opinions import validator
 import rigtri
 from rigtri.errors import FileError, NameNotFoundError
 from rigtri.export.drawing.labels import labels, width
-from rigtri.export.drawing.picture import DrawOptions, draw, seen
+from rigtri.export.drawing.picture import draw, seen
 from rigtri.export.drawing.png import png
 from rigtri.export.drawing.primitives import Mark, as_json
 from rigtri.export.drawing.silhouette import outline
@@ -86,9 +86,9 @@ def test_every_joint_is_one_dot_where_it_stands_with_the_arrows_of_its_axes(seed
 
 def test_arrows_are_as_long_as_requested_in_bones() -> None:
     rig = chain((0, 0, 0), (3, 4, 0), (6, 8, 0), (10, 5, 0))
-    (x,) = [m for m in of_kind(seen(rig, DrawOptions(axes=0.1)), "x") if m.node == "a"]
+    (x,) = [m for m in of_kind(seen(rig, axes=0.1), "x") if m.node == "a"]
     assert np.allclose(x.points, [[0, 0, 0], [0.5, 0, 0]])
-    assert not of_kind(seen(rig, DrawOptions(axes=0)), "x", "y", "z")
+    assert not of_kind(seen(rig, axes=0), "x", "y", "z")
 
 
 def test_a_joint_is_crooked_where_no_axis_lies_along_its_bone_and_straight_after_orient_joints() -> None:
@@ -136,21 +136,20 @@ def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> N
 def test_a_pose_moves_what_it_moves() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     clip = rig.clips[0]
-    still, moved = (of_kind(seen(rig, DrawOptions(pose=at)), "joint") for at in ("rest", f"{clip.name}@0.4"))
+    still, moved = (of_kind(seen(rig, pose=at), "joint") for at in ("rest", f"{clip.name}@0.4"))
     far = [np.abs(a.points - b.points).max() for a, b in zip(still, moved, strict=True)]
     assert max(far) > 0.01
     with pytest.raises(NameNotFoundError):
-        draw(rig, options=DrawOptions(pose="nothing@0"))
+        draw(rig, pose="nothing@0")
 
 
 def test_a_selection_is_drawn_alone_and_larger() -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    options = DrawOptions(below=("hand_L",))
-    assert [mark.name for mark in of_kind(seen(rig, options), "joint")] == ["hand_L", "fingers_L"]
-    assert {"hand_L", "fingers_L"} <= set(texts(draw(rig, options=options)))
-    assert "hips" not in texts(draw(rig, options=options))
+    assert [mark.name for mark in of_kind(seen(rig, below=("hand_L",)), "joint")] == ["hand_L", "fingers_L"]
+    assert {"hand_L", "fingers_L"} <= set(texts(draw(rig, below=("hand_L",))))
+    assert "hips" not in texts(draw(rig, below=("hand_L",)))
     with pytest.raises(NameNotFoundError):
-        draw(rig, options=DrawOptions(joints=("nobody",)))
+        draw(rig, joints=("nobody",))
 
 
 def test_marks_are_json_with_the_same_content() -> None:
@@ -179,7 +178,7 @@ def test_marks_are_json_with_the_same_content() -> None:
 )
 @pytest.mark.parametrize("view", ["front", "three-quarter"])
 def test_whatever_stands_there_the_picture_holds_numbers_alone(rig: Rig, view: str) -> None:
-    assert list(drawn(draw(rig, options=DrawOptions(view=view))))
+    assert list(drawn(draw(rig, view=view)))
 
 
 def test_meshes_that_cannot_be_read_leave_the_skeleton() -> None:
@@ -234,8 +233,7 @@ def test_real_characters_are_drawn_with_all_their_joints_and_an_outline(name: st
 def test_before_and_after_have_one_scale_and_a_caption_each() -> None:
     before = arm()
     after = replace(before, translation=before.translation * [1, 0.5, 1])
-    options = DrawOptions(view="front", names=False)
-    svg = draw(after, against=before, options=options, title="new", title_against="old")
+    svg = draw(after, against=before, view="front", names=False, title="new", title_against="old")
     assert {"old", "new"} <= set(texts(svg))
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
     at = np.array([[float(e.attrib["cx"]), float(e.attrib["cy"])] for e in dots])
@@ -288,7 +286,7 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     mesh = Mesh("body", 0, square, 0, np.array([[2]] * 4), np.ones((4, 1)), surface=lambda: surface)
     moved = rig.translation + np.array([[0, 0, 0], [0, 0, 0], [2, 0, 0]])
     with_mesh = replace(rig, content=Content(read_meshes=lambda: (mesh,)), translation=moved)
-    svg = draw(with_mesh, options=DrawOptions(view="front"))
+    svg = draw(with_mesh, view="front")
     (body,) = [e for e in drawn(svg) if e.attrib.get("class") == "body"]
     numbers = np.array(re.findall(r"[-\d.]+", body.attrib["d"]), dtype=float).reshape(-1, 2)
     dots = [e for e in drawn(svg) if e.attrib.get("class", "").startswith("joint")]
@@ -297,7 +295,7 @@ def test_a_skinned_mesh_is_outlined_where_its_joints_have_taken_it() -> None:
     # Two units farther than at bind, with the wrist: from 1 to 3.
     assert numbers[:, 0].min() == pytest.approx(shoulder + unit, abs=4)
     assert numbers[:, 0].max() == pytest.approx(shoulder + 3 * unit, abs=4)
-    assert 'class="body"' not in draw(with_mesh, options=DrawOptions(mesh=False))
+    assert 'class="body"' not in draw(with_mesh, mesh=False)
 
 
 # The command
@@ -396,9 +394,7 @@ def test_png_has_words_on_a_machine_without_fonts(
 @pytest.mark.parametrize("wide", [64, 200, 320, 1000])
 def test_the_words_over_a_picture_end_where_it_ends(wide: int) -> None:
     rig = read(SAMPLES / "biped.glb").rig
-    svg = draw(
-        rig, options=DrawOptions(size=(wide, 400)), title="a name that somebody has made rather long.glb"
-    )
+    svg = draw(rig, size=(wide, 400), title="a name that somebody has made rather long.glb")
     found = re.findall(
         r'<text class="(title|words)[^"]*" x="16" y="\d+"(?: style="font-size: ([\d.]+)px")?>([^<]*)</text>',
         svg,
@@ -427,7 +423,7 @@ def test_the_legend_has_the_colours_that_a_picture_has_and_the_page_has_the_same
 def test_the_legend_is_wrapped_into_the_picture_and_says_what_controls_look_like(wide: int) -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     rig = rigtri.constrain(rig, type="parent", child="head", driver=["hand_L"])
-    svg = draw(rig, options=DrawOptions(size=(wide, 900)))
+    svg = draw(rig, size=(wide, 900))
     keys = re.findall(r'<text class="key" x="([^"]*)" y="([^"]*)">(.*)</text>', svg)
     assert [words for *_, words in keys] == [*LEGEND.values()]
     assert all(float(x) + width(words, 11.0) <= wide and float(y) < 900 for x, y, words in keys)

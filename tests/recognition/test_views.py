@@ -11,11 +11,12 @@ from rigs import chain
 from strategies import directions
 
 from rigtri.errors import UsageError
-from rigtri.export.drawing.view import NAMED, View, view_of
+from rigtri.export.drawing.view import View, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.rig import Rig
+from rigtri.operations.options.draw import VIEWS
 
 
 def gltf() -> Rig:
@@ -65,8 +66,8 @@ def test_what_is_no_view_is_reported_with_those_that_are(asked: str) -> None:
 
 
 def test_every_named_view_is_another() -> None:
-    eyes = {tuple(np.round(view_of(gltf(), name).eye, 6).tolist()) for name in NAMED}
-    assert len(eyes) == len(NAMED)
+    eyes = {tuple(np.round(view_of(gltf(), name).eye, 6).tolist()) for name in VIEWS}
+    assert len(eyes) == len(VIEWS)
 
 
 def test_arrows_go_round_and_those_at_nothing_are_dots() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import FileError
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.export.drawing.bones import AIMED
 from rigtri.export.drawing.labels import width
@@ -16,11 +16,12 @@ from rigtri.export.drawing.scene import Scene, marks
 from rigtri.export.drawing.silhouette import Patch, outline, patches
 from rigtri.export.drawing.style import LEGEND
 from rigtri.export.drawing.svg import arrow, heading, number, panel, path, sheet, stroke
-from rigtri.export.drawing.view import NAMED, View, Window, view_of
+from rigtri.export.drawing.view import View, Window, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Chains, Nodes, Selection, option
+from rigtri.operations.declaration import check
 from rigtri.operations.operation import takes_keywords
+from rigtri.operations.options.draw import VIEWS, DrawOptions
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
 
@@ -31,42 +32,8 @@ _GIZMO, _ROW = 84.0, 16.0
 # Forms of the legend: a line, and the outline of a square.
 _LINE = np.array([[-6.0, 0.0], [5.0, 0.0]])
 _SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-# Pictures smaller than this show nothing, larger ones are a mistake.
-_LEAST, _MOST = 64, 16384
 # Many joints have small names.
 _FONTS = ((40, 12.0), (120, 10.0), (1_000_000, 8.0))
-
-
-@dataclass(frozen=True)
-class DrawOptions:
-    """What of a rig is drawn, and how."""
-
-    view: str = option("three-quarter", help=f"View direction: {', '.join(NAMED)}, or x,y,z.")
-    pose: str = option("rest", help="The moment, CLIP@TIME in seconds (USD: time codes), or rest.")
-    joints: Nodes = option((), help="Draw only these joints, larger.")
-    chain: Chains = option((), help="Draw only these chains, START END each.")
-    below: Nodes = option((), help="Draw these joints and all below them.")
-    skin: str | None = option(None, help="Only joints of this skin.")
-    exclude: Nodes = option((), help="Leave these joints out.")
-    names: bool = option(True, help="Write the joints' names.")
-    axes: float = option(0.35, help="Length of the axes' arrows as a share of the bone; 0 for none.")
-    mesh: bool = option(True, help="Draw the outline of the meshes.")
-    size: tuple[int, int] | None = option(None, help="Width and height in pixels.")
-
-    @property
-    def selection(self) -> Selection:
-        """The joints that are named."""
-        return Selection(self.joints, self.chain, self.below, self.skin, self.exclude)
-
-    def checked(self) -> DrawOptions:
-        """The same; UsageError for what is no picture."""
-        if not 0 <= self.axes <= 10:
-            raise UsageError(f"axes of {self.axes:g} bones: give a share from 0 to 10")
-        if self.size is not None and not all(_LEAST <= side <= _MOST for side in self.size):
-            raise UsageError(
-                f"a picture has {_LEAST} to {_MOST} pixels a side, not {self.size[0]}x{self.size[1]}"
-            )
-        return self
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +65,8 @@ def draw(
     its nodes, which is a warning of the report. Raises UsageError, NameNotFoundError (a joint, a clip),
     AmbiguousNameError.
     """
-    options, report = options.checked(), report if report is not None else Report()
+    check(options)
+    report = report if report is not None else Report()
     sides = [_side(rig, options, title or ("after" if against is not None else ""), report)]
     if against is not None:
         sides.insert(0, _side(against, options, title_against, report))
@@ -121,10 +89,12 @@ def draw(
     return sheet([*parts, *gizmo(view, high)], wide, high, description)
 
 
+@takes_keywords(DrawOptions)
 @np.errstate(all="ignore")
-def seen(rig: Rig, options: DrawOptions = DrawOptions()) -> list[Mark]:
+def seen(rig: Rig, *, options: DrawOptions) -> list[Mark]:
     """What `draw` would draw of one rig, as lines and arrows in space, for those who draw otherwise."""
-    return _side(rig, options.checked(), "", Report()).marks
+    check(options)
+    return _side(rig, options, "", Report()).marks
 
 
 def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
@@ -148,7 +118,7 @@ def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
         report.warn("no-joints", f"{title or 'The file'} has no joints; {what}")
         words.append("no joints in this file")
     view = options.view.lower()
-    words.append(f"{view} view" if view in NAMED else f"from {view}")
+    words.append(f"{view} view" if view in VIEWS else f"from {view}")
     words.append("at rest" if options.pose.lower() == "rest" else options.pose)
     return _Side(found, covered, title, tuple(words), crooked(scene))
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,10 +16,9 @@ from rigtri.errors import UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
+from rigtri.operations.options.draw import VIEWS
 from rigtri.recognition.limbs import forward
 
-Named = Literal["front", "back", "side", "top", "three-quarter"]
-NAMED: tuple[Named, ...] = get_args(Named)
 # Directions less than this sine apart are one: nothing shows then which way is up.
 _PARALLEL = 1e-6
 # An arrow is seen head on where this share of it, or less, is; a letter is one of ten, and so sooner.
@@ -116,7 +114,7 @@ class Window:
 
 
 def view_of(rig: Rig, name: str = "front") -> View:
-    """A character from one of `NAMED`, or from the direction ``x,y,z`` of the file's world.
+    """A character from one of `VIEWS`, or from the direction ``x,y,z`` of the file's world.
 
     Up is the format's. The front is where its limbs face, else where its format
     prescribes; the side is its left one. UsageError for anything else.
@@ -139,7 +137,7 @@ def direction(text: str) -> Floats:
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise UsageError(f"'{text}' is no view: give {', '.join(NAMED)}, or a direction x,y,z") from None
+        raise UsageError(f"'{text}' is no view: give {', '.join(VIEWS)}, or a direction x,y,z") from None
     eye = normalise([x, y, z])
     if not np.isfinite(eye).all():
         raise UsageError(f"'{text}' points nowhere: a view is seen from a direction x,y,z")
