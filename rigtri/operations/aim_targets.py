@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
-from rigtri.maths.matrices import transform_points
+from rigtri.maths.matrices import transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
 from rigtri.model.joint_names import twin
@@ -26,6 +26,8 @@ CONTINUES = 0.8660254037844387
 AVERAGE_OFF = 0.5
 # … or shorter than this share of the children's mean length.
 AVERAGE_SHORT = 0.3
+# How long a foot without toes counts, as a share of the lower leg.
+FOOT = 0.5
 
 EYES = ("leftEye", "rightEye")
 # Chains whose last joint may have one below it that only says where it ends.
@@ -54,6 +56,7 @@ class Rules:
 
     apart: ends that go on as they arrive where they have no tip, for their parents have other axes.
     heads: heads, with the hips of their bodies; a head goes on as its trunk, whatever hangs at it.
+    feet: feet without toes, and where they point in the world, unit, (3,).
     """
 
     branch: Branch = "chain"
@@ -63,6 +66,7 @@ class Rules:
     limb_child: Mapping[int, int] = field(default_factory=dict)
     apart: Container[int] = ()
     heads: Mapping[int, int] = field(default_factory=dict)
+    feet: Mapping[int, Floats] = field(default_factory=dict)
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -249,6 +253,10 @@ def _ending(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim
         aim = _at(ref, joint, tip, "tip") if tip is not None else None
         if aim is not None and aim.length > ZERO_LENGTH * ref.extent:
             return aim
+        if joint in rules.feet:
+            ahead = normalise(transform_directions(rules.feet[joint], ref.inverse[joint]))
+            shin = _distance(ref, tree.above[joint], joint) if tree.above[joint] >= 0 else 0.0
+            return Aim("facing", ahead, None, FOOT * shin)
         end = "incoming" if joint in rules.apart else "parent"
     if end == "incoming":
         return _incoming(tree, ref, joint) or Aim("keep")

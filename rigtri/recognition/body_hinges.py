@@ -90,6 +90,23 @@ def _hand_alone(character: Character, at: Floats) -> Body:
     return Body(unknown, unknown, unknown, nodes, none, none, dict(hinges))
 
 
+def lone_feet(characters: Sequence[Character], bodies: Sequence[Body], at: Floats) -> dict[int, Floats]:
+    """Where feet of one joint point, unit, (3,): ahead, level. at: the places of all nodes, (n, 3).
+
+    Not where their skin does: files of one skeleton, and clips without a mesh, have the same axes.
+    """
+    found = {}
+    for character in (character for character in characters if character.form == "biped"):
+        knees = {chain.side: chain.bend[1] for chain in character.limbs if chain.kind == "leg"}
+        feet = [k for k in character.chains if k.kind == "foot" and k.is_sure and len(k.joints) == 1]
+        for foot in (foot for foot in feet if foot.side in knees):
+            (joint,), body = foot.joints, body_of(bodies, foot.joints[0])
+            if body is not None:
+                shin = at[joint] - at[knees[foot.side]]
+                found[joint] = facing_along(shin, body.facing, body.up)
+    return found
+
+
 def body_of(bodies: Sequence[Body], node: int) -> Body | None:
     """The body that a joint belongs to."""
     return next((body for body in bodies if node in body.nodes), None)

@@ -119,7 +119,8 @@ class Pose:
     little_first: the fingers stand in the file from the little one. hands: their size. knuckles: how far they
     are bent back. phalanges: joints of each finger and thumb. face: eyes and a jaw. ends: joints without
     weight that only say where head, fingers and toes end. metacarpals: a joint of each finger in the palm.
-    thumb: whether there is one. seated: how far the legs are raised ahead. short: the length of the arms.
+    thumb: whether there is one. toes: whether feet have a joint
+    for them. seated: how far the legs are raised ahead. short: the length of the arms.
     """
 
     names: str = "mixamo"
@@ -147,6 +148,7 @@ class Pose:
     ends: bool = False
     metacarpals: bool = False
     thumb: bool = True
+    toes: bool = True
     seated: float = 0.0
     short: float = 1.0
 
@@ -218,6 +220,8 @@ def _leg(put, pose: Pose, side: str, s: float, hips: Floats, legs: float) -> Non
     put(f"{side} upper leg", "hips", start, X)
     put(f"{side} lower leg", f"{side} upper leg", knee, X)
     put(f"{side} foot", f"{side} lower leg", ankle, X)
+    if not pose.toes:
+        return
     toes = _about(X, -pose.seated)
     put(f"{side} toes", f"{side} foot", ankle + (Z * 0.13 - Y * 0.05) @ toes)
     if pose.ends:

@@ -12,6 +12,7 @@ from rigtri import orient_joints
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
 
 
 def aim(rig: Rig, node: int) -> Floats:
@@ -36,6 +37,35 @@ def test_the_face_keeps_its_axes(names: str) -> None:
     out = orient_joints(body.rig)
     for part in ("jaw", "left eye", "right eye"):
         np.testing.assert_allclose(out.world[body.parts[part]], body.rig.world[body.parts[part]], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        Pose(toes=False),
+        Pose("unreal", toes=False, knee=25.0, yaw=90.0, unit=0.01),
+        Pose("blender", toes=False, stride=20.0, flip=True),
+    ],
+)
+def test_a_foot_without_toes_points_ahead_and_bends_as_one_with_toes(pose: Pose) -> None:
+    """The lower leg points down, and its hinge is the knee's: a foot with its axes would be another joint."""
+    body, report = posed_body(pose), Report()
+    facing = recognise(body.rig).characters[0].facing
+    out = orient_joints(body.rig, report=report)
+    rules = {entry["joint"]: entry["aim"] for entry in report.joints}
+    for side in ("left", "right"):
+        foot = body.parts[f"{side} foot"]
+        np.testing.assert_allclose(aim(out, foot), facing, atol=1e-6)
+        hinge = out.world[foot, 1, :3] / np.linalg.norm(out.world[foot, 1, :3])
+        assert abs(hinge @ body.hinges[foot]) > 0.999
+        assert hinge @ body.hinges[foot] * np.linalg.det(out.world[foot, :3, :3]) > 0
+        assert rules[out.names[foot]] == "facing"
+    again = orient_joints(out)
+    np.testing.assert_array_equal(again.rotation, out.rotation)
+    copied = orient_joints(body.rig, end="parent")
+    np.testing.assert_allclose(
+        aim(copied, body.parts["left foot"]), aim(copied, body.parts["left lower leg"]), atol=1e-6
+    )
 
 
 def test_a_head_whose_neck_stands_elsewhere_goes_on_as_the_trunk() -> None:

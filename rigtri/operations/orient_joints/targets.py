@@ -28,7 +28,7 @@ from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
 from rigtri.operations.options.orient_joints import OrientJointsOptions
-from rigtri.recognition.body_hinges import sockets
+from rigtri.recognition import body_hinges
 from rigtri.recognition.layout import CONFIDENT, Chain, Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.recognition.recognise import recognise
@@ -104,7 +104,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     characters: Sequence[Character] = ()
     if not everything:
         characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
-        tree = replace(tree, sockets=sockets(rig, characters))
+        tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
     hips = frozenset(k.hips for k in characters if any(c.kind == "spine" and c.is_sure for c in k.chains))
     bodies = [k for k in characters if k.form in ("biped", "hand")]
     fingers = [c for k in bodies for c in k.chains if c.kind == "finger" and c.is_sure]
@@ -128,6 +128,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         known,
         frozenset(_apart(tree, fingers, joints)),
         {} if options.branch else heads,
+        _feet(rig, bodies, ref.world, options),
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
@@ -141,6 +142,15 @@ def _apart(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) ->
         above = tree.above[finger.joints[0]]
         if len(finger.joints) == 1 and ("thumb" in finger.name or above not in joints):
             yield finger.joints[0]
+
+
+def _feet(
+    rig: Rig, characters: Sequence[Character], world: Floats, options: OrientJointsOptions
+) -> dict[int, Floats]:
+    """Where feet without toes point in a pose, (n, 4, 4)."""
+    facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
+    known = body_hinges.bodies(rig, characters, world, facing)
+    return body_hinges.lone_feet(characters, known, world[:, 3, :3])
 
 
 def _with_nodes(tree: Skeleton, nodes: Iterable[int]) -> Skeleton:
