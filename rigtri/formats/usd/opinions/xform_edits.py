@@ -79,6 +79,8 @@ def set_transform(
     moved = {track.path: track for track in tracks}
     stands = {*transform_ops(local), *(OPS[path] for path in moved)}
     order = {path: name for path, name in OPS.items() if to_key or name in stands}
+    if OPS["scale"] not in stands:  # what a product has left of 1
+        rows["scale"] = np.ones(3)
     if to_key and order["rotation"] not in stands:
         order["rotation"], double3 = EULER, OP_TYPES["scale"]
         still = set_value(path, EULER, double3, op_value(double3, np.zeros(3)), alone=True)
