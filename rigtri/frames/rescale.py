@@ -34,6 +34,7 @@ ALIKE = 1e-4
 def rescale(rig: Rig, size: Floats) -> Rig:
     """Give the frame of each node ``size``, (n,), times the scale that it had, not 0; nothing moves.
 
+    A negative size mirrors a frame, all three axes. Two negative scales that it leaves are half a turn.
     A node that itself shows a mesh, camera or light hands it to a new child ``<name>_payload`` of the scale
     that it had.
     """
@@ -74,9 +75,33 @@ def rescale(rig: Rig, size: Floats) -> Rig:
             for one in rig.bound
         ),
     )
+    smaller = _half_turned(smaller, np.flatnonzero(share < 0).tolist())
     carriers = np.flatnonzero((size != 1.0) & (rig.attachment >= 0)).tolist()
     still = np.tile(IDENTITY, (len(carriers), 1))
     return hand_over_attachments(smaller, carriers, still, 1.0 / size[carriers])
+
+
+def _half_turned(rig: Rig, nodes: list[int]) -> Rig:
+    """The rig with rotations in place of the two negative scales of some nodes."""
+    rotation, scale = rig.rotation.copy(), rig.scale.copy()
+    half: dict[int, Floats] = {}
+    sign: dict[int, Floats] = {}
+    for node in nodes:
+        signs = np.sign(scale[node])
+        if np.count_nonzero(signs < 0) == 2:
+            # diag(1, -1, -1) is half a turn about x.
+            half[node], sign[node] = np.array([*(signs > 0), 0.0]), signs
+            rotation[node], scale[node] = product(rotation[node], half[node]), np.abs(scale[node])
+
+    def turned(track: Track) -> Track:
+        if track.node in half and track.path == "rotation":
+            return track.having(product(track.values, half[track.node]))
+        if track.node in sign and track.path == "scale":
+            return track.having(track.values * sign[track.node])
+        return track
+
+    clips = tuple(replace(clip, tracks=tuple(map(turned, clip.tracks))) for clip in rig.clips)
+    return replace(rig, rotation=rotation, scale=scale, clips=clips) if half else rig
 
 
 def _rescaled(track: Track, above: Floats, share: Floats) -> Track:

@@ -15,10 +15,11 @@ from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
 from rigtri.frames.rescale import convert, rescale
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.matrices import determinant, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import key_values
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
@@ -43,7 +44,8 @@ _BUILT = ("control", "offset", "constraint", "poleVector", "rivet", "twist")
 def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     """The rig with scale 1 at joints and above, and no rotation above joints; nothing that is seen moves.
 
-    What has a scale that is not uniform keeps what is not uniform in it, with a warning. What each node
+    Mirrored axes are a scale of -1, and become right-handed. What has a scale that is not uniform keeps what
+    is not uniform in it, with a warning. What each node
     had is in ``report.joints``. Raises UsageError for a unit or up axis that the format does not have, and
     GeometryError where what rigtri has built stands on joints whose scale changes.
     """
@@ -113,8 +115,11 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
         below = rig.at_or_below(rig.is_joint)
         counts &= ~below if options.above else below
     total = np.ones(len(rig))
+    # A frame whose axes are mirrored in the world has a scale of -1 there.
+    sign = np.where(_mirrored(rig, report), -1.0, 1.0)
     for node, parent in enumerate(rig.parents.tolist()):
-        total[node] = (total[parent] if parent >= 0 else 1.0) * (own[node] if counts[node] else 1.0)
+        factor = own[node] * sign[node] if counts[node] else 1.0
+        total[node] = (total[parent] if parent >= 0 else 1.0) * factor
     off = np.abs(total - 1.0) * inside
     # Where nobody has scaled anything there is noise of exporters, which is left alone.
     size = np.where(off > ONE, 1.0 / total, 1.0) if off.max(initial=0.0) > SAME_SCALE else np.ones(len(rig))
@@ -141,6 +146,29 @@ def _scales(rig: Rig) -> tuple[Floats, Booleans]:
     own = np.where(usable, middle, 1.0)
     spread = np.abs(parts - own[:, np.newaxis]).max(axis=1)
     return own, ~usable | (spread > UNEVEN * own)
+
+
+def _mirrored(rig: Rig, report: Report) -> Booleans:
+    """Which nodes mirror their axes against their parents, (n,), at rest and in all clips.
+
+    None where a constraint compares mirrored axes, or something was built on them.
+    """
+    found = np.asarray(determinant(rig.normalised_local) < 0)
+    below = np.flatnonzero(rig.at_or_below(found)).tolist()
+    tied = {node for c in rig.node_constraints for node in (c.node, c.source)}
+    for node in rig.nodes_of(*_BUILT):
+        tied |= rig.named_by(rig.metadata[node])
+    if both := sorted(tied.intersection(below)):
+        names = listed([rig.title(node) for node in both], 6)
+        text = f"The axes of {names} stay mirrored: constraints or controls count from them"
+        report.warn("not-frozen", text, geometry=True)
+        return np.zeros(len(rig), dtype=bool)
+    for clip in rig.clips:
+        for track in clip.tracks:
+            if track.path == "scale" and found[track.node]:
+                values = key_values(track)
+                found[track.node] = bool((np.sign(values) == np.sign(rig.scale[track.node])).all())
+    return found
 
 
 def _refuse_built(rig: Rig, size: Floats) -> None:

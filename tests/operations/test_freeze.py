@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scaled_limbs
 from gltf_files import glb_json
-from places import real_files
+from places import SAMPLES, real_files
 from program import cli
 from pxr import Sdf, Usd
 from scaled_limbs import Limb
@@ -17,6 +17,7 @@ from scaled_limbs import Limb
 import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.formats import ReadOptions, read
+from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -63,6 +64,35 @@ def test_numbers_by_hand(tmp_path: Path) -> None:
     assert np.allclose(after[1]["translation"], 100 * np.array(before[1]["translation"]))
     ring = next(node for node in after if node["name"] == "ring")  # it is drawn, so it keeps its size
     assert np.allclose(ring["scale"], 50.0)
+
+
+def test_mirrored_axes_become_right_handed(tmp_path: Path) -> None:
+    path, out, again = SAMPLES / "mirrored_pair.glb", tmp_path / "out.glb", tmp_path / "again.glb"
+    cli("freeze", path, "-o", out, code=0)
+    assert (determinant(read(path).rig.world) < 0).any()
+    assert (read(out).rig.scale > 0).all()
+    assert (determinant(read(out).rig.world) > 0).all()
+    assert verify(read(path), read(out)).deviation < 1e-6
+    cli("freeze", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("signs", [(-1.0, 1.0, 1.0), (-1.0, -1.0, -1.0), (2.0, 2.0, -2.0)])
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_mirrored_joints_play_their_clips(signs: tuple[float, ...], suffix: str, tmp_path: Path) -> None:
+    path, out = source(tmp_path, suffix, elbow=signs), tmp_path / f"out{suffix}"
+    cli("freeze", path, "-o", out, code=0)
+    assert (determinant(read(out).rig.world[read(out).rig.is_joint]) > 0).all()
+    assert abs(sizes(read(out).rig) - 1.0).max() < 1e-6
+    assert verify(read(path), read(out)).deviation < 1e-6
+
+
+def test_mirrored_axes_that_controls_count_from_stay_and_are_named(tmp_path: Path) -> None:
+    built, out = tmp_path / "built.glb", tmp_path / "out.glb"
+    chain = ("--chain", "upper_arm_R", "hand_R")
+    cli("add-controls", SAMPLES / "mirrored_pair.glb", "-o", built, *chain, code=0)
+    assert "stay mirrored" in cli("freeze", built, "-o", out, code=0).stderr
+    assert verify(read(built), read(out)).deviation < 1e-6
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
