@@ -84,10 +84,13 @@ def _spine(draft: Draft, found: Sequence[Found]) -> None:
     joints = tree.way(draft.hips, draft.chest)[1:]
     neck = bones.get("neck", -1)
     joints = joints[: joints.index(neck)] if neck in joints else joints
-    for bone in _SPINE:
-        if bones.get(bone, -1) in joints:
-            draft.call(bone, bones[bone])
-    if not any(bone in draft.bones for bone in _SPINE):
+    named = {bone: bones[bone] for bone in _SPINE if bones.get(bone, -1) in joints}
+    # A humanoid has its chest above a spine: names that say otherwise do not say which joint is which.
+    in_order = list(named.values()) == sorted(named.values(), key=joints.index)
+    if draft.certain or ("spine" in named and in_order):
+        for bone, node in named.items():
+            draft.call(bone, node)
+    else:
         for bone, node in zip(_SPINE, [*joints[:2], *joints[2:][-1:]], strict=False):
             draft.call(bone, node)
     if joints:

@@ -72,6 +72,15 @@ BODIES = {
 }
 
 
+def test_a_trunk_whose_names_call_the_first_joint_a_chest_is_counted() -> None:
+    """VRM's humanoid has a spine below its chest: the first of these two is none, whatever it is called."""
+    rig = rig_with(MAN)
+    names = {"spine": "torso_joint_2", "chest": "torso_joint_3"}  # of Cesium Man
+    rig = replace(rig, names=tuple(names.get(name, name) for name in rig.names))
+    (body,) = recognise(rig).characters
+    assert [rig.names[body.bones[bone]] for bone in ("spine", "chest")] == list(names.values())
+
+
 @pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
 @pytest.mark.parametrize("which", BODIES)
 def test_arms_and_legs_are_found(which: str, named: bool) -> None:
