@@ -9,7 +9,7 @@ the arm, thumbs between there and ahead).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
@@ -29,8 +29,9 @@ ASKEW = 0.02
 # Arms that are farther (cosine of 20°) from the lateral axis are in no T-pose.
 STRETCHED = 0.9396926207859084
 # How far arms of an A-pose are below the horizontal: 45°.
-_DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5))}
-StandardPose = Literal["tpose", "apose"]
+_DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5)), "godot": 0.0}
+StandardPose = Literal["tpose", "apose", "godot"]
+FACE = ("jaw", "leftEye", "rightEye")
 THUMB = ("ThumbMetacarpal", "ThumbProximal", "ThumbDistal")
 
 
@@ -80,9 +81,13 @@ def stands_in_tpose(rig: Rig, character: Character, facing: tuple[float, float, 
     return all(dot(arms[k], found.arm(k, "tpose")) >= STRETCHED for k in sides)
 
 
-def sure_bones(character: Character) -> dict[str, int]:
+def sure_bones(character: Character, without: Collection[str] = ()) -> dict[str, int]:
     """The joints that are surely bones of the VRM 1.0 humanoid."""
-    return {part.bone: part.joint for part in character.parts if part.bone and part.confidence >= CONFIDENT}
+    return {
+        part.bone: part.joint
+        for part in character.parts
+        if part.bone and part.confidence >= CONFIDENT and part.bone not in without
+    }
 
 
 def posed(

@@ -14,11 +14,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.maths.quaternions import rotation_angle
+from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
-from rigtri.operations.body_pose import stands_in_tpose
+from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
 from rigtri.operations.operation import operation
 from rigtri.operations.options.conform import ConformOptions as ConformOptions
+from rigtri.operations.options.orient_joints import OrientJointsOptions
+from rigtri.operations.orient_joints.joint_frames import MOST_NOISE
+from rigtri.operations.orient_joints.orient import plan_frames
 from rigtri.operations.registry import operation as function_of
+from rigtri.operations.rename_joints import set_aside
 from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import Character
 from rigtri.recognition.recognise import recognise
@@ -28,20 +34,20 @@ from rigtri.text import listed
 Steps = tuple[tuple[str, Mapping[str, Any]], ...]
 
 
-def _steps(pose: str, preset: str, root: str = "") -> Steps:
+def _steps(pose: str, preset: str, root: str = "", frames: str = "") -> Steps:
     """What a skeleton takes, in this order: how it rests before its axes, which are those at rest."""
     above: Steps = (("add-root", {"name": root}),) if root else ()
     return (
         ("set-rest", {"pose": pose, "straight_fingers": True}),
         *above,
-        ("orient-joints", {"preset": preset, "standard_pose": pose, "pose": "nodes"}),
+        ("orient-joints", {"preset": preset, "standard_pose": frames or pose, "pose": "nodes"}),
     )
 
 
 _STEPS: Mapping[str, Steps] = {
     "unreal": _steps("apose", "unreal-editor", "root"),
     "unity": _steps("tpose", "vrm"),
-    "godot": _steps("tpose", "blender", "Root"),
+    "godot": _steps("tpose", "blender", "Root", frames="godot"),
     "vrm": _steps("tpose", "vrm"),
     "mixamo": _steps("tpose", "blender"),
 }
@@ -77,6 +83,8 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     for name, values in steps:
         known = len(report.joints)
         try:
+            if name == "rename-joints" and (aside := set_aside(rig, options.to)):
+                values = {**values, "name": aside}
             rig = function_of(name)(rig, report=report, **values)
         except (UsageError, GeometryError) as error:
             # What an error says to do is for the step: it goes first, and this one finds it done.
@@ -85,6 +93,7 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
         del report.joints[known:]
         report.added.append({"type": "step", "do": name, "node": "", "new": False, **_shown(values)})
     _warn_misplaced(rig, report)
+    _warn_other_axes(rig, dict(steps)["orient-joints"], report)
     return rig
 
 
@@ -104,12 +113,26 @@ def _of_locked(rig: Rig, options: ConformOptions, steps: Steps, bodies: Sequence
 
 
 def _warn_misplaced(rig: Rig, report: Report) -> None:
-    """Say which joints clips of other characters do not fit, for they are below other joints."""
+    """Say which joints clips of others do not fit: they are below other joints, or on the other side."""
     for body in recognise(rig).characters:
+        found_at = directions(rig, rig.world, body, None)
+        if found_at is not None and dot(cross(found_at.up, found_at.ahead), found_at.left) < 0:
+            text = "What its names call left is on the right of where the character faces, and stays so"
+            report.warn("sides", f"{text}: clips of others move the limbs of the other side")
         if found := list(misplaced(rig, body)):
             pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
             text = f"Not below the joints that a standard skeleton has above them: {listed(pairs, 6)}"
             report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
+
+
+def _warn_other_axes(rig: Rig, values: Mapping[str, Any], report: Report) -> None:
+    """Say which bones have other axes than the standard skeleton, for something stands against these."""
+    plan = plan_frames(rig, OrientJointsOptions(**values))
+    turns = rotation_angle(plan.requested.delta) > MOST_NOISE
+    bones = sorted(joint for body in recognise(rig).characters for joint in sure_bones(body, FACE).values())
+    if other := [rig.title(bone) for bone in bones if turns[bone] or bone in plan.targets.skipped]:
+        text = f"Other axes than those of the standard skeleton: {listed(other, 6)}"
+        report.warn("other-axes", f"{text}. Clips of others do not fit these", geometry=True)
 
 
 def _shown(values: Mapping[str, Any]) -> dict[str, Any]:

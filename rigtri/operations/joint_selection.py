@@ -31,17 +31,20 @@ def select(
     hips: Container[int] = (),
     heads: Container[int] = (),
     whole: Container[int] = (),
+    meant: Collection[int] = (),
 ) -> tuple[list[int], dict[int, str]]:
     """The joints to turn, parents first, and for every other joint the reason it is kept.
 
     aimed: joints and nodes that the user has aimed at something, which are as good as selected.
     all_named: the user named the top node of a plain hierarchy, so all of it is meant. hips: top joints that
     are part of a body. heads: of bodies, whose faces are kept. whole: end joints that belong to a body.
+    meant: joints that turn wherever they are, unless others are named.
     Raises NameNotFoundError for names that the rig does not have.
     """
     rig = tree.rig
     _check_named(rig, selection, aimed)
     stays = {} if selection.named or all_named else _unnamed_stay(tree, ref, hips, heads, whole)
+    stays = {joint: why for joint, why in stays.items() if joint not in meant}
     within = _of_skin(rig, selection.skin, tree.joints)
     excluded = {node for glob in selection.exclude for node in rig.match(glob, tree.joints)}
     named = _named(tree, selection)

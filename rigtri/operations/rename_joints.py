@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,20 @@ def renamed(rig: Rig, names: Mapping[int, str]) -> Rig:
     """The rig with names of nodes, and metadata that finds them by these."""
     after = replace(rig, names=tuple(names.get(node, name) for node, name in enumerate(rig.names)))
     return readdressed(rig, after, {node for top in names for node in rig.below(top)})
+
+
+def set_aside(rig: Rig, to: str) -> dict[str, str]:
+    """New names, by address, of joints that are no bones and have names that bones will have."""
+    bones = dict(_of_scheme(rig, RenameJointsOptions(to=to)))
+    taken = {*bones.values(), *rig.names}
+    found = {}
+    for node in np.flatnonzero(rig.is_joint).tolist():
+        name = rig.names[node]
+        if node not in bones and name in bones.values():
+            new = next(each for k in count(2) if (each := f"{name}_{k}") not in taken)
+            taken.add(new)
+            found[rig.address(node)] = new
+    return found
 
 
 def names_json(report: Report) -> dict[str, Any]:

@@ -16,8 +16,9 @@ from rigtri.errors import GeometryError
 from rigtri.maths.matrices import compose, decompose, inverse, multiply
 from rigtri.maths.quaternions import angle_between, normalise
 from rigtri.maths.vectors import cross, dot, length
+from rigtri.operations.add_socket import with_joint
 from rigtri.operations.body_pose import Directions, StandardPose
-from rigtri.operations.orient_joints.standard_frames import standard_bones
+from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.verification.checks import check
@@ -131,6 +132,64 @@ def test_bones_of_a_standard_skeleton_are_mirror_images(pose: StandardPose) -> N
     assert pose == "apose" or np.allclose(cross(hinge, aim), np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0))
 
 
+# The global rotations of SkeletonProfileHumanoid (Godot 4, skeleton_profile.cpp), as reference poses compose
+# them: where x, y and z of a bone point. L is the left of a character that faces +z, which is +x.
+GODOT = {
+    "hips": "+x +y +z",
+    "upperChest": "+x +y +z",
+    "head": "+x +y +z",
+    "leftShoulder": "+z +x +y",
+    "leftUpperArm": "-z +x -y",
+    "leftLowerArm": "-y +x +z",
+    "leftHand": "-z +x -y",
+    "leftIndexDistal": "-z +x -y",
+    "rightShoulder": "-z -x +y",
+    "rightUpperArm": "+z -x -y",
+    "rightLowerArm": "+y -x +z",
+    "rightHand": "+z -x -y",
+    "leftUpperLeg": "-x -y +z",
+    "rightLowerLeg": "+x -y -z",
+    "leftFoot": "-x +z +y",
+    "rightToes": "+x +z -y",
+    "leftEye": "+x +z -y",
+    "jaw": "-x +z +y",
+}
+
+
+def test_axes_of_godot_are_those_of_its_profile() -> None:
+    x, y, z = np.eye(3)
+    found = {bone: pair for bone, *pair in godot_bones(Directions(x, y, z))}
+    for bone, words in GODOT.items():
+        rows = [np.eye(3)["xyz".index(word[1])] * (1 if word[0] == "+" else -1) for word in words.split()]
+        aim, side = found[bone]
+        assert np.allclose([side, aim, cross(side, aim)], rows), bone
+    aim, side = found["leftThumbProximal"]
+    # Its own numbers have three digits.
+    assert np.allclose([aim, side], [[0.816, 0.0, 0.577], [0.0, 1.0, 0.0]], atol=1e-3)
+    out = rigtri.conform(rigtri.read(SAMPLES / "biped.glb"), to="godot")
+    (body,) = recognise(out).characters
+    for bone, words in GODOT.items():
+        if node := body.bones.get(bone):
+            rows = [np.eye(3)["xyz".index(word[1])] * (1 if word[0] == "+" else -1) for word in words.split()]
+            assert np.allclose(out.world[node, :3, :3], rows, atol=1e-4), bone
+
+
+def test_a_joint_that_has_the_name_of_a_bone_makes_room(tmp_path: Path) -> None:
+    """A second joint of the spine that is called so, as of Quaternius' robot, in every run the same."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    names = ["Hips" if name == "toe_L_end" else name for name in rig.names]
+    path, out, again = (tmp_path / f"{name}.glb" for name in ("in", "out", "again"))
+    end = rig.find("toe_L_end")
+    skin = rig.skins[0]
+    more = with_joint(skin, end, np.concatenate([skin.inverse_bind, inverse(rig.world[end])[np.newaxis]]))
+    rigtri.write(replace(rig, names=tuple(names), skins=(more,)), path)
+    cli("conform", path, "-o", out, "--to", "unity", "--save-spec", tmp_path / "spec.yaml", code=0)
+    assert {"Hips", "Hips_2"} <= set(rigtri.read(out).names)
+    assert "Hips_2" in (tmp_path / "spec.yaml").read_text("utf-8")
+    cli("conform", out, "-o", again, "--to", "unity", code=0)
+    assert again.read_bytes() == out.read_bytes()
+
+
 def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:
     rig, report = rigtri.set_rest(rigtri.read(SAMPLES / "biped.glb"), pose="tpose"), Report()
     joints = frozenset(np.flatnonzero(rig.is_joint).tolist())
@@ -154,8 +213,27 @@ def test_a_leg_below_another_joint_is_told() -> None:
     local[foot] = multiply(rig.world[foot], inverse(rig.world[hips]))[3, :3]
     report = Report()
     flat = replace(rig, parents=parents, translation=local, clips=(), source=None)
-    rigtri.conform(flat, to="unity", report=report)
+    out = rigtri.conform(flat, to="unity", report=report)
     assert any("LeftFoot (below LeftLowerLeg)" in warning.text for warning in report.warnings)
+    assert np.allclose(out.world[out.find("LeftFoot"), :3, :3], np.eye(3), atol=1e-5)
+
+
+def test_what_stands_against_the_axes_of_the_skeleton_is_told() -> None:
+    """A scale that is not uniform, and names that call left what is on the right."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale, report = rig.scale.copy(), Report()
+    scale[rig.find("toe_L")] = (1.0, 1.5, 1.0)
+    flat = replace(rig, scale=scale, clips=(), source=None)
+    (skin,) = flat.skins
+    bound = replace(skin, inverse_bind=inverse(flat.world[skin.joints]))
+    rigtri.conform(replace(flat, skins=(bound,)), to="mixamo", report=report)
+    told = {warning.code: warning.text for warning in report.warnings}
+    assert "Other axes than those of the standard skeleton: mixamorig:LeftToeBase" in told["other-axes"]
+    assert "sides" not in told
+    side = {"L": "R", "R": "L"}
+    names = [name[:-1] + side.get(name[-1:], name[-1:]) if "_" in name else name for name in rig.names]
+    rigtri.conform(replace(rig, names=tuple(names), clips=(), source=None), to="unity", report=report)
+    assert any(warning.code == "sides" for warning in report.warnings)
 
 
 def test_the_steps_are_a_spec_that_builds_the_same(tmp_path: Path) -> None:

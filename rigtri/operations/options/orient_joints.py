@@ -143,10 +143,14 @@ class OrientJointsOptions(OneCharacter):
         rare=True,
     )
     world: bool = option(False, help="Make every frame parallel to the world.", group="what", rare=True)
-    standard_pose: Literal["tpose", "apose"] | None = option(
+    standard_pose: Literal["tpose", "apose", "godot"] | None = option(
         None,
         help="Take a recognised body that stands so for a standard skeleton: joints aim where its bones do.",
-        values={"tpose": "arms to the side", "apose": "arms 45° down"},
+        values={
+            "tpose": "arms to the side",
+            "apose": "arms 45° down",
+            "godot": "arms to the side; with --preset blender the axes of SkeletonProfileHumanoid",
+        },
         rare=True,
     )
     on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)

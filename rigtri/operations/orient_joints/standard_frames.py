@@ -3,7 +3,7 @@
 Joints of trunk, clavicles and feet stand elsewhere in every body. Axes along the bones of a standard skeleton
 are the same in all that rest in its pose, so that rotations of clips mean the same.
 
-Source: VRMC_vrm 1.0, tpose.md; Godot, SkeletonProfileHumanoid (rotations of its own, not of a body's joints).
+Source: VRMC_vrm 1.0, tpose.md; Godot, SkeletonProfileHumanoid (the reference poses of its bones).
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ from rigtri.recognition.output import direction_text
 from rigtri.report import Report
 
 _TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
+# How far ahead of the arm a thumb of SkeletonProfileHumanoid points, of the sine: a third of the square.
+_GODOT_THUMB = float(np.sqrt(1.0 / 3.0))
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,8 @@ def standard_frames(
         if found is None:
             continue
         known = sure_bones(character)
-        bones |= {known[bone]: pair for bone, *pair in standard_bones(found, pose) if bone in known}  # type: ignore[misc]
+        table = godot_bones(found) if pose == "godot" else standard_bones(found, pose)
+        bones |= {known[bone]: (aim, up) for bone, aim, up in table if bone in known}
         for chain in (k for k in character.chains if k.kind in ("spine", "neck") and k.is_sure):
             bones |= dict.fromkeys(chain.joints, (found.up, cross(found.up, found.ahead)))
         rows = quarter_turn(rig, found)
@@ -94,6 +97,32 @@ def standard_bones(body: Directions, pose: StandardPose) -> Iterator[tuple[str, 
             yield side + bone, -up, lateral
         for bone in ("Foot", "Toes"):
             yield side + bone, ahead, lateral
+
+
+def godot_bones(body: Directions) -> Iterator[tuple[str, Floats, Floats]]:
+    """Bones of Godot's SkeletonProfileHumanoid: where their y axis points, and their x axis."""
+    left, up, ahead = body
+    lateral = cross(up, ahead)
+    for bone in _TRUNK:
+        yield bone, up, lateral
+    for bone, x in (("leftEye", lateral), ("rightEye", lateral), ("jaw", -lateral)):
+        yield bone, ahead, x
+    for side, out in (("left", left), ("right", -left)):
+        yield f"{side}Shoulder", out, cross(out, up)
+        yield f"{side}LowerArm", out, cross(out, ahead)
+        fingers = (finger + part for finger in FINGERS[1:] for part in PHALANGES)
+        for bone in ("UpperArm", "Hand", *fingers):
+            yield side + bone, out, cross(up, out)
+        thumb = out * np.sqrt(1.0 - _GODOT_THUMB * _GODOT_THUMB) + ahead * _GODOT_THUMB
+        for bone in THUMB:
+            yield side + bone, thumb, cross(ahead, out)
+        for bone, aim, x in (
+            ("UpperLeg", -up, -lateral),
+            ("LowerLeg", -up, lateral),
+            ("Foot", ahead, -lateral),
+            ("Toes", ahead, lateral),
+        ):
+            yield side + bone, aim, x
 
 
 def quarter_turn(rig: Rig, body: Directions) -> Floats:

@@ -25,6 +25,7 @@ from rigtri.operations.aim_targets import (
     trunk_children,
 )
 from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.body_pose import FACE, sure_bones
 from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
 from rigtri.operations.options.orient_joints import OrientJointsOptions
@@ -110,8 +111,20 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     fingers = [c for k in bodies for c in k.chains if c.kind == "finger" and c.is_sure]
     heads = {c.joints[-1]: k.hips for k in bodies for c in k.chains if c.kind == "head" and c.is_sure}
     whole = frozenset([*heads, *(joint for finger in fingers for joint in finger.joints)])
+    standard = characters if options.standard_pose is not None else ()
+    # Only Godot's skeleton says how eyes and jaws stand.
+    without = () if options.standard_pose == "godot" else FACE
+    meant = {joint for k in standard for joint in sure_bones(k, without).values()}
     joints, skipped = select(
-        tree, ref, selection, aimed=aim_at, all_named=everything, hips=hips, heads=heads, whole=whole
+        tree,
+        ref,
+        selection,
+        aimed=aim_at,
+        all_named=everything,
+        hips=hips,
+        heads=heads,
+        whole=whole,
+        meant=meant,
     )
     styles = dict.fromkeys(tree.joints, options.style)
     for start, end, style in options.chain_styles:
