@@ -11,12 +11,14 @@ Engine, the mannequin.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
 from rigtri.operations.operation import operation
 from rigtri.operations.options.conform import ConformOptions as ConformOptions
@@ -27,6 +29,7 @@ from rigtri.operations.registry import operation as function_of
 from rigtri.operations.rename_joints import set_aside
 from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import Character
+from rigtri.recognition.naming_schemes import own_table
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
@@ -34,37 +37,60 @@ from rigtri.text import listed
 Steps = tuple[tuple[str, Mapping[str, Any]], ...]
 
 
-def _steps(pose: str, preset: str, root: str = "", frames: str = "") -> Steps:
-    """What a skeleton takes, in this order: how it rests before its axes, which are those at rest."""
-    above: Steps = (("add-root", {"name": root}),) if root else ()
-    return (
-        ("set-rest", {"pose": pose, "straight_fingers": True}),
-        *above,
-        ("orient-joints", {"preset": preset, "standard_pose": frames or pose, "pose": "nodes"}),
-    )
+class Skeleton(NamedTuple):
+    """A standard skeleton. axes: a preset of orient-joints, or godot. root: its name, "" for none."""
+
+    pose: str = "tpose"
+    axes: str = "blender"
+    root: str = ""
 
 
-_STEPS: Mapping[str, Steps] = {
-    "unreal": _steps("apose", "unreal-editor", "root"),
-    "unity": _steps("tpose", "vrm"),
-    "godot": _steps("tpose", "blender", "Root", frames="godot"),
-    "vrm": _steps("tpose", "vrm"),
-    "mixamo": _steps("tpose", "blender"),
+_SKELETONS: Mapping[str, Skeleton] = {
+    "unreal": Skeleton("apose", "unreal-editor", "root"),
+    "unity": Skeleton(axes="vrm"),
+    "godot": Skeleton(axes="godot", root="Root"),
+    "vrm": Skeleton(axes="vrm"),
+    "mixamo": Skeleton(),
 }
-
 # The skeletons whose joints have the axes of the world.
 _ALONG_WORLD = ("unity", "vrm")
+_POSES, _AXES = ("tpose", "apose"), ("godot", *PRESETS)
+
+
+def skeleton_of(to: str) -> Skeleton:
+    """The skeleton of that name, or of a TOML file: its table ``[skeleton]`` over what it is ``like``.
+
+    Raises UsageError for a name that there is not, FileError for a file that has no such skeleton.
+    """
+    if to in _SKELETONS:
+        return _SKELETONS[to]
+    if not to.lower().endswith(".toml"):
+        known = sorted(_SKELETONS)
+        hint = did_you_mean(to, known) or f" There are {', '.join(known)}."
+        raise UsageError(f"--to {to}: there is no such skeleton.{hint} Or give a FILE.toml")
+    table = own_table(Path(to))
+    found = _SKELETONS.get(table.get("like", ""), Skeleton())._replace(**table.get("skeleton", {}))
+    for key, value, words in (("pose", found.pose, _POSES), ("axes", found.axes, _AXES)):
+        if value not in words:
+            hint = did_you_mean(value, words) or f" There are {', '.join(known)}."
+            raise FileError(f"{to}: [skeleton] {key}: there is no '{value}'.{hint}")
+    return found
 
 
 def steps_of(options: ConformOptions) -> Steps:
     """The steps, as a rig spec has them: names of operations and their options."""
     facing = {} if options.facing is None else {"facing": options.facing}
-    own = [
-        (name, {**values, **(facing if name in ("set-rest", "orient-joints") else {})})
-        for name, values in _STEPS[options.to]
-    ]
-    # Names before all that is recognised: a second run reads the same names, and finds the same body.
-    return (("freeze", {}), ("rename-joints", {"to": options.to}), *own)
+    pose, axes, root = skeleton_of(options.to)
+    preset, frames = ("blender", axes) if axes == "godot" else (axes, pose)
+    # How it rests before its axes, which are those at rest; and names before all that is recognised: a second
+    # run reads the same names, and finds the same body.
+    return (
+        ("freeze", {}),
+        ("rename-joints", {"to": options.to}),
+        ("set-rest", {"pose": pose, "straight_fingers": True, **facing}),
+        *([("add-root", {"name": root})] if root else []),
+        ("orient-joints", {"preset": preset, "standard_pose": frames, "pose": "nodes", **facing}),
+    )
 
 
 @operation(ConformOptions)
@@ -103,7 +129,7 @@ def _of_locked(rig: Rig, options: ConformOptions, steps: Steps, bodies: Sequence
     GeometryError for other axes, and for bodies that stand in no T-pose.
     """
     locked = rig.rules.orient_locked
-    if options.to not in _ALONG_WORLD:
+    if skeleton_of(options.to).axes != "vrm":
         ways = " or ".join(_ALONG_WORLD)
         raise GeometryError(f"{locked}, and --to {options.to} has other axes: take --to {ways}, or VRM 1.0")
     for body in bodies:

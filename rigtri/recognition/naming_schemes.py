@@ -50,6 +50,8 @@ _CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "skull"
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}
+# What conform asks of a skeleton besides names.
+_SKELETON = ("pose", "axes", "root")
 _TEXTS = ("title", "marks", "like", "left", "right")
 _TO_DO = "give a text in quotes, several words apart by spaces"
 
@@ -306,8 +308,10 @@ def _faults(table: Mapping[str, Any]) -> Iterator[str]:
             yield from _of_table(key, value)
         elif key == "write":
             yield from _of_written(value)
+        elif key == "skeleton":
+            yield from _of_skeleton(value)
         elif key not in _TEXTS:
-            yield f"there is no '{key}'.{_near(key, (*_TEXTS, *_TABLES, 'write'))}"
+            yield f"there is no '{key}'.{_near(key, (*_TEXTS, *_TABLES, 'write', 'skeleton'))}"
         elif not isinstance(value, str):
             yield f"'{key}' is {_kind(value)}: {_TO_DO}"
         elif key == "like" and value not in _tables():
@@ -334,6 +338,17 @@ def _of_table(name: str, value: object) -> Iterator[str]:
             for word in text.split():
                 if taken.setdefault(word, bone) != bone:
                     yield f"{where}: '{word}' means {taken[word]} already, and a word means one bone"
+
+
+def _of_skeleton(value: object) -> Iterator[str]:
+    if not isinstance(value, dict):
+        yield f"'skeleton' is {_kind(value)}: make it a table, [skeleton] with {', '.join(_SKELETON)}"
+        return
+    for key, text in value.items():
+        if key not in _SKELETON:
+            yield f"[skeleton]: there is no '{key}'.{_near(key, _SKELETON)}"
+        elif not isinstance(text, str):
+            yield f"[skeleton] {key} is {_kind(text)}: {_TO_DO}"
 
 
 def _of_written(value: object) -> Iterator[str]:

@@ -174,6 +174,38 @@ def test_axes_of_godot_are_those_of_its_profile() -> None:
             assert np.allclose(out.world[node, :3, :3], rows, atol=1e-4), bone
 
 
+STUDIO = """title = "Studio"
+like = "unreal"
+[write]
+sided = "{S}_{name}"
+UpperArm = "arm"
+Hand = "hand"
+hips = "cog"
+[skeleton]
+pose = "tpose"
+axes = "vrm"
+"""
+
+
+def test_a_skeleton_of_a_file_has_its_names_pose_and_axes(tmp_path: Path) -> None:
+    scheme, out, again = tmp_path / "studio.toml", tmp_path / "out.glb", tmp_path / "again.glb"
+    scheme.write_text(STUDIO, "utf-8")
+    cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", scheme, code=0)
+    rig = rigtri.read(out)
+    assert {"root", "cog", "L_arm", "R_hand"} <= set(rig.names)  # a root as Unreal has
+    assert np.allclose(rig.world[rig.find("L_arm"), :3, :3], np.eye(3), atol=1e-5)
+    cli("conform", out, "-o", again, "--to", scheme, code=0)
+    assert again.read_bytes() == out.read_bytes()
+    scheme.write_text(STUDIO.replace('"vrm"', '"blendr"'), "utf-8")
+    ran = cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", scheme, "--overwrite", code=3)
+    assert "axes: there is no 'blendr'. Did you mean 'blender'" in ran.stderr
+    scheme.write_text(STUDIO.replace("pose", "stance"), "utf-8")
+    ran = cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", scheme, "--overwrite", code=3)
+    assert "[skeleton]: there is no 'stance'" in ran.stderr
+    ran = cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", "unrael", "--overwrite", code=2)
+    assert "Did you mean 'unreal'" in ran.stderr
+
+
 def test_a_joint_that_has_the_name_of_a_bone_makes_room(tmp_path: Path) -> None:
     """A second joint of the spine that is called so, as of Quaternius' robot, in every run the same."""
     rig = rigtri.read(SAMPLES / "biped.glb")

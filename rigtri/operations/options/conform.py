@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from rigtri.operations.declaration import Facing, OneCharacter, option
-
-Target = Literal["unreal", "unity", "godot", "vrm", "mixamo"]
 
 
 @dataclass(frozen=True)
 class ConformOptions(OneCharacter):
     """Give a character the standard skeleton of an engine: scale, rest pose, root, axes and names."""
 
-    to: Target = option(
+    to: str = option(
+        metavar="SKELETON|FILE.toml",
         help="The skeleton: names, rest pose, axes and root.",
         values={
             "unreal": "the mannequin's names, A-pose, a root, the axes of Unreal's editor",
             "unity": "the names of the humanoid, T-pose, axes of the world",
-            "godot": "the names of SkeletonProfileHumanoid, T-pose, a Root, y along bones",
+            "godot": "the names of SkeletonProfileHumanoid, T-pose, a Root, its axes, y along bones",
             "vrm": "the names of the humanoid, T-pose, axes of the world",
             "mixamo": "Mixamo's names, T-pose, y along bones",
+            "FILE.toml": "names of a naming scheme of your own, and its table [skeleton]",
         },
         group="what",
     )
