@@ -13,7 +13,7 @@ import numpy as np
 
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, key_times, worlds
-from rigtri.frames.rig_size import sizes_at_least, sizes_of
+from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.arrays import Integers, runs
 from rigtri.maths.matrices import inverse, multiply, transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
@@ -71,8 +71,7 @@ class LeverArm:
     @cached_property
     def at_most(self) -> Floats:
         """No less than `exact`, (n,), from each node's own numbers; infinite where these do not tell."""
-        rig, sizes = self._rig, sizes_at_least(self._rig, self._meshes)
-        own = self._own(sizes, self._of_boxes)
+        rig, own = self._rig, self._own(self.sizes, self._of_boxes)
         (low, high), (least, most), bones = _sizes_of_nodes(rig)
         for level in rig.levels[1:]:
             parents = rig.parents[level]
@@ -86,7 +85,7 @@ class LeverArm:
             for level in reversed(rig.levels[1:]):
                 np.maximum.at(reach, rig.parents[level], bones[level] + reach[level])
             # What float64 rounds, and last columns that are nearly 0 0 0 1, are far less.
-            reach = 1.001 * reach / sizes
+            reach = 1.001 * reach / self.sizes
         return np.where(np.isfinite(reach), reach, np.inf)
 
     @cached_property

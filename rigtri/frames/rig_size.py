@@ -7,7 +7,6 @@ of those of each.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from weakref import WeakKeyDictionary, ref
 
 import numpy as np
@@ -46,11 +45,7 @@ def sizes_of(rig: Rig, meshes: Sequence[Mesh]) -> Floats:
     A character is what skins with common joints move, with all that is below these joints. Other nodes have
     the size of the whole.
     """
-    return _by_character(rig, meshes, size_of(rig, meshes))
-
-
-def _by_character(rig: Rig, meshes: Sequence[Mesh], whole: float) -> Floats:
-    sizes, world = np.full(len(rig), whole), rig.normalised_world
+    sizes, world = np.full(len(rig), size_of(rig, meshes)), rig.normalised_world
     for nodes in characters(rig):
         some = np.zeros(len(rig), dtype=bool)
         some[nodes] = True
@@ -101,24 +96,3 @@ def _box(rig: Rig, meshes: Sequence[Mesh], world: Floats) -> tuple[Floats, Float
             np.maximum(high, points.max(axis=0, initial=-np.inf)),
         )
     return low, high
-
-
-def sizes_at_least(rig: Rig, meshes: Sequence[Mesh]) -> Floats:
-    """No more than `sizes_of`, nearly always almost as much: by the outermost points of each mesh alone."""
-    few, world = [_outermost(mesh) for mesh in meshes], rig.normalised_world
-    low, high = _box(rig, few, world)
-    least = float(length(high - low)) if (low <= high).all() else 0.0
-    return _by_character(rig, few, least or size_of(rig, meshes))
-
-
-def _outermost(mesh: Mesh) -> Mesh:
-    """A mesh of the points that are first and last along an axis alone, six or fewer."""
-    if not len(mesh.points):
-        return mesh
-    columns = [mesh.points[:, axis] for axis in range(3)]
-    rows = [int(end) for column in columns for end in (column.argmin(), column.argmax())]
-    # A mesh without a skin, or without morphs, may have no rows of these at all.
-    joints = mesh.joints[rows] if len(mesh.joints) else mesh.joints
-    weights = mesh.weights[rows] if len(mesh.weights) else mesh.weights
-    morphs = mesh.morphs[:, rows] if mesh.morphs.size else mesh.morphs
-    return replace(mesh, points=mesh.points[rows], joints=joints, weights=weights, morphs=morphs)

@@ -116,8 +116,13 @@ class Poses:
         """
         bind = bind_pose(self.rig) if places is self.bind else None
         world = self.rig.world if bind is None else bind
-        ends = [transform_points(box, world[k]) for k in nodes for box in self._boxes.get(k, ())]
-        return [Vector(*point) for box in ends for point in finite(box).tolist()]
+        boxes_of = [(k, box) for k in nodes for box in self._boxes.get(k, ())]
+        if not boxes_of:
+            return []
+        ends = transform_points(
+            np.stack([box for _, box in boxes_of]), world[[k for k, _ in boxes_of], np.newaxis]
+        )
+        return [Vector(*point) for point in finite(ends).reshape(-1, 3).tolist()]
 
     def named(self, pose: Literal["rest", "bind"]) -> Floats:
         return self.bind if pose == "bind" and self.bind is not None else self.rest

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import chain
 from math import isfinite
 from typing import Any, NoReturn
 
@@ -36,38 +34,21 @@ def parse_placed(text: str, *, lenient: bool = False) -> tuple[Any, dict[int, in
     """As `parse`; also where the values of the outermost object end, by where they start."""
     if not lenient:
         with suppress(ValueError, StopIteration, IndexError):  # which parsing the whole text explains
-            found, ends = _members(text, _scan)
-            return (found, ends) if _has_all(text, found) else _members(text, _scan_once)
+            return _members(text)
     return parse(text, lenient=lenient), {}
 
 
-def _has_all(text: str, found: dict[str, Any]) -> bool:
-    """Whether objects have as many members as a text has keys: then no key stands twice.
-
-    False also where that cannot be told: blanks before colons, or what looks like a key in a string.
-    """
-    if any(f"{blank}:" in text for blank in BLANKS):
-        return False
-    count = 0
-    level: list[Any] = [found]
-    while level:
-        count += sum(len(value) for value in level if type(value) is dict)
-        inside = chain.from_iterable(value.values() if type(value) is dict else value for value in level)
-        level = [value for value in inside if type(value) is dict or type(value) is list]
-    return count == text.count('":')
-
-
-def _members(text: str, scan: Callable[[str, int], tuple[Any, int]]) -> tuple[dict[str, Any], dict[int, int]]:
+def _members(text: str) -> tuple[dict[str, Any], dict[int, int]]:
     pairs: list[tuple[str, Any]] = []
     ends: dict[int, int] = {}
     at, follows = skip(text, 0), "{"
     while text[at] == follows:
-        key, at = scan(text, skip(text, at + 1))
+        key, at = _scan(text, skip(text, at + 1))
         colon = skip(text, at)
         if type(key) is not str or text[colon] != ":":
             raise ValueError("a key should stand here, and a colon behind it")
         start = skip(text, colon + 1)
-        value, end = scan(text, start)
+        value, end = _scan(text, start)
         pairs.append((key, value))
         ends[start] = end
         at, follows = skip(text, end), ","
@@ -97,11 +78,8 @@ def _no_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is no JSON number")
 
 
-# Of C, without a call around it; with one for each object, or without.
-_scan_once, _scan = (
-    json.JSONDecoder(object_pairs_hook=hook, parse_constant=_no_constant).scan_once  # type: ignore[attr-defined]
-    for hook in (_once, None)
-)
+# Of C, without a call around it. One for each object costs less than to count keys and members afterwards.
+_scan = json.JSONDecoder(object_pairs_hook=_once, parse_constant=_no_constant).scan_once  # type: ignore[attr-defined]
 
 
 def encode(text: str) -> bytes:
