@@ -184,16 +184,17 @@ def _together(columns: Sequence[Column]) -> list[list[Column]]:
 
 @dataclass(frozen=True, eq=False)
 class _Pack:
-    """Tracks that share path, interpolation and times: values (k, tracks, [3,] c).
+    """Tracks that share path, interpolation and times, of one or more columns.
 
-    columns: where each track's node stands among the driven nodes, None for all of them in order.
-    Each number of a node at all keys is in one row of memory.
+    places: where the tracks of each column stand among all. columns: where each track's node stands among
+    the driven nodes, None for all of them in order.
     """
 
     path: Path
     interpolation: Interpolation
     times: Floats
-    values: Floats
+    alike: Sequence[Column]
+    places: Sequence[Integers]
     columns: Integers | None
 
     @staticmethod
@@ -201,30 +202,48 @@ class _Pack:
         first = alike[0]
         nodes = np.concatenate([column.nodes for column in alike])
         order = np.argsort(nodes, kind="stable")
-        end_to_end = np.concatenate([column.values for column in alike])
-        shape = end_to_end.shape[1], len(nodes), *end_to_end.shape[2:]
-        values: Floats = np.empty(shape[::-1]).transpose()
-        values[:] = end_to_end[order].swapaxes(0, 1)
+        place = np.empty_like(order)
+        place[order] = np.arange(len(order))
+        places = np.split(place, np.cumsum([len(column) for column in alike])[:-1])
         columns = None if np.array_equal(nodes[order], driven) else np.searchsorted(driven, nodes[order])
-        return _Pack(first.path, first.interpolation, first.times, values, columns)
+        return _Pack(first.path, first.interpolation, first.times, alike, places, columns)
+
+    def keyed(self, keys: Integers | slice) -> Floats:
+        """The values of some keys, (k, tracks, [3,] c); in memory the keys of one number lie side by side."""
+        parts = [column.values[:, keys] for column in self.alike]
+        shape = parts[0].shape[1], sum(map(len, parts)), *parts[0].shape[2:]
+        values: Floats = np.empty(shape[::-1]).transpose()
+        for part, place in zip(parts, self.places, strict=True):
+            values[:, place] = part.swapaxes(0, 1)
+        return values
 
     def sample(self, times: Floats) -> Floats:
         """Values, (f, tracks, c), at ``times``, (f,)."""
         keys, cubic = self.times, self.interpolation == "CUBICSPLINE"
         if len(keys) == 1:
-            return np.repeat(self.values[:, :, 1] if cubic else self.values, len(times), axis=0)
+            values = self.keyed(slice(None))
+            return np.repeat(values[:, :, 1] if cubic else values, len(times), axis=0)
         left = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
         span = keys[left + 1] - keys[left]
         inside = np.clip((times - keys[left]) / np.where(span == 0, 1.0, span), 0.0, 1.0)
         share = inside[:, np.newaxis, np.newaxis]
+        values, left = self._around(left)
         if cubic:
-            return _hermite(self.values, left, share, span[:, np.newaxis, np.newaxis], self.path)
+            return _hermite(values, left, share, span[:, np.newaxis, np.newaxis], self.path)
         if self.path == "rotation" and self.interpolation == "LINEAR":
-            return _turned(self.values, left, inside)
-        here, there = _taken(self.values, left), _taken(self.values, left + 1)
+            return _turned(values, left, inside)
+        here, there = _taken(values, left), _taken(values, left + 1)
         if self.interpolation == "STEP":
             return np.where(share >= 1.0, there, here)
         return here + (there - here) * share
+
+    def _around(self, left: Integers) -> tuple[Floats, Integers]:
+        """The values of the keys on both sides of times, and which of them is on the left of each, (f,)."""
+        first, last = int(left.min()), int(left.max()) + 1
+        if last - first < 2 * len(left):
+            return self.keyed(slice(first, last + 1)), left - first
+        both = np.stack([left, left + 1], axis=1).reshape(-1)
+        return self.keyed(both), 2 * np.arange(len(left))
 
 
 def _taken(values: Floats, rows: Integers) -> Floats:

@@ -31,6 +31,9 @@ from rigtri.model.animation import Column, Track, Tracks, other_rows
 from rigtri.model.metadata import FrameRecord
 from rigtri.model.rig import Rig
 
+# So many keys go through the arithmetic at once: with what comes of them they stay in the cache.
+_BLOCK = 1 << 14
+
 
 def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig:
     """Turn the frame of each node by ``delta``, (n, 4), in its own old frame.
@@ -180,20 +183,23 @@ def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales
     columns = [column for some in by_clip for column in some]
     changed: dict[int, Column] = {}
     rescaled = _rescaled(delta, fold, scales)
+    back, after = conjugate(above), multiply(fold, delta)
     for path, moves in (("translation", parents), ("rotation", own | parents), ("scale", rescaled)):
         moving = {k: moves[c.nodes] for k, c in enumerate(columns) if c.path == path}
         mine = [k for k, rows in moving.items() if rows.any()]
         if not mine:
             continue
-        flat = [columns[k].values[moving[k]] for k in mine]
+        flat = [_rows_of(columns[k].values, moving[k]) for k in mine]
         node = np.concatenate([np.repeat(columns[k].nodes[moving[k]], columns[k].rows) for k in mine])
         rows = np.concatenate([values.reshape(-1, values.shape[-1]) for values in flat])
-        if path == "translation":
-            rows = rotate(conjugate(above[node]), rows)
-        elif path == "rotation":
-            rows = conjugate_by(above[node], rows, fold[node], delta[node])
-        else:
-            rows = _reoriented_scale(rows, node, delta, fold, scales)
+        for first in range(0, len(rows), _BLOCK):
+            block, nodes = rows[first : first + _BLOCK], node[first : first + _BLOCK]
+            if path == "translation":
+                block[:] = rotate(back[nodes], block)
+            elif path == "rotation":
+                block[:] = multiply(multiply(back[nodes], block), after[nodes])
+            else:
+                block[:] = _reoriented_scale(block, nodes, delta, fold, scales)
         start = 0
         for k, old in zip(mine, flat, strict=True):
             end = start + old.size // old.shape[-1]
@@ -202,18 +208,25 @@ def _reorient_clips(rig: Rig, delta: Floats, above: Floats, fold: Floats, scales
             if path == "scale":  # most stay what they were, to the bit
                 other = other_rows(part, old)
                 which[which], part = other, part[other]
-            if which.any():
+            if which.all():
+                changed[k] = columns[k].having(part, which)
+            elif which.any():
                 values = columns[k].values.copy()
                 values[which] = part
                 changed[k] = columns[k].having(values, which)
     if not changed:
         return rig
-    after = iter(changed.get(k, column) for k, column in enumerate(columns))
+    result = iter(changed.get(k, column) for k, column in enumerate(columns))
     clips = tuple(
-        replace(clip, tracks=Tracks([next(after) for _ in some]))
+        replace(clip, tracks=Tracks([next(result) for _ in some]))
         for clip, some in zip(rig.clips, by_clip, strict=True)
     )
     return replace(rig, clips=clips)
+
+
+def _rows_of(values: Floats, which: Booleans) -> Floats:
+    """The rows of values, (t, ...), that are named, (t,)."""
+    return values if which.all() else values[which]
 
 
 def _reorient_bound(rig: Rig, delta: Floats) -> Rig:

@@ -16,6 +16,7 @@ from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, locals_at, worlds
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Source, self_check, verify
@@ -332,6 +333,25 @@ def test_times_lie_at_keys_between_them_and_beyond() -> None:
     assert_allclose(between_keys(np.array([1.0, 2.0])), [0.9, 1.0, 1.29, 1.5, 2.0, 2.1])
     assert_allclose(between_keys(np.array([3.0])), [2.999, 3.0, 3.001])
     assert_allclose(between_keys(np.zeros(0)), [0.0])
+
+
+def test_of_a_clip_with_many_keys_the_gaps_are_looked_into_that_may_differ() -> None:
+    """Joints that agree at 3000 keys, and go opposite ways round between two of them."""
+    times = np.arange(3000.0)
+
+    def swung(last: float) -> Held:
+        angles = np.where(times < 2000, 0.001 * times, 2.0 + last)
+        keys = from_axis_angle(np.broadcast_to([0.0, 0.0, 1.0], (len(times), 3)), angles)
+        clip = Clip("long", (Track(1, "rotation", "LINEAR", times, keys),))
+        return Held(replace(chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), clips=(clip,)))
+
+    one, other = np.pi - 1e-7 - 0.001, np.pi + 1e-7 - 0.001
+    apart, same = self_check(swung(one), swung(other)), self_check(swung(one), swung(one))
+    assert apart.deviation > 0.1
+    assert apart.worst is not None
+    assert 1999 < apart.worst.time < 2000
+    assert same.deviation == 0
+    assert 3000 < apart.poses < 4500
 
 
 def test_tangents_do_not_count_as_rotations() -> None:

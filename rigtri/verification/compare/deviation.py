@@ -14,8 +14,9 @@ import numpy as np
 
 from rigtri.evaluation import sampling
 from rigtri.maths.arrays import Booleans, Integers
-from rigtri.maths.quaternions import norm
+from rigtri.maths.quaternions import dot, norm
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Tracks
 from rigtri.model.rig import Rig
 from rigtri.progress import count_done
@@ -29,7 +30,11 @@ UNIT_AS_SHOWN = 2e-7
 _BLOCK = 1 << 16
 # A deep rig is evaluated level by level, so that each step should have some matrices to multiply:
 # this many numbers of a level, in a block of at most so many.
-_LEVEL, _DEEP_BLOCK = 1 << 11, 1 << 19
+_LEVEL, _DEEP_BLOCK = 1 << 13, 1 << 19
+# From so many keys on only the widest gaps between them are looked into: so many for each kind of track.
+_MANY_KEYS, _GAPS = 2000, 500
+# 1 − cos of half a right angle.
+_RIGHT_ANGLE = 1.0 - 0.5**0.5
 # Numbers of the points and morph weights of one mesh at all times of a block: 64 MB.
 _POINTS_BLOCK = 1 << 23
 
@@ -89,7 +94,7 @@ def measure(
     block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
     for number, (clip, *clips) in enumerate(zip(both.clips, before.clips, after.clips, strict=True)):
         count_done(number, len(both.clips), "clips")
-        motion, times = sampling.Motion(both, clip), sampling.between_keys(sampling.key_times(clip))
+        motion, times = sampling.Motion(both, clip), _moments(clip)
         for start in range(0, len(times), block):
             some = times[start : start + block]
             worlds = sampling.worlds(both, motion.locals_at(some, normalised=normalised))
@@ -139,9 +144,10 @@ def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
     """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
     some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
     turns = (c for clip in rig.clips for c in clip.columns if c.path == "rotation")
-    keys = [column.key_values[some[column.nodes]].reshape(-1, 4) for column in turns]
-    off = np.abs(norm(np.concatenate([rig.rotation[~rig.has_matrix & some], *keys])) - 1.0)
-    return float(off[np.isfinite(off)].max(initial=0.0))
+    keyed = [row for c in turns for row, mine in zip(c.key_values, some[c.nodes], strict=True) if mine]
+    every = [rig.rotation[~rig.has_matrix & some], *keyed]
+    off = (np.abs(norm(q) - 1.0) for q in every)
+    return max(float(each[np.isfinite(each)].max(initial=0.0)) for each in off)
 
 
 def lost_unit_rotations(was: float, now: float) -> tuple[str, ...]:
@@ -151,6 +157,35 @@ def lost_unit_rotations(was: float, now: float) -> tuple[str, ...]:
     """
     off = f"unit rotations: |q| is off 1 by {now:.2g}, was {was:.2g}"
     return (off,) if now > 2.0 * was + UNIT else ()
+
+
+def _moments(clip: Clip) -> Floats:
+    """The times at which both rigs are posed in their `joined` clip: its keys, and some between and beyond.
+
+    Between keys that both have, interpolations part the more, the farther it is from one to the next: of a
+    clip with a great many the widest gaps tell, and all in which a joint rotates by a right angle.
+    """
+    keys = sampling.key_times(clip)
+    moving = [c for c in clip.columns if c.path != "weights" and len(c.times) > 1]
+    if len(keys) <= _MANY_KEYS or not all(
+        c.interpolation == "LINEAR" and np.array_equal(c.times, keys) for c in moving
+    ):
+        return sampling.between_keys(keys)
+    chosen = np.zeros(len(keys) - 1, dtype=bool)
+    for column in moving:
+        step = np.max([_steps(column.path, values) for values in column.values], axis=0)
+        chosen[np.argpartition(step, -_GAPS)[-_GAPS:]] = True
+        chosen |= (column.path == "rotation") & (step > _RIGHT_ANGLE)
+    gaps = np.flatnonzero(chosen)
+    inside = [keys[gaps] + share * (keys[gaps + 1] - keys[gaps]) for share in (0.29, 0.5)]
+    ends = sampling.between_keys(keys[[0, -1]])[[0, -1]]
+    return sampling.sorted_unique(np.concatenate([keys, *inside, ends]))
+
+
+def _steps(path: str, values: Floats) -> Floats:
+    """How far it is from each key to the next, (k − 1,): of rotations, (k, 4), 1 − cos of half the angle."""
+    here, there = values[:-1], values[1:]
+    return 1.0 - np.abs(dot(here, there)) if path == "rotation" else length(there - here)
 
 
 def _times_at_once(rig: Rig) -> int:

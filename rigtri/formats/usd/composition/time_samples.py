@@ -9,8 +9,9 @@ a sample just before the jump holds the value before it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ from rigtri.errors import FileError
 
 DEFAULT = Usd.TimeCode.Default()
 Samples = list[tuple[float, Any]]
+# The spec of a layer, the offset of its times, its sample times, and their values, or else its default.
+_Opinion = tuple[Any, Any, Sequence[float], Sequence[Any]]
 
 # Where between two samples a clip is compared with what its samples alone would show.
 _BETWEEN = (0.29, 0.5, 0.93)
@@ -35,19 +38,21 @@ def time_samples(attribute: Any) -> Samples:
     times = attribute.GetTimeSamples()
     if not times:
         return []
-    if edits := array_edits(attribute):
+    layered = list(_down_to_samples(attribute))
+    if edits := _first_edit(layered):
         raise FileError(
             f"{edits}, which rigtri cannot re-orient. Write whole arrays there, or flatten the stage."
         )
     if attribute.GetResolveInfo(times[0]).GetSource() == Usd.ResolveInfoSourceValueClips:
         return _of_clips(attribute, times)
-    for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
-        own = spec.layer.ListTimeSamplesForPath(spec.path)
-        if own:
-            found = [(offset * time, spec.layer.QueryTimeSample(spec.path, time)) for time in own]
-            found = [(time, None if isinstance(value, Sdf.ValueBlock) else value) for time, value in found]
-            return sorted(found, key=lambda sample: sample[0])
-    return [(time, attribute.Get(time)) for time in times]
+    if not layered or not layered[-1][2]:
+        return [(time, attribute.Get(time)) for time in times]
+    _, offset, own, values = layered[-1]
+    if Sdf.ValueBlock in set(map(type, values)):
+        values = [None if isinstance(value, Sdf.ValueBlock) else value for value in values]
+    if not offset.IsIdentity():
+        own = [offset * time for time in own]
+    return sorted(zip(own, values, strict=True), key=itemgetter(0))
 
 
 def array_edits(attribute: Any) -> str:
@@ -55,18 +60,25 @@ def array_edits(attribute: Any) -> str:
 
     USD holds the edited arrays between samples, which samples cannot. Source: Usd.Attribute.Get (26.11).
     """
-    if not attribute.GetTimeSamples():
-        return ""
-    for spec in attribute.GetPropertyStack(DEFAULT):
-        own = spec.layer.ListTimeSamplesForPath(spec.path)
-        values = [spec.layer.QueryTimeSample(spec.path, time) for time in own]
-        if not own and spec.HasDefaultValue():
-            values.append(spec.default)
-        if any(type(value).__name__.endswith("ArrayEdit") for value in values):
+    return _first_edit(_down_to_samples(attribute)) if attribute.GetTimeSamples() else ""
+
+
+def _first_edit(layered: Iterable[_Opinion]) -> str:
+    for spec, _, _, values in layered:
+        if any(kind.__name__.endswith("ArrayEdit") for kind in set(map(type, values))):
             return f"<{spec.path}> of {spec.layer.identifier} edits an array that moves over time"
-        if own:
-            break  # weaker opinions do not count
     return ""
+
+
+def _down_to_samples(attribute: Any) -> Iterator[_Opinion]:
+    """The opinions on an attribute from the strongest to the first with samples; weaker ones do not count."""
+    for spec, offset in attribute.GetPropertyStackWithLayerOffsets(DEFAULT):
+        layer, path = spec.layer, spec.path
+        own = layer.ListTimeSamplesForPath(path)
+        if own:
+            yield spec, offset, own, [layer.QueryTimeSample(path, time) for time in own]
+            return
+        yield spec, offset, own, [spec.default] if spec.HasDefaultValue() else []
 
 
 def _of_clips(attribute: Any, times: Sequence[float]) -> Samples:

@@ -24,6 +24,8 @@ _BOOTSTRAP = struct.Struct("<8s8Bq")
 _SECTION = struct.Struct("<16sqq")
 # usd-core reads no older ones, in which less is packed.
 _OLDEST = (0, 4, 0)
+# From this version on the number of items of an array takes eight bytes.
+_WIDE = (0, 7, 0)
 _NO_FIELD = 0xFFFFFFFF
 _KINDS_OF_SPEC = 12
 # A packed integer takes two bits of what LZ4 shrinks at most 255 times.
@@ -39,6 +41,8 @@ _SIZES = {
     16: 32, 17: 16, 18: 8, 19: 16, 20: 8, 21: 4, 22: 8, 23: 24, 24: 12, 25: 6, 26: 12, 27: 32, 28: 16,
     29: 8, 30: 16, 56: 8, 57: 4,
 }  # fmt: skip
+# The same by number, 0 for other types.
+_ITEM = np.array([_SIZES.get(kind, 0) for kind in range(256)])
 # Type → bytes that one item takes at least, of those that start with a count.
 _COUNTED = {31: 12, 40: 4, 41: 4, 45: 8, 48: 8, 49: 16, 50: 4, 58: 8}
 # Lists of edits: a byte whose bits are the lists that follow, then each with its count.
@@ -251,7 +255,22 @@ def _check_values(
         mine = values[(values >> np.uint64(48)) & np.uint64(0x80FF) == kind] & np.uint64(0xFFFFFFFF)
         if len(mine) and int(mine.max()) >= most:
             raise ValueError(f"a value names text {int(mine.max())} of {most}")
-    for value in values.tolist():
+    _check_each(content, values, version, seen)
+
+
+def _check_each(content: memoryview, values: Words, version: tuple[int, int, int], seen: set[int]) -> None:
+    """The same for any values: plain arrays, which animations have thousands of, all at once."""
+    kinds = (values >> np.uint64(48) & np.uint64(0xFF)).astype(np.int64)
+    places = (values & np.uint64((1 << 48) - 1)).astype(np.int64)
+    plain = (values >> np.uint64(61) == _ARRAY >> 61) & (places > 0) & (_ITEM[kinds] > 0) & (version >= _WIDE)
+    starts, sizes = places[plain], _ITEM[kinds[plain]]
+    if len(starts):
+        _inside(content, int(starts.max()), 8)
+        counts = np.frombuffer(content, np.uint8)[starts[:, np.newaxis] + np.arange(8)].view("<u8")[:, 0]
+        wrong = counts > ((len(content) - 8 - starts) // sizes).astype(np.uint64)
+        if wrong.any():
+            raise ValueError(f"a value claims {int(counts[wrong][0])} items, more than the file holds")
+    for value in values[~plain].tolist():
         _check_value(content, value, version, seen)
 
 
@@ -282,7 +301,7 @@ def _check_array(
     content: memoryview, kind: int, at: int, compressed: bool, version: tuple[int, int, int]
 ) -> None:
     at += 4 if version < (0, 5, 0) else 0  # the number of dimensions, always one
-    wide = version >= (0, 7, 0)
+    wide = version >= _WIDE
     _inside(content, at, 8 if wide else 4)
     count = int(struct.unpack_from("<Q" if wide else "<I", content, at)[0])
     at += 8 if wide else 4
@@ -311,9 +330,8 @@ def _check_samples(content: memoryview, at: int, version: tuple[int, int, int], 
     start += _jump(content, start)
     count = _number(content, start)
     _fits(content, start + 8, count, 8)
-    for value in np.frombuffer(content[start + 8 : start + 8 + 8 * count], dtype="<u8").tolist():
-        if value >> 48 & 0xFF != _TIME_SAMPLES:
-            _check_value(content, value, version, seen)
+    values = np.frombuffer(content[start + 8 : start + 8 + 8 * count], dtype="<u8")
+    _check_each(content, values[values >> np.uint64(48) & np.uint64(0xFF) != _TIME_SAMPLES], version, seen)
 
 
 def _jump(content: memoryview, at: int) -> int:

@@ -7,8 +7,8 @@ key; each track knows the column it came from.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +17,10 @@ from pxr import Usd
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, numbers, tokens_of
 from rigtri.formats.usd.composition.time_samples import time_samples
-from rigtri.formats.usd.composition.value_types import WrongTypeError
+from rigtri.formats.usd.composition.value_types import WrongTypeError, demand
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, Tracks, columns
 from rigtri.report import Notice
 
 # The key of tracks that only show a default during a clip; the default's own clip writes it.
@@ -141,8 +141,8 @@ def _off_unit(path: str, tokens: Sequence[str], properties: Mapping[str, Propert
     item = properties.get("rotations")
     if item is None:
         return []
-    single = [] if item.default is None else [item.default[np.newaxis]]
-    off = np.abs(norm(np.concatenate([item.samples, *single])) - 1.0)
+    single = [] if item.default is None else [item.default]
+    off = np.stack([np.abs(norm(row) - 1.0) for row in (*item.samples, *single)])
     if not (off > NON_UNIT).any():
         return []
     row, column = map(int, np.unravel_index(off.argmax(), off.shape))
@@ -169,34 +169,47 @@ def _property(prim: Any, name: str, tokens: Sequence[str]) -> Property | None:
     single = single if single is not None and len(single) else None
     values = time_samples(attribute)
     blocked = tuple(time for time, value in values if value is None)
-    keys = [(time, numbers(attribute, value)) for time, value in values if value is not None]
-    given = [*(array for _, array in keys), *([] if single is None else [single])]
-    if not given:
+    times = [time for time, value in values if value is not None]
+    given = [value for _, value in values if value is not None]
+    for first in {type(value): value for value in given}.values():
+        demand(attribute, first)
+    if not given and single is None:
         return None
-    kind = type(default) if single is not None else type(attribute.Get(keys[0][0]))
+    kind = type(default) if single is not None else type(given[0])
     type_name = attribute.GetTypeName()
-    if all(len(array) != count for array in given):
+    lengths: list[tuple[Any, int]] = [(time, len(value)) for time, value in zip(times, given, strict=True)]
+    lengths += [] if single is None else [("default", len(single))]
+    if all(length != count for _, length in lengths):
         return Property(np.zeros(0), np.zeros((0, count, width)), blocked, None, kind, type_name)
-    for time, array in [*keys, *([] if single is None else [("default", single)])]:
-        if len(array) != count:
+    for time, length in lengths:
+        if length != count:
             raise FileError(
-                f"<{attribute.GetPath()}> has {len(array)} items at time {time}, but the animation "
+                f"<{attribute.GetPath()}> has {length} items at time {time}, but the animation "
                 f"has {count} joints."
             )
-        _check_values(attribute, time, array, tokens)
-    samples = np.stack([array for _, array in keys]) if keys else np.zeros((0, count, width))
-    return Property(np.array([time for time, _ in keys]), samples, blocked, single, kind, type_name)
+    samples = _joined(given) if given else np.zeros((0, count, width))
+    _check_values(attribute, times, samples, tokens)
+    if single is not None:
+        _check_values(attribute, ["default"], single[np.newaxis], tokens)
+    return Property(np.array(times, dtype=np.float64), samples, blocked, single, kind, type_name)
 
 
-def _check_values(attribute: Any, time: Any, array: np.ndarray, tokens: Sequence[str]) -> None:
-    """FileError for what is no number, or no rotation, naming joint and time."""
-    wrong, what = ~np.isfinite(array).all(axis=1), "values that are no numbers (NaN or infinite)"
-    if array.shape[1] == 4 and not wrong.any():
-        wrong, what = ~array.any(axis=1), "the quaternion 0 0 0 0, which is no rotation,"
+def _joined(values: Sequence[Any]) -> np.ndarray:
+    """Vt arrays of one type and length as one array, (k, j, c)."""
+    first = np.asarray(values[0])
+    return np.frombuffer(b"".join(values), first.dtype).reshape(len(values), *first.shape)
+
+
+def _check_values(attribute: Any, times: Sequence[Any], values: np.ndarray, tokens: Sequence[str]) -> None:
+    """FileError for what is no number, or no rotation, naming joint and time; values: (k, j, c)."""
+    wrong, what = ~np.isfinite(values).all(axis=2), "values that are no numbers (NaN or infinite)"
+    if values.shape[2] == 4 and not wrong.any():
+        wrong, what = ~values.any(axis=2), "the quaternion 0 0 0 0, which is no rotation,"
     if wrong.any():
+        row, column = map(int, np.unravel_index(wrong.argmax(), wrong.shape))
         raise FileError(
-            f"<{attribute.GetPath()}> holds {what} for joint '{tokens[int(wrong.argmax())]}' at time "
-            f"{time}. Export it again."
+            f"<{attribute.GetPath()}> holds {what} for joint '{tokens[column]}' at time "
+            f"{times[row]}. Export it again."
         )
 
 
@@ -213,7 +226,7 @@ def clips(
     no skeleton has stay in the file. A property without samples holds its
     default during the clip.
     """
-    columns = [
+    joints = [
         (column, known[token])
         for known in nodes
         for column, token in enumerate(animation.tokens)
@@ -223,17 +236,17 @@ def clips(
     result = []
     if timed or weights:
         start = np.array([min([t[0] for t in timed] + [track.times[0] for track in weights])])
-        tracks = [
-            track
-            for property_name, item in animation.properties.items()
-            for track in _tracks(property_name, item, columns, start, interpolation)
-        ]
-        result.append(Clip(name, (*tracks, *weights), ("samples", animation.path), animation.idle, True))
+        found: list[Column] = []
+        for property_name, item in animation.properties.items():
+            found += _columns(property_name, item, joints, start, interpolation, sum(map(len, found)))
+        count = sum(map(len, found))
+        found += [replace(c, places=[count + place for place in c.places]) for c in columns(weights)]
+        result.append(Clip(name, Tracks(found), ("samples", animation.path), animation.idle, True))
     held = [
         Track(node, PROPERTIES[property_name], "STEP", _ZERO, values[:, column], (property_name, column))
         for property_name, item in animation.properties.items()
         if (values := _as_key(item.default)) is not None
-        for column, node in columns
+        for column, node in joints
     ]
     if held:
         result.append(Clip(f"{name}@default", tuple(held), ("default", animation.path), animation.idle, True))
@@ -247,21 +260,25 @@ def _as_key(default: np.ndarray | None) -> Floats | None:
     return None if default is None else default[np.newaxis].astype(np.float64)
 
 
-def _tracks(
+def _columns(
     name: str,
     item: Property,
-    columns: Sequence[tuple[int, int]],
+    joints: Sequence[tuple[int, int]],
     start: Floats,
     interpolation: Interpolation,
-) -> list[Track]:
-    path = PROPERTIES[name]
-    if len(item.times):
-        values = item.samples.astype(np.float64)
-        return [
-            Track(node, path, interpolation, item.times, values[:, column], (name, column))
-            for column, node in columns
-        ]
+    place: int,
+) -> list[Column]:
+    """The tracks of one property, of its samples or else its default; place: the first among the clip's."""
     held = _as_key(item.default)
-    if held is None:
+    if not joints or (not len(item.times) and held is None):
         return []
-    return [Track(node, path, "STEP", start, held[:, column], HELD) for column, node in columns]
+    rows = [column for column, _ in joints]
+    times, values = item.times, item.samples
+    keys: list[Hashable] = [(name, column) for column in rows]
+    if held is not None and not len(times):
+        interpolation, times, values, keys = "STEP", start, held, [HELD] * len(rows)
+    by_joint = np.array(values.transpose(1, 0, 2)[rows], dtype=np.float64, order="C")
+    nodes = np.array([node for _, node in joints], dtype=np.int64)
+    places = range(place, place + len(rows))
+    own_times = [times] * len(rows)
+    return [Column(PROPERTIES[name], interpolation, times, nodes, by_joint, keys, own_times, places)]
