@@ -17,6 +17,7 @@ from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.add_socket import with_joint
+from rigtri.operations.ik_bones import with_ik_bones
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_root import AddRootOptions as AddRootOptions
@@ -36,16 +37,23 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     known, UsageError for a name that is taken.
     """
     top = rig.find(options.above) if options.above is not None else _top(rig)
+    rig, root = _rooted(rig, top, options, report)
+    return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)
+
+
+def _rooted(rig: Rig, top: int, options: AddRootOptions, report: Report) -> tuple[Rig, int]:
+    """The rig with a root joint above the top joint, and which it is."""
     for node in rig.path_to_root(top):
         if rig.names[node] == options.name and rig.is_joint[node]:
-            return rig
+            return rig, node
         # A prim above a skeleton is no joint of it, and can be none: joints are elsewhere, of whatever name.
         if rig.names[node] == options.name and not rig.rules.sized_binding:
-            return _made_joint(rig, node, top, report)
+            return _made_joint(rig, node, top, report), node
     named = [node for node, name in enumerate(rig.names) if name == options.name]
     if any(rig.is_joint[node] or not rig.rules.sized_binding for node in named):
         raise UsageError(f"--name {options.name}: another node is called so")
-    return _with_root(rig, top, options.name, report)
+    # It takes the number of the top joint, which is the next one then.
+    return _with_root(rig, top, options.name, report), top
 
 
 def _made_joint(rig: Rig, root: int, top: int, report: Report) -> Rig:

@@ -38,7 +38,7 @@ def add_socket(rig: Rig, *, options: AddSocketOptions, report: Report) -> Rig:
         raise UsageError(f"--name {options.name}: another node is called so")
     place, rotation = np.array(options.at), _rotation(rig, joint, options)
     if known:
-        return _moved(rig, known[0], place, rotation, report)
+        return stood(rig, known[0], place, rotation, report)
     made = rig.with_nodes([options.name], [joint], place[np.newaxis], rotation[np.newaxis])
     node = len(rig)
     if rig.rules.sized_binding:
@@ -81,10 +81,14 @@ def _rotation(rig: Rig, joint: int, options: AddSocketOptions) -> Floats:
     return np.asarray(from_axes(orthonormal_axes(seen)))
 
 
-def _moved(rig: Rig, node: int, place: Floats, rotation: Floats, report: Report) -> Rig:
+def stood(rig: Rig, node: int, place: Floats, rotation: Floats, report: Report, size: float = 0.0) -> Rig:
+    """The rig with a node in another place, seen from its parent; the same where it stands there already.
+
+    size: what float32 has rounded, besides the way to the parent.
+    """
     far = float(np.abs(rig.translation[node] - place).max())
     turn = min(float(np.abs(rig.rotation[node] - sign * rotation).max()) for sign in (1, -1))
-    if far <= _SAME * max(1e-9, float(np.abs(place).max())) and turn <= _SAME:
+    if far <= _SAME * max(1e-9, size, float(np.abs(place).max())) and turn <= _SAME:
         return rig
     if rig.has_matrix[node]:
         rig = rig.with_parts([node])

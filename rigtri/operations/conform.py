@@ -20,6 +20,7 @@ from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
+from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.operation import operation
 from rigtri.operations.options.conform import ConformOptions as ConformOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
@@ -38,15 +39,19 @@ Steps = tuple[tuple[str, Mapping[str, Any]], ...]
 
 
 class Skeleton(NamedTuple):
-    """A standard skeleton. axes: a preset of orient-joints, or godot. root: its name, "" for none."""
+    """A standard skeleton. axes: a preset of orient-joints, or godot. root: its name, "" for none.
+
+    profile: of which engine it has the IK bones, "" for none.
+    """
 
     pose: str = "tpose"
     axes: str = "blender"
     root: str = ""
+    profile: str = ""
 
 
 _SKELETONS: Mapping[str, Skeleton] = {
-    "unreal": Skeleton("apose", "unreal-editor", "root"),
+    "unreal": Skeleton("apose", "unreal-editor", "root", "unreal"),
     "unity": Skeleton(axes="vrm"),
     "godot": Skeleton(axes="godot", root="Root"),
     "vrm": Skeleton(axes="vrm"),
@@ -72,7 +77,7 @@ def skeleton_of(to: str) -> Skeleton:
     found = _SKELETONS.get(table.get("like", ""), Skeleton())._replace(**table.get("skeleton", {}))
     for key, value, words in (("pose", found.pose, _POSES), ("axes", found.axes, _AXES)):
         if value not in words:
-            hint = did_you_mean(value, words) or f" There are {', '.join(known)}."
+            hint = did_you_mean(value, words) or f" There are {', '.join(words)}."
             raise FileError(f"{to}: [skeleton] {key}: there is no '{value}'.{hint}")
     return found
 
@@ -80,7 +85,7 @@ def skeleton_of(to: str) -> Skeleton:
 def steps_of(options: ConformOptions) -> Steps:
     """The steps, as a rig spec has them: names of operations and their options."""
     facing = {} if options.facing is None else {"facing": options.facing}
-    pose, axes, root = skeleton_of(options.to)
+    pose, axes, root, profile = skeleton_of(options.to)
     preset, frames = ("blender", axes) if axes == "godot" else (axes, pose)
     # How it rests before its axes, which are those at rest; and names before all that is recognised: a second
     # run reads the same names, and finds the same body.
@@ -90,6 +95,8 @@ def steps_of(options: ConformOptions) -> Steps:
         ("set-rest", {"pose": pose, "straight_fingers": True, **facing}),
         *([("add-root", {"name": root})] if root else []),
         ("orient-joints", {"preset": preset, "standard_pose": frames, "pose": "nodes", **facing}),
+        # They stand as hands and feet do in the end.
+        *([("add-root", {"name": root, "profile": profile})] if root and profile else []),
     )
 
 
@@ -111,6 +118,8 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
         try:
             if name == "rename-joints" and (aside := set_aside(rig, options.to)):
                 values = {**values, "name": aside}
+            if name == "orient-joints" and (ours := _ik_bones(rig, options)):
+                values = {**values, "exclude": ours}
             rig = function_of(name)(rig, report=report, **values)
         except (UsageError, GeometryError) as error:
             # What an error says to do is for the step: it goes first, and this one finds it done.
@@ -121,6 +130,12 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     _warn_misplaced(rig, report)
     _warn_other_axes(rig, dict(steps)["orient-joints"], report)
     return rig
+
+
+def _ik_bones(rig: Rig, options: ConformOptions) -> list[str]:
+    """The names of IK bones that are here already: they have the axes of what they follow."""
+    names = IK_BONES.get(skeleton_of(options.to).profile, {})
+    return [name for name in names if name in rig.names]
 
 
 def _of_locked(rig: Rig, options: ConformOptions, steps: Steps, bodies: Sequence[Character]) -> Steps:

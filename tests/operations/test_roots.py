@@ -14,11 +14,12 @@ from program import cli
 from usd_files import deviation
 
 import rigtri
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import read
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
+from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
 
@@ -171,3 +172,43 @@ def test_a_root_of_a_body_that_stands_elsewhere_is_as_low_as_its_feet(lift: floa
     made = rigtri.add_root(lifted)
     joints = lifted.world[lifted.is_joint, 3, 1]
     assert made.world[made.find("root"), 3, 1] == pytest.approx(joints.min(), abs=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_ik_bones_follow_feet_and_hands_in_every_clip(suffix: str, tmp_path: Path) -> None:
+    """Also where a hand has a scale: what hangs at an IK bone keeps its size."""
+    out, again = tmp_path / f"out{suffix}", tmp_path / f"again{suffix}"
+    words = ("--profile", "unreal", "--overwrite")
+    ran = cli("add-root", SAMPLES / f"biped{suffix}", "-o", out, *words, code=0)
+    assert "left out" not in ran.stderr
+    rig = rigtri.read(out)
+    parents = {"ik_foot_r": "ik_foot_root", "ik_hand_root": "root", "ik_hand_l": "ik_hand_gun"}
+    for name, above in parents.items():
+        node = rig.find(name)
+        assert rig.names[rig.parents[node]] == above
+        assert node in rig.skins[0].joints
+    pairs = {"ik_foot_l": "foot_L", "ik_hand_gun": "hand_R", "ik_hand_l": "hand_L", "ik_hand_r": "hand_R"}
+    for number in range(2):
+        for name, bone in pairs.items():
+            off = np.abs(places(rig, name, number) - places(rig, bone, number)).max()
+            assert off < 3e-4, (name, number)
+    assert verify(read(SAMPLES / f"biped{suffix}"), read(out)).deviation < 1e-6
+    cli("add-root", out, "-o", again, *words, code=0)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    hands = [rig.find(name) for name in ("hand_R", "fingers_R")]
+    names = tuple("" if k in hands else name for k, name in enumerate(rig.names))
+    report = Report()
+    parents = rig.parents.copy()
+    parents[hands] = 0
+    armless = replace(rig, names=names, parents=parents, source=None)
+    out = rigtri.add_root(armless, profile="unreal", report=report)
+    assert "ik_foot_l" in out.names
+    assert not {"ik_hand_gun", "ik_hand_l"} & set(out.names)
+    assert any("ik_hand_gun (rightHand)" in warning.text for warning in report.warnings)
+    taken = replace(rig, names=tuple("ik_foot_l" if name == "toe_L_end" else name for name in rig.names))
+    with pytest.raises(UsageError, match="Another node is called ik_foot_l"):
+        rigtri.add_root(taken, profile="unreal")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from rigtri.operations.declaration import Name, Node, option
 
@@ -13,3 +14,8 @@ class AddRootOptions:
 
     name: Name = option("root", help="What it is called.", group="what")
     above: Node | None = option(None, help="The joint that it is put above. [the topmost joint of the body]")
+    profile: Literal["unreal"] | None = option(
+        None,
+        help="Put the joints below it, too, with which an engine animates hands and feet.",
+        values={"unreal": "ik_foot_root, ik_foot_l … ik_hand_gun, ik_hand_r, with keys that follow"},
+    )

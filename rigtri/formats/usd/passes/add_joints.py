@@ -73,7 +73,8 @@ def _append(source: Source, skeleton: Skeleton, rig: Rig, nodes: Sequence[int]) 
     for node in nodes:
         tokens[node] = child_token(tokens.get(int(rig.parents[node]), ""), rig.names[node])
     listed = [*skeleton.tokens, *(tokens[node] for node in nodes)]
-    bind = np.concatenate([skeleton.bind, inverse(skin.inverse_bind[count:])])
+    rows = [skin.joints.tolist().index(node) for node in nodes]
+    bind = np.concatenate([skeleton.bind, inverse(skin.inverse_bind[rows])])
     # An animation that does not drive every joint needs a rest pose for the others.
     rest = np.concatenate([skeleton.rest, rig.local[nodes]])
     names = joint_names(source.stage, skeleton)

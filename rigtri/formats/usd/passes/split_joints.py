@@ -6,7 +6,7 @@ value changes; the passes after this one write the rig as into any other file.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -46,7 +46,8 @@ class Split:
     @property
     def rows(self) -> list[int]:
         """The rows of the skeleton with each split joint's twice: first for the one above it."""
-        return [k for k, token in enumerate(self.skeleton.tokens) for _ in range(1 + (token in self.holders))]
+        firsts = _firsts(self.skeleton.tokens, self.holders)
+        return [k for k, token in enumerate(self.skeleton.tokens) for _ in range(1 + (token in firsts))]
 
     @property
     def tokens(self) -> list[str]:
@@ -159,8 +160,9 @@ def _skeleton_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Edi
 def _named(split: Split, names: list[str]) -> list[str]:
     """``jointNames`` with names for the joints above the split ones, which no other has."""
     found: list[str] = []
+    firsts = _firsts(split.skeleton.tokens, split.holders)
     for token, name in zip(split.skeleton.tokens, names, strict=True):
-        if token in split.holders:
+        if token in firsts:
             above = f"{name}_orient"
             while above in names:
                 above += "_"
@@ -176,17 +178,27 @@ def _animation_edits(source: Source, splits: Mapping[str, Split]) -> Iterator[Ed
         if not holders:
             continue
         yield set_tokens(path, "joints", _with_holders(animation.tokens, holders))
-        at = [column for column, token in enumerate(animation.tokens) if token in holders]
+        firsts = _firsts(animation.tokens, holders)
+        at = [column for column, token in enumerate(animation.tokens) if token in firsts]
         for name, item in animation.properties.items():
             yield set_array(path, name, _with_columns(name, item, at))
 
 
 def _with_holders(tokens: tuple[str, ...], holders: Mapping[str, str]) -> list[str]:
-    found = []
+    found, firsts = [], _firsts(tokens, holders)
     for token in tokens:
         after = split_token(token, holders)
-        found += [after.rpartition("/")[0], after] if token in holders else [after]
+        found += [after.rpartition("/")[0], after] if token in firsts else [after]
     return found
+
+
+def _firsts(tokens: Sequence[str], holders: Mapping[str, str]) -> set[str]:
+    """The tokens before which their holder is listed: of several below one holder, a root, the first."""
+    first: dict[str, str] = {}
+    for token in tokens:
+        if token in holders:
+            first.setdefault(split_token(token, holders).rpartition("/")[0], token)
+    return set(first.values())
 
 
 def _with_columns(name: str, item: Property, at: list[int]) -> Property:

@@ -1,0 +1,169 @@
+"""The joints below a root that an engine's own rigs have: they follow hands and feet, in every clip.
+
+Source: Unreal Engine, the mannequin's skeleton (ik_foot_root, ik_hand_gun …), "IK Setups".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from rigtri.errors import UsageError
+from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.sampling import locals_at, worlds
+from rigtri.evaluation.timelines import (
+    Timeline,
+    as_float32,
+    put_tracks,
+    steps_only,
+    timelines,
+    times_and_jumps,
+)
+from rigtri.maths.matrices import compose, inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.animation import Clip, Interpolation, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.add_socket import stood, with_joint
+from rigtri.operations.body_pose import sure_bones
+from rigtri.operations.joint_records import joint_record
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+from rigtri.text import listed
+
+# By name: the joint above, "" for the root, and the bone of the humanoid that is followed, "" for the root.
+IK_BONES: Mapping[str, Mapping[str, tuple[str, str]]] = {
+    "unreal": {
+        "ik_foot_root": ("", ""),
+        "ik_foot_l": ("ik_foot_root", "leftFoot"),
+        "ik_foot_r": ("ik_foot_root", "rightFoot"),
+        "ik_hand_root": ("", ""),
+        "ik_hand_gun": ("ik_hand_root", "rightHand"),
+        "ik_hand_l": ("ik_hand_gun", "leftHand"),
+        "ik_hand_r": ("ik_hand_gun", "rightHand"),
+    }
+}
+# Between keys a joint is off what it follows by no more of the size: 0.2 mm of a body.
+_WITHIN = 1e-4
+# How far from it what it rotates may be, of the size.
+_ARM = 0.1
+# No way from the joint above.
+_STILL = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+
+
+class _Follower(NamedTuple):
+    """A joint, the one above it, and the one whose place it has."""
+
+    node: int
+    parent: int
+    leader: int
+
+
+def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
+    """The rig with the joints of a profile below its root, where hands and feet are, at rest and in clips.
+
+    What follows a bone that is not known is left out, with a warning. Raises UsageError for a name that is
+    taken.
+    """
+    bones = {bone: node for body in recognise(rig).characters for bone, node in sure_bones(body).items()}
+    nodes, leaders, left_out = {"": root}, {"": root}, []
+    followers: list[_Follower] = []
+    for name, (above, bone) in IK_BONES[profile].items():
+        if above not in nodes or (bone and bone not in bones):
+            left_out.append(f"{name} ({bone})")
+            continue
+        leader, parent = bones.get(bone, root), nodes[above]
+        still = leader == leaders[above]
+        place = _STILL if still else _seen(rig.world[leader], rig.world[parent])
+        rig, nodes[name] = _placed(rig, name, parent, place, root, report)
+        leaders[name] = leader
+        if not still:
+            followers.append(_Follower(nodes[name], parent, leader))
+    if left_out:
+        report.warn("no-bones", f"{listed(left_out, 8)} left out: nothing here is surely what they follow")
+    for timeline in timelines(rig) if followers else ():
+        rig = put_tracks(rig, timeline, _tracks(rig, timeline, followers, root))
+    return rig
+
+
+def _placed(rig: Rig, name: str, parent: int, place: Floats, root: int, report: Report) -> tuple[Rig, int]:
+    """The rig with a joint of a name below another, in a place seen from it, (7,); and which it is."""
+    known = [node for node in rig.children[parent] if rig.names[node] == name]
+    if known:
+        return stood(rig, known[0], place[:3], place[3:], report, size_of(rig)), known[0]
+    if name in rig.names:
+        raise UsageError(f"Another node is called {name}, and is no child of '{rig.title(parent)}'")
+    node = len(rig)
+    made = rig.with_nodes([name], [parent], place[np.newaxis, :3], place[np.newaxis, 3:])
+    # It weighs nothing, and is bound to the root as it rests.
+    seen = multiply(made.world[root], inverse(made.world[node]))
+    skins = []
+    for skin in made.skins:
+        if root in skin.joints:
+            first = multiply(skin.inverse_bind[skin.joints.tolist().index(root)], seen)
+            skin = with_joint(skin, node, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
+        skins.append(skin)
+    report.joints.append(joint_record(made, node, "added"))
+    return replace(made, skins=tuple(skins)), node
+
+
+def _seen(world: Floats, parent: Floats) -> Floats:
+    """Position and rotation xyzw, (..., 7), of frames that have a parent: of that, no scale but in place."""
+    local = multiply(world, inverse(parent))
+    own = np.zeros(local.shape)
+    own[..., 3, 3] = 1.0
+    own[..., :3, :3] = orthonormal_axes(world)
+    above = own.copy()
+    above[..., :3, :3] = orthonormal_axes(np.broadcast_to(parent, world.shape))
+    turned = multiply(own, inverse(above))
+    return np.concatenate([local[..., 3, :3], from_axes(orthonormal_axes(turned))], axis=-1)
+
+
+def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:
+    """Translation and rotation of joints over a timeline, with as many keys as they need; none for none.
+
+    What is above a follower and is none itself stands as the root does.
+    """
+    line = {node for one in followers for node in rig.path_to_root(one.leader)}
+    tracks = tuple(track for track in timeline.clip.tracks if track.node in line and track.path != "weights")
+    if not tracks:
+        return []
+    moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), size_of(rig)
+
+    def seats(times: Floats) -> Floats:
+        world = worlds(rig, locals_at(rig, moving.clip, times))
+        stands: dict[int, Floats] = {}
+        found = []
+        for node, parent, leader in followers:
+            above = stands.get(parent, world[:, root])
+            seat = _seen(world[:, leader], above)
+            # Without the scale that its leader may have.
+            stands[node] = multiply(compose(seat[:, :3], seat[:, 3:], np.ones(3)), above)
+            found.append(seat)
+        return np.stack(found, axis=1)
+
+    def error(values: Floats, left: Floats, right: Floats, share: Floats, _times: Floats) -> Floats:
+        """How far lines between two keys are off in between, (f,): in place, or a tenth of the size away."""
+        shares = share[:, np.newaxis]
+        place = left[..., :3] + (right[..., :3] - left[..., :3]) * shares[..., np.newaxis]
+        turned = angle_between(values[..., 3:], slerp(left[..., 3:], right[..., 3:], shares))
+        return np.asarray((length(values[..., :3] - place) + _ARM * size * turned).max(axis=1))
+
+    times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
+    if not holds:
+        times = adaptive_key_times(seats, error, times, within=_WITHIN * size)
+    values = as_float32(seats(times))
+    way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
+    return [
+        track
+        for k, (node, _, _) in enumerate(followers)
+        for track in (
+            Track(node, "translation", way, times, values[:, k, :3]),
+            Track(node, "rotation", way, times, make_continuous(values[:, k, 3:])),
+        )
+    ]
