@@ -163,7 +163,11 @@ def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
     other = isinstance(clip.key, tuple) and clip.key[0] != "samples"
     if times is None or clip.idle or other:
         return clip
-    for node in moved:
+    # An animation of a stage is none of joints of skeletons that others are bound to.
+    mine = {node for node, _ in driven}
+    joints = [set(skin.joints.tolist()) for skin in rig.skins]
+    strange = set().union(*(each for each in joints if _home(clip) is not None and mine.isdisjoint(each)))
+    for node in (node for node in moved if node not in strange):
         for path in PATHS:
             was, now = (getattr(each, path)[node] for each in (rig, taken))
             if (node, path) not in driven and (was != now).any():

@@ -53,6 +53,31 @@ def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_pa
     assert upper in after.skins[0].joints
 
 
+@pytest.mark.parametrize("own", [False, True])
+def test_a_mesh_that_moves_as_a_whole_stays_with_its_joint(own: bool, tmp_path: Path) -> None:
+    """The sample's staff is held by one joint, whose number changes when one before it goes."""
+    source, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    text = (SAMPLES / "biped.usda").read_text()
+    if own:  # by names of its own: the joint that goes before the one that holds it
+        joints = re.search(r'joints = \["hips".*?\]', text)
+        assert joints is not None
+        names = re.findall('"(.*?)"', joints[0])
+        order = f'            uniform token[] skel:joints = ["{names[-1]}", "{names[17]}"]\n'
+        staff = text.index('def Mesh "staff"')
+        at = text.index("            int[] primvars:skel:jointIndices = [17]", staff)
+        text = text[:at] + order + text[at:].replace("jointIndices = [17]", "jointIndices = [1]", 1)
+    source.write_text(text)
+    which = ("--still",) if own else ("--joints", "head", "--tolerance", "1")
+    cli("merge-joints", source, "-o", out, *which, code=0)
+    before, after = (rigtri.read(path) for path in (source, out))
+    holders = []
+    for rig in (before, after):
+        (staff,) = (mesh for mesh in rig.meshes if mesh.name.endswith("staff"))
+        assert staff.skin is not None
+        holders.append(rig.names[int(rig.skins[staff.skin].joints[staff.joints[0, 0]])])
+    assert holders == ["hand_R", "hand_R"]
+
+
 def test_as_many_joints_go_as_it_takes(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     cli("merge-joints", SAMPLES / "biped.glb", "-o", out, "--max-joints", "10", "--tolerance", "1", code=0)

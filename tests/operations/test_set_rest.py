@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from places import SAMPLES, real_files
 from program import cli
+from usd_files import deviation, save
 from vrm_files import vrm_0
 
 import rigtri
@@ -57,6 +59,14 @@ def test_clips_play_as_before(suffix: str, tmp_path: Path) -> None:
     assert not np.allclose(before.world[:, 3, :3], after.world[:, 3, :3], atol=1e-3 * size)
     for number in (k for k, clip in enumerate(before.clips) if not clip.name.endswith("@default")):
         assert np.abs(places(before, number) - places(after, number)).max() < 1e-6 * size
+
+
+def test_each_of_two_characters_of_a_stage_plays_as_before(tmp_path: Path) -> None:
+    shutil.copy(SAMPLES / "biped.usda", tmp_path / "hero.usda")
+    arcs = "".join(f'def "{name}" (references = @./hero.usda@)\n{{\n}}\n' for name in ("A", "B"))
+    source, out = save(tmp_path, f"#usda 1.0\n{arcs}", "two.usda"), tmp_path / "out.usda"
+    cli("set-rest", source, "-o", out, "--pose", "tpose", code=0)
+    assert deviation(source, out, at_rest=False) < 1e-6
 
 
 def test_a_moment_and_another_file_give_the_rest_pose(tmp_path: Path) -> None:

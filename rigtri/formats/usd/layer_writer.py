@@ -114,14 +114,18 @@ class Output:
             part.write_bytes(self._encoded(layer, encoding, content, notices))
 
     def hidden(self, edits: Sequence[Edit]) -> dict[str, list[str]]:
-        """By file, the prims on which opinions of other layers are hidden by those of the output."""
-        below: dict[str, dict[str, None]] = {}
+        """By file, the prims on which opinions of other layers are hidden by those of the output.
+
+        Those of all instances, which an edit of the first one is an edit of.
+        """
+        below: dict[str, dict[Any, None]] = {}
         for edit in edits:
             attribute = self.source.stage.GetAttributeAtPath(edit.path) if isinstance(edit, Setting) else None
             for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
                 if self.is_new_layer or spec.layer != self.layer:
-                    below.setdefault(Path(spec.layer.realPath).name, {})[str(edit.prim)] = None
-        return {layer: list(prims) for layer, prims in below.items()}
+                    below.setdefault(Path(spec.layer.realPath).name, {})[edit.prim] = None
+        each = self.source.instances.each
+        return {layer: [str(path) for prim in prims for path in each(prim)] for layer, prims in below.items()}
 
     def composed(self, part: Path) -> tuple[Any, Any]:
         """The stage of what was written, and the layer in it that an edit would edit."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,16 @@ def test_a_second_edit_of_a_crowd_writes_into_the_same_class(tmp_path: Path) -> 
     assert prototypes(second) == 1
     assert list(layers.fresh(second).rootPrims.keys()) == ["World", "rigtri_One"]
     assert first.read_bytes() == write(again, again.rig, tmp_path / "third.usda").read_bytes()
+
+
+def test_reports_and_errors_of_a_crowd_name_the_prims_that_its_maker_knows(tmp_path: Path) -> None:
+    source, out, report = crowd(tmp_path), tmp_path / "out.usda", tmp_path / "report.json"
+    cli("orient-joints", source, "-o", out, "--preset", "maya", "--report", report, code=0)
+    hides = json.loads(report.read_text())["hides"]
+    assert {f"/World/{agent}/Skel" for agent in ("One", "Two", "Three")} <= set(hides["hero.usda"])
+    words = ("add-socket", out, "-o", tmp_path / "no.usda", "--on", "b", "--name", "grip")
+    error = cli(*words, code=3).stderr
+    assert f"</Root/Skel> of {tmp_path / 'parts' / 'hero.usda'}" in error
 
 
 def test_a_large_crowd_is_one_character_wherever_its_agents_stand(tmp_path: Path) -> None:

@@ -12,9 +12,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from pxr import Usd
+from pxr import Sdf, Usd
 
 _SKEL = ("Skeleton", "SkelAnimation")
+# The custom data of the classes through which prototypes are edited: what a later edit may write into.
+CLASS = {"rigtri": "instances"}
+
+
+def is_own_class(spec: Any) -> bool:
+    """Whether a prim spec is a class of rigtri, or lies below one: no prim that a user made."""
+    (root, *_) = spec.path.GetPrefixes()
+    top = spec.layer.GetPrimAtPath(root)
+    return top.specifier == Sdf.SpecifierClass and top.customData.get("rigtri") == CLASS["rigtri"]
 
 
 class SharedInstances:
@@ -49,6 +58,21 @@ class SharedInstances:
             if above in self._twins and above != path:
                 return self.stands_for(path.ReplacePrefix(above, self._twins[above]))
         return path
+
+    def each(self, path: Any) -> list[Any]:
+        """All paths at which what is read at one is seen: that in the first instance, and in its twins."""
+        twins: dict[Any, list[Any]] = {}
+        for twin, first in self._twins.items():
+            twins.setdefault(first, []).append(twin)
+        found = {path: None}
+        waiting = [path]
+        while waiting:
+            one = waiting.pop()
+            above = one.GetPrefixes()[:-1]
+            more = [one.ReplacePrefix(first, twin) for first in above for twin in twins.get(first, ())]
+            waiting += [path for path in more if path not in found]
+            found |= dict.fromkeys(more)
+        return list(found)
 
     def is_twin(self, path: Any) -> bool:
         """Whether another instance is read in the place of this one."""

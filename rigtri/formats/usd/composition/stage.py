@@ -22,6 +22,7 @@ from pxr import Sdf, Tf, Usd, UsdUtils
 from rigtri.errors import FileError
 from rigtri.formats.usd import codeless_schemas
 from rigtri.formats.usd.composition import composition_limits, external_paths, layer_content, layers
+from rigtri.formats.usd.composition.shared_instances import is_own_class
 from rigtri.formats.usd.composition.value_types import demand
 from rigtri.formats.usd.composition.variable_expressions import variables_of
 from rigtri.report import Notice
@@ -264,7 +265,7 @@ def why_instanced(prim: Any) -> str:
     """Why a prim inside an instance cannot be edited; "" where it is in none."""
     if not (prim.IsInstanceProxy() or prim.IsInPrototype()):
         return ""
-    (spec, *_) = prim.GetPrimStack() or (None,)
+    spec = next((spec for spec in prim.GetPrimStack() if not is_own_class(spec)), None)
     where = f": <{spec.path}> of {spec.layer.identifier}" if spec else ""
     return f"<{prim.GetPath()}> lies inside an instance; edit the file that the instance refers to{where}"
 

@@ -19,11 +19,8 @@ from pxr import Sdf, Tf, Usd
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.shared_instances import CLASS, is_own_class
 from rigtri.formats.usd.opinions.edits import Edit, free_path
-
-# The custom data of our classes: what a later edit may write into.
-MARK = "rigtri"
-_CLASS = {MARK: "instances"}
 
 
 def instance_of(stage: Any, path: Any) -> Any:
@@ -89,13 +86,13 @@ class _Classes:
     def _write(self, prototype: Any, path: Any, scratch: Any) -> None:
         shown = self.shown[prototype]
         if path is None:
-            name, root = Tf.MakeValidIdentifier(f"{MARK}_{shown.name}"), Sdf.Path.absoluteRootPath
+            name, root = Tf.MakeValidIdentifier(f"rigtri_{shown.name}"), Sdf.Path.absoluteRootPath
             path = free_path(
                 root, name, lambda one: self.stage.GetPrimAtPath(one) or self.layer.GetPrimAtPath(one)
             )
         _copy(scratch, shown, self.layer, path)
         spec = self.layer.GetPrimAtPath(path)
-        spec.specifier, spec.customData = Sdf.SpecifierClass, _CLASS
+        spec.specifier, spec.customData = Sdf.SpecifierClass, CLASS
         with Sdf.ChangeBlock():
             for instance in self.outer.get(prototype, ()):
                 _inherit(self.layer, instance, path)
@@ -169,8 +166,4 @@ def _copy(source: Any, start: Any, target: Any, end: Any) -> None:
 
 def _own_classes(layer: Any) -> set[Any]:
     """The classes of rigtri in a layer."""
-    return {
-        spec.path
-        for spec in layer.rootPrims
-        if spec.specifier == Sdf.SpecifierClass and spec.customData.get(MARK) == _CLASS[MARK]
-    }
+    return {spec.path for spec in layer.rootPrims if is_own_class(spec)}

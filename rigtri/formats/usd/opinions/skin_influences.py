@@ -50,8 +50,12 @@ def check_editable(query: Any) -> None:
 
 
 def set_influences(query: Any, joints: Integers, weights: Floats) -> list[Edit]:
-    """The edits that give a mesh other influences, (v, k), in the types that it has."""
+    """The edits that give a mesh other influences, (v, k), in the types that it has.
+
+    One that moves as a whole stays so: (1, k).
+    """
     path = query.GetPrim().GetPath()
+    interpolation = "constant" if query.IsRigidlyDeformed() else "vertex"
     edits: list[Edit] = []
     for name, primvar, rows in (
         (INDICES, query.GetJointIndicesPrimvar(), joints.astype(np.int32)),
@@ -62,7 +66,7 @@ def set_influences(query: Any, joints: Integers, weights: Floats) -> list[Edit]:
         kind_of = np.array(attribute.Get(DEFAULT)).dtype
         value = stored.FromNumpy(np.ascontiguousarray(rows.reshape(-1).astype(kind_of)))
         edits.append(set_value(path, name, attribute.GetTypeName(), value))
-        edits.append(_declared(path, name, {"elementSize": rows.shape[1], "interpolation": "vertex"}))
+        edits.append(_declared(path, name, {"elementSize": rows.shape[1], "interpolation": interpolation}))
     return edits
 
 

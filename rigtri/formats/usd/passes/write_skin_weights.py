@@ -72,8 +72,11 @@ def _merged(query: Any, tokens: Sequence[str], merge: JointMerge, width: int) ->
     if left == order:
         return []
     edits: list[Edit] = []
-    count = len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
-    before = None if merge.idle or query.IsRigidlyDeformed() else read_influences(query, count)
+    # A mesh that moves as a whole has one row for all of its points.
+    rigid = query.IsRigidlyDeformed()
+    count = 1 if rigid else len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
+    same_rows = merge.idle and left == order[: len(left)]
+    before = None if same_rows else read_influences(query, count)
     if before is not None:
         rows = np.array([left.index(heir) for heir in heirs], dtype=np.int64)
         at = np.array([merge.at[tokens.index(token)] if token in tokens else 0.0 for token in order])
