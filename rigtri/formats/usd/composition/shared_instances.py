@@ -23,7 +23,7 @@ def is_own_class(spec: Any) -> bool:
     """Whether a prim spec is a class of rigtri, or lies below one: no prim that a user made."""
     (root, *_) = spec.path.GetPrefixes()
     top = spec.layer.GetPrimAtPath(root)
-    return top.specifier == Sdf.SpecifierClass and top.customData.get("rigtri") == CLASS["rigtri"]
+    return bool(top.specifier == Sdf.SpecifierClass and top.customData.get("rigtri") == CLASS["rigtri"])
 
 
 class SharedInstances:
