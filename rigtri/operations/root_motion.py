@@ -6,32 +6,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.timelines import chosen_timelines
-from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.ground_motion import NONE, over_ground, rests, turned
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
 
-# Motion over the ground by no more of the hips' height is none.
-_NONE = 1e-7
-
 
 @operation(RootMotionOptions)
 def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     """The rig whose root moves over the ground as its hips did, so that no other joint moves; or none does.
 
-    Exact for every interpolation: both get keys at the times that the hips have. What was done in each clip
-    is in ``report.added``. Raises GeometryError where there is no root above the hips, or it rotates or moves
-    at other times.
+    Exact for every interpolation: both get keys at the times that the hips have; with ``yaw`` both get linear
+    keys, as many as it takes. What was done in each clip is in ``report.added``. Raises GeometryError where
+    there is no root above the hips, or it rotates or moves at other times.
     """
+    if options.axis is not None and rig.rules.up["xyz".index(options.axis)]:
+        raise UsageError(f"--axis {options.axis}: this is up, and height stays with the hips")
     hips, root = _joints(rig, options)
     chosen = {k for each in chosen_timelines(rig, options.clip) for k in each.members}
     clips = []
@@ -39,7 +38,8 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
         asked = k in chosen and not clip.idle
         if asked:
             _warn_still_moving(rig, clip, root, options, report)
-        clips.append(_moved(rig, clip, hips, root, options, report) if asked else clip)
+        move = turned if options.yaw else _moved
+        clips.append(move(rig, clip, hips, root, options, report) if asked else clip)
     if not report.added:
         return rig
     report.reposed = True  # the root, or all
@@ -49,7 +49,7 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
 def _warn_still_moving(rig: Rig, clip: Clip, root: int, options: RootMotionOptions, report: Report) -> None:
     """Say which nodes above the hips have keys that move the character over the ground besides."""
     above = rig.path_to_root(root)[0 if options.mode == "remove" else 1 :]
-    moving = {t.node for t in clip.tracks if t.node in above and t.path != "weights" and not _rests(t, rig)}
+    moving = {t.node for t in clip.tracks if t.node in above and t.path != "weights" and not rests(t, rig)}
     if moving:
         names = listed([rig.title(node) for node in sorted(moving)], 6)
         text = f"In clip '{clip.name}', {names} above the hips move, too, and keep their keys"
@@ -82,23 +82,22 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         return clip
     (track,) = mine
     theirs = {t.path: t for t in clip.tracks if t.node == root}
-    if any(not _rests(theirs[path], rig) for path in ("rotation", "scale") if path in theirs):
-        raise GeometryError(
-            f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}': bake it to the hips first"
-        )
-    up = _up(rig, root)
     rest = rig.translation[hips]
     plain = track.interpolation != "CUBICSPLINE"
     away = track.values - rest if plain else _but_tangents(track.values, rest)
-    along = away - up * dot(away, up)[..., np.newaxis]
-    if np.abs(along).max(initial=0.0) <= _NONE * max(1.0, float(length(rest))):
+    along = over_ground(rig, root, away, options.axis)
+    if np.abs(along).max(initial=0.0) <= NONE * max(1.0, float(length(rest))):
         return clip
+    if any(not rests(theirs[path], rig) for path in ("rotation", "scale") if path in theirs):
+        raise GeometryError(
+            f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}': bake it to the hips first"
+        )
     report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode, "keys": len(track.times)})
     tracks = [track.having(track.values - along) if t is track else t for t in clip.tracks]
     if options.mode == "extract":
         shift = rotate(rig.rotation[root], along * rig.scale[root])
         old = theirs.get("translation")
-        if old is None or _rests(old, rig):
+        if old is None or rests(old, rig):
             start = rig.translation[root]
             values = shift + start if plain else _but_tangents(shift, -start)
             key = None if old is None else old.key
@@ -112,29 +111,6 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
                 "bake it first"
             )
     return replace(clip, tracks=tuple(tracks))
-
-
-def _rests(track: Track, rig: Rig) -> bool:
-    """Whether a track holds its node where it rests, as exporters write for every joint."""
-    rest = np.asarray(getattr(rig, track.path)[track.node])
-    values = track.values
-    if track.interpolation == "CUBICSPLINE":
-        if np.abs(values[:, [0, 2]]).max(initial=0.0) > _NONE:
-            return False
-        values = values[:, 1]
-    off = np.abs(values - rest).max(axis=-1)
-    if track.path == "rotation":
-        off = np.minimum(off, np.abs(values + rest).max(axis=-1))
-    return bool(off.max(initial=0.0) <= _NONE * max(1.0, float(np.abs(rest).max())))
-
-
-def _up(rig: Rig, root: int) -> Floats:
-    """The scene's up axis, seen from the root."""
-    frame = np.eye(4)
-    frame[:3, :3] = orthonormal_axes(rig.world[root])
-    point = np.eye(4)
-    point[3, :3] = rig.rules.up
-    return np.asarray(multiply(point, inverse(frame))[3, :3])
 
 
 def _but_tangents(values: Floats, origin: Floats) -> Floats:

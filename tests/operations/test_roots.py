@@ -17,6 +17,8 @@ import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import read
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.report import Report
@@ -132,6 +134,66 @@ def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -
     assert np.ptp(places(rigtri.read(still), "hips")[:, [0, 2]], axis=0).max() < 1e-4
     ran = cli("root-motion", out, "-o", still, "--overwrite", "--mode", "remove", "--clip", clip.name, code=0)
     assert "root above the hips move, too" in ran.stderr
+
+
+def walking_in_a_curve(rig: Rig) -> Rig:
+    """Hips that turn by 200° about the up axis, sway, and walk on, over a second."""
+    hips, clip, times = rig.find("hips"), rig.clips[0], np.linspace(0.0, 1.0, 11)
+    per = rig.rules.per_second
+    turns = [
+        product(
+            from_axis_angle(np.array(rig.rules.up), float(np.radians(200.0 * t))),
+            product(rig.rotation[hips], from_axis_angle(np.array([1.0, 0, 0]), 0.2 * float(np.sin(6 * t)))),
+        )
+        for t in times
+    ]
+    place = rig.translation[hips] + times[:, np.newaxis] * np.array([0.5, 0.0, 2.0])
+    tracks = [t for t in clip.tracks if t.node != hips]
+    tracks += [
+        Track(hips, "translation", "LINEAR", times * per, place),
+        Track(hips, "rotation", "LINEAR", times * per, np.array(turns)),
+    ]
+    return rigtri_with(rig, tuple(tracks))
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_yaw_goes_to_the_root_with_the_ground_and_nothing_else_moves(suffix: str, tmp_path: Path) -> None:
+    names = ("rooted", "source", "out", "again")
+    rooted, source, out, again = (tmp_path / f"{name}{suffix}" for name in names)
+    cli("add-root", SAMPLES / f"biped{suffix}", "-o", rooted, code=0)
+    rigtri.write(walking_in_a_curve(rigtri.read(rooted)), source, verify=False)
+    cli("root-motion", source, "-o", out, "--yaw", "--clip", "walk", code=0)
+    before, after = rigtri.read(source), rigtri.read(out)
+    times = np.linspace(0.0, 1.0, 173) * before.rules.per_second
+    seen = [worlds(rig, locals_at(rig, rig.clips[0], times)) for rig in (before, after)]
+    for name in ("hips", "head", "hand_L", "foot_R"):
+        one, other = (world[:, rig.find(name)] for rig, world in zip((before, after), seen, strict=True))
+        assert np.abs(one - other).max() < 2e-6, name
+    root, hips = (seen[1][:, after.find(name)] for name in ("root", "hips"))
+    assert np.abs(root[:, 1, :3] - (0, 1, 0)).max() < 1e-6
+    turned = np.degrees(np.unwrap(np.arctan2(root[:, 2, 0], root[:, 2, 2])))
+    assert abs(turned[-1] - turned[0] - 200.0) < 3.0  # what sways turns a little, too
+    assert np.abs((hips - root)[:, 3, [0, 2]]).max() < 0.1
+    cli("root-motion", out, "-o", again, "--yaw", "--clip", "walk", code=0)
+    assert again.read_bytes() == out.read_bytes()
+    curve = [t for t in walking_in_a_curve(after).clips[0].tracks if t.node == after.find("hips")]
+    others = [t for t in after.clips[0].tracks if t.node != after.find("hips")]
+    with pytest.raises(GeometryError, match="moves in clip 'walk' already"):
+        rigtri.root_motion(rigtri_with(after, (*others, *curve)), yaw=True)
+
+
+def test_ground_of_one_axis_and_yaw_out_of_a_clip(rooted: Path) -> None:
+    rig = walking_in_a_curve(rigtri.read(rooted))
+    along = rigtri.root_motion(rig, clip=["walk"], axis="z")
+    assert np.ptp(places(along, "root")[:, 0]) == 0.0
+    assert np.ptp(places(along, "root")[:, 2]) == pytest.approx(2.0, abs=1e-6)
+    still = rigtri.root_motion(rig, clip=["walk"], yaw=True, mode="remove")
+    assert np.ptp(places(still, "root"), axis=0).max() == 0.0
+    assert np.ptp(places(still, "hips")[:, [0, 2]], axis=0).max() < 1e-6
+    world = worlds(still, locals_at(still, still.clips[0], np.linspace(0.0, 1.0, 50)))[:, still.find("hips")]
+    assert np.ptp(np.degrees(np.arctan2(world[:, 2, 0], world[:, 2, 2]))) < 15.0
+    with pytest.raises(UsageError, match="this is up"):
+        rigtri.root_motion(rig, axis="y")
 
 
 def rigtri_with(rig: Rig, tracks: tuple[object, ...]) -> Rig:

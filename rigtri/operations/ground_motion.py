@@ -1,0 +1,145 @@
+"""What a joint moves over the ground: along its axes, and about the up axis, apart from the rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.timelines import Timeline, steps_only, times_and_jumps
+from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
+from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, make_continuous, norm, rotate, slerp
+from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import dot, length
+from rigtri.model.animation import Clip, Interpolation, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.options.root_motion import RootMotionOptions
+from rigtri.report import Report
+
+# Motion over the ground by no more of the hips' height is none.
+NONE = 1e-7
+# A yaw of no more, in radians, is what float32 leaves of one that was taken out.
+_NO_YAW = 1e-6
+# How far joints may be off between keys, of the size: keys of root and hips are as near as that needs.
+_WITHIN = 5e-7
+
+
+def rests(track: Track, rig: Rig) -> bool:
+    """Whether a track holds its node where it rests, as exporters write for every joint."""
+    rest = np.asarray(getattr(rig, track.path)[track.node])
+    values = track.values
+    if track.interpolation == "CUBICSPLINE":
+        if np.abs(values[:, [0, 2]]).max(initial=0.0) > NONE:
+            return False
+        values = values[:, 1]
+    off = np.abs(values - rest).max(axis=-1)
+    if track.path == "rotation":
+        off = np.minimum(off, np.abs(values + rest).max(axis=-1))
+    return bool(off.max(initial=0.0) <= NONE * max(1.0, float(np.abs(rest).max())))
+
+
+def up_of(rig: Rig, root: int) -> Floats:
+    """The scene's up axis, seen from the root, (3,)."""
+    return seen_from(rig, root, np.array(rig.rules.up))
+
+
+def seen_from(rig: Rig, root: int, direction: Floats) -> Floats:
+    """A direction of the world, (3,), seen from the root as it rests."""
+    frame = np.eye(4)
+    frame[:3, :3] = orthonormal_axes(rig.world[root])
+    point = np.eye(4)
+    point[3, :3] = direction
+    return np.asarray(multiply(point, inverse(frame))[3, :3])
+
+
+def over_ground(rig: Rig, root: int, away: Floats, axis: str | None) -> Floats:
+    """What is over the ground of ways seen from the root, (..., 3): along an axis of the world, or all."""
+    if axis is None:
+        up = up_of(rig, root)
+        return away - up * dot(away, up)[..., np.newaxis]
+    line = seen_from(rig, root, np.eye(3)["xyz".index(axis)])
+    return np.asarray(line * dot(away, line)[..., np.newaxis])
+
+
+def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOptions, report: Report) -> Clip:
+    """The clip with what hips move over the ground and turn about the up axis at the root, or taken out.
+
+    Hips and root get keys at the same times, as many as it takes that nothing else moves between them. Raises
+    GeometryError where the root has a motion of its own.
+    """
+    mine = {t.path: t for t in clip.tracks if t.node == hips and t.path in ("translation", "rotation")}
+    if not mine:
+        return clip
+    moving = Timeline(Clip(clip.name, tuple(mine.values())), (0,))
+    up, rest = up_of(rig, root), rig.translation[hips]
+
+    def parts(times: Floats) -> Floats:
+        """Position and rotation of the root, of the hips seen from it, (f, 14)."""
+        place, turn = (
+            sample(mine[path], times) if path in mine else np.tile(getattr(rig, path)[hips], (len(times), 1))
+            for path in ("translation", "rotation")
+        )
+        yaw = _twist(product(turn, conjugate(rig.rotation[hips])), up)
+        shift = over_ground(rig, root, place - rotate(yaw, rest), options.axis)
+        back = conjugate(yaw)
+        moved = rig.translation[root] + rotate(rig.rotation[root], shift * rig.scale[root])
+        local = rotate(back, place - shift), product(back, turn)
+        return np.concatenate([moved, product(rig.rotation[root], yaw), *local], axis=1)
+
+    times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
+    at_keys = parts(times)
+    still = length(at_keys[:, :3] - rig.translation[root]).max() <= NONE * max(1.0, float(length(rest)))
+    if still and angle_between(at_keys[:, 3:7], rig.rotation[root]).max() <= _NO_YAW:
+        return clip
+    if any(t.node == root and t.path != "weights" and not rests(t, rig) for t in clip.tracks):
+        raise GeometryError(
+            f"The root '{rig.title(root)}' moves in clip '{clip.name}' already: bake it to the hips first"
+        )
+    if not holds:
+        size = size_of(rig)
+
+        def error(values: Floats, left: Floats, right: Floats, share: Floats, _times: Floats) -> Floats:
+            place, turn = _hips(values, rig.scale[root])
+            near, along = _hips(_between(left, right, share), rig.scale[root])
+            return np.asarray(length(place - near) + 0.5 * size * angle_between(turn, along))
+
+        times = adaptive_key_times(parts, error, times, within=_WITHIN * size)
+    way: Interpolation = "STEP" if holds else "LINEAR"
+    keys = {(t.node, t.path): t.key for t in clip.tracks}
+    values, made = parts(times), []
+    for node, start in ((root, 0), (hips, 7)) if options.mode == "extract" else ((hips, 7),):
+        turns = make_continuous(values[:, start + 3 : start + 7])
+        for path, numbers in (("translation", values[:, start : start + 3]), ("rotation", turns)):
+            made.append(Track(node, path, way, times, numbers, keys.get((node, path))))  # type: ignore[arg-type]
+    report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode, "keys": len(times)})
+    new = {(track.node, track.path): track for track in made}
+    kept = tuple(new.pop((t.node, t.path), t) for t in clip.tracks)
+    return replace(clip, tracks=(*kept, *new.values()))
+
+
+def _twist(turn: Floats, axis: Floats) -> Floats:
+    """What rotations, (f, 4), turn about an axis, (3,): none where they turn it around."""
+    along = dot(turn[:, :3], axis)[:, np.newaxis]
+    found = np.concatenate([axis * along, turn[:, 3:]], axis=1)
+    size = norm(found)[:, np.newaxis]
+    return np.where(size > _NO_YAW, found / np.maximum(size, _NO_YAW), IDENTITY)
+
+
+def _hips(values: Floats, scale: Floats) -> tuple[Floats, Floats]:
+    """Where hips are, (f, 3), and their rotations, (f, 4), seen from what is above the root."""
+    place, turn = values[:, :3], values[:, 3:7]
+    return place + rotate(turn, values[:, 7:10] * scale), product(turn, values[:, 10:])
+
+
+def _between(left: Floats, right: Floats, share: Floats) -> Floats:
+    """What linear keys give between two, (f, 14)."""
+    found = left + (right - left) * share[:, np.newaxis]
+    for start in (3, 10):
+        part = slice(start, start + 4)
+        found[:, part] = slerp(left[:, part], right[:, part], share)
+    return found
