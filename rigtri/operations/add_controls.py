@@ -19,17 +19,18 @@ from rigtri.evaluation.sampling import world_of
 from rigtri.evaluation.zero_pose import ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import from_frame, orthonormal_axes, transform_directions
+from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, normalise
+from rigtri.maths.vectors import dot
 from rigtri.model.control_shapes import COLORS, Kind
 from rigtri.model.joint_names import Side, side
 from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.aim_targets import Aim, Rules, aim_targets, limb_children
+from rigtri.operations.aim_targets import Rules, aim_targets, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew, lines_of
 from rigtri.operations.control_frames import ControlAxes, stored_style
+from rigtri.operations.control_sizes import ControlSizes
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
@@ -50,7 +51,6 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.operations.skin_sections import SkinSections
 from rigtri.progress import count_done
 from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.recognition.one_character import bodies, within
@@ -59,11 +59,6 @@ from rigtri.report import Report
 # What {kind} stands for in a name, by the kind of control.
 _WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
 _SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
-# The radius of a shape as a share of how far the skin reaches around the joint; at least, and without skin,
-# as a share of the bone. Bones shorter than this share of the median count as that.
-MARGIN = 1.2
-LEAST, RADIUS = 0.25, 0.5
-SHORTEST = 0.5
 
 
 def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
@@ -105,10 +100,8 @@ class _Builder:
         named = tuple(named_limbs(rig, options.ik))
         self.limbs = (*named, *self._recognised(named)) if self._all_limbs else named
         rules = Rules(limb_child=limb_children(self.tree, self.limbs))
-        self.aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
-        bones = [aim.length for aim in self.aims.values() if aim.length > 0]
-        self.typical = float(np.median(bones)) if bones else self.ref.extent or 1.0
-        self.sections = SkinSections(rig)
+        aims = aim_targets(self.tree, self.ref, self.tree.joints, rules)
+        self.sizes = ControlSizes(self.tree, aims, self.ref.extent)
         # Of earlier runs; what this run makes has neither keys nor been moved.
         self.moved = moved_controls(rig)
         self.axes = ControlAxes(self.tree, options, self.moved)
@@ -221,7 +214,7 @@ class _Builder:
     def _control(self, joint: int, kind: ControlKind, known: int | None, about: Mapping[str, Any]) -> int:
         """The control of a kind over a joint, found again or new, its offset at the joint."""
         parent, frame = self._parent(joint, kind), self.axes.frames.get((joint, kind))
-        drawing = self._drawing(kind, joint, *self._size(joint, frame))
+        drawing = self._drawing(kind, joint, *self.sizes.of(joint, frame))
         if known is None:
             control = self._new(kind, joint, parent, about, drawing)
         else:
@@ -367,27 +360,6 @@ class _Builder:
         self.rig, parent = home(self.rig)
         return parent
 
-    def _size(self, joint: int, axes: Floats | None = None) -> tuple[float, Floats]:
-        """The radius of a joint's shape, and which axis of its control lies along the bone, (3,).
-
-        axes: of a control that has its own.
-        """
-        end = Aim("keep")
-        aim, from_ = self.aims.get(joint, end), joint
-        bone = aim.length or 0.5 * self.aims.get(self.tree.above.get(joint, -1), end).length
-        if aim.direction is None and self.tree.above.get(joint, -1) >= 0:
-            from_ = self.tree.above[joint]
-            aim = self.aims.get(from_, end)
-        stand = self.world[joint] if axes is None else from_frame(axes, self.world[joint, 3, :3])
-        normal = np.array([1.0, 0.0, 0.0])
-        if aim.direction is not None:
-            along = dot(transform_directions(aim.direction, self.world[from_]), normalise(stand[:3, :3]))
-            axis = int(np.argmax(np.abs(along)))
-            normal = np.where(np.arange(3) == axis, np.sign(along[axis]), 0.0)
-        around = self.sections.radius(joint, stand[3, :3], normalise(transform_directions(normal, stand)))
-        bone = max(bone, SHORTEST * self.typical)
-        return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal
-
     def _side(self, joint: int) -> Side:
         """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""
         path, node = list[int](), joint
@@ -417,7 +389,7 @@ class _Builder:
         for node in self._drawn_poles(limbs):
             record = self.rig.records(PoleVectorRecord)[node]
             middle = self.rig.find(record.chain[1])
-            drawing = self._drawing("pole", middle, 0.5 * self._size(middle)[0], np.array([1.0, 0.0, 0.0]))
+            drawing = self._drawing("pole", middle, 0.5 * self.sizes.of(middle)[0], np.array([1.0, 0.0, 0.0]))
             if node not in before:
                 self.rig = draw(self.rig, node, drawing)
             elif record.shape:

@@ -1,8 +1,11 @@
-"""How wide the skin is around a joint: where the plane of a control's ring cuts the mesh at rest."""
+"""How large a control is drawn: as wide as the skin around its joint, else by the length of the bone.
+
+Skin is as wide as the mesh at rest where the plane of the control's ring cuts it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -10,15 +13,54 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import morph_weights
 from rigtri.evaluation.skinning import deformed
+from rigtri.frames.skeleton import Skeleton
 from rigtri.maths.arrays import Integers
+from rigtri.maths.matrices import from_frame, transform_directions
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length
+from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import triangles
 from rigtri.model.rig import Rig
+from rigtri.operations.aim_targets import Aim
 
+# The radius of a shape as a share of how far the skin reaches around the joint; at least, and without skin,
+# as a share of the bone. Bones shorter than this share of the median count as that.
+MARGIN = 1.2
+LEAST, RADIUS = 0.25, 0.5
+SHORTEST = 0.5
 # A vertex with less weight of a joint than this is skin of another.
 _OWN = 0.1
+
+
+class ControlSizes:
+    """The sizes of controls over joints. aims: of joints at rest. extent: of the skeleton, in file units."""
+
+    def __init__(self, tree: Skeleton, aims: Mapping[int, Aim], extent: float) -> None:
+        self.tree, self.aims, self.world = tree, aims, tree.rig.world
+        bones = [aim.length for aim in aims.values() if aim.length > 0]
+        self.typical = float(np.median(bones)) if bones else extent or 1.0
+        self.sections = SkinSections(tree.rig)
+
+    def of(self, joint: int, axes: Floats | None = None) -> tuple[float, Floats]:
+        """The radius of a joint's shape, and which axis of its control lies along the bone, (3,).
+
+        axes: of a control that has its own.
+        """
+        end = Aim("keep")
+        aim, from_ = self.aims.get(joint, end), joint
+        bone = aim.length or 0.5 * self.aims.get(self.tree.above.get(joint, -1), end).length
+        if aim.direction is None and self.tree.above.get(joint, -1) >= 0:
+            from_ = self.tree.above[joint]
+            aim = self.aims.get(from_, end)
+        stand = self.world[joint] if axes is None else from_frame(axes, self.world[joint, 3, :3])
+        normal = np.array([1.0, 0.0, 0.0])
+        if aim.direction is not None:
+            along = dot(transform_directions(aim.direction, self.world[from_]), normalise(stand[:3, :3]))
+            axis = int(np.argmax(np.abs(along)))
+            normal = np.where(np.arange(3) == axis, np.sign(along[axis]), 0.0)
+        around = self.sections.radius(joint, stand[3, :3], normalise(transform_directions(normal, stand)))
+        bone = max(bone, SHORTEST * self.typical)
+        return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal
 
 
 class SkinSections:
