@@ -143,7 +143,7 @@ class Proportions:
         one length leave what carries them where EDITED has it, unless the files bind it at other places.
         """
         both = self.both
-        places = self._places(node)
+        places = self.places(node)
         if places is None:
             return _scaled(self.body, np.zeros(3))
         ours, theirs = places
@@ -160,7 +160,7 @@ class Proportions:
             return None
         return _scaled(self.body, offset if np.isfinite(offset).all() else np.zeros(3))
 
-    def _places(self, node: int) -> tuple[Floats, Floats] | None:
+    def places(self, node: int) -> tuple[Floats, Floats] | None:
         """Where what carries the body is in the worlds of RIG and EDITED, (3,) each, at one moment."""
         both = self.both
         rested = both.rig.world[node, 3, :3], both.other.world[both.of[node], 3, :3]

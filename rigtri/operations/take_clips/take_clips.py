@@ -43,6 +43,7 @@ from rigtri.operations.take_clips.messages import (
     why_nothing_matches,
 )
 from rigtri.operations.take_clips.morph_targets import MorphNames
+from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import SHORT, Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
@@ -103,6 +104,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             )
             continue
         before, rig = rig, taking.done()
+        taking.refuse_other_motion(rig)
         taken_all.add(taken.name)
         if rig is not before:
             changed.add(taken.name)
@@ -150,7 +152,7 @@ class _Taking:
         report: Report,
     ) -> None:
         self.rig, self.both, self.taken, self.report = rig, bodies.both, taken, report
-        self.follow = follow
+        self.follow, self.bodies = follow, bodies
         self.seen = Comparison(bodies, taken, tolerance)
         self.clock, self.transfer = self.seen.clock, self.seen.transfer
         self.thin = tolerance
@@ -185,6 +187,20 @@ class _Taking:
         if rig is not self.rig:
             self.report.reposed = True
         return rig
+
+    def refuse_other_motion(self, rig: Rig) -> None:
+        """GeometryError where the clip would not play in ``rig``, the result, as it does in EDITED."""
+        home = self.taken.home
+        played = [
+            t
+            for t in timelines(rig)
+            if (t.name == self.taken.name if home is None else not set(home.members).isdisjoint(t.members))
+        ]
+        if played and (home is not None or self.changed):
+            splines = {name for name, _ in self.splines}
+            left = self.follow | {n for n in self.both.of if self.rig.names[n] in splines}
+            check = MotionCheck(self.seen, self.bodies, rig, played[-1].clip, left)
+            refuse_other_motion(check, self.kept, self.report)
 
     def is_a_pose(self) -> bool:
         """Whether EDITED has but one moment of a clip that goes on here."""
@@ -267,17 +283,18 @@ class _Taking:
     def _rest_of_joints(self) -> None:
         """Joints where EDITED leaves them without keys, which is not RIG's rest.
 
-        In a new clip all without any; and in every clip what hangs on a node that EDITED moves and that is no
-        joint: its axes may be others than in RIG, and only keys say where in these the body is.
+        In a new clip all without any; and in every clip whatever carries the whole body, where EDITED has
+        keys of any of that: its axes may be others than in RIG, so only all of it together places the body.
         """
         both, start = self.both, np.array([span(self.taken.clip)[0]])
+        body = set(self.bodies.carriers)
+        carried = body if any(both.of[node] in self.transfer.driven for node in body) else set[int]()
         for node in sorted(both.of):
-            theirs, above = both.of[node], both.line(node)[2]
-            if not (self.rig.is_joint[node] and both.other.is_joint[theirs]):
-                continue
+            theirs = both.of[node]
+            joint = self.rig.is_joint[node] and both.other.is_joint[theirs]
             own = self.transfer.driven.get(theirs, {})
-            hangs = above >= 0 and not self.rig.is_joint[above] and both.of[above] in self.transfer.driven
-            if self.transfer.is_carried(node) or not (hangs or (self.taken.home is None and not own)):
+            fresh = self.taken.home is None and not own and (joint or node in body)
+            if self.transfer.is_carried(node) or not (node in carried or fresh):
                 continue
             parts = to_parts(self.transfer.still(node)[np.newaxis])
             for path, values in zip(PATHS, parts, strict=True):
@@ -285,7 +302,7 @@ class _Taking:
                     continue
                 if (old := self._old(node, path)) is None:
                     self._add(self._fresh(Track(node, path, "STEP", start, values)))
-                elif path == "translation":
+                elif path == "translation" and joint:
                     self._refuse_elsewhere(old, values[0])
 
     def _refuse_elsewhere(self, old: Track, place: Floats) -> None:

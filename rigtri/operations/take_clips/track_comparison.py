@@ -45,11 +45,11 @@ def differences(path: str, a: Floats, b: Floats) -> Floats:
 def off(was: Track, now: Track, missed: float = MISSED) -> Floats:
     """How far a track is at its keys from the other one, or from what a DCC makes of that, (k,)."""
     found = _off(was, now, missed)
-    lean = _without_near_keys(was, now.times)
+    lean = without_near_keys(was, now.times)
     return found if lean is was else np.minimum(found, _off(lean, now, missed))
 
 
-def _without_near_keys(track: Track, frames: Floats) -> Track:
+def without_near_keys(track: Track, frames: Floats) -> Track:
     """A track as Blender's importer makes it: a key within a hundredth of a frame of one before it gives that
     one its value."""
     if track.interpolation == "CUBICSPLINE" or len(track.times) < 2:

@@ -1,0 +1,212 @@
+"""Whether a clip that was taken plays as in EDITED, by the worlds of joints in both files.
+
+What was taken was worked out track by track, by rules for axes, places and rests. None of these is believed
+here: both files are played, each by its own tracks and rests, and at EDITED's keys each joint is compared,
+seen from the joint above, or from the world. So a rule that does not hold for a clip is an error that
+names the clip, and never another motion.
+
+Source: docs/take-clips.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.sampling import locals_at, sorted_unique, thinned, worlds
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import inverse, multiply, transform_points
+from rigtri.maths.similarity_fit import OTHER_SHAPE
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, length
+from rigtri.model.animation import PATHS, Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.clip_comparison import Comparison
+from rigtri.operations.take_clips.messages import list_names
+from rigtri.operations.take_clips.proportions import Proportions
+from rigtri.operations.take_clips.track_comparison import without_near_keys
+from rigtri.report import Report
+
+# Degrees; beside what the comparison of tracks lets pass. Float32 and a DCC leave a thousandth of it, and
+# a rule that does not hold many times as much.
+MOST_OFF = 1.0
+# A joint's size may be off by this share: OpenUSD's half floats leave up to 0.01 of samples out.
+_MOST_GROWN = 0.05
+# Clips are looked at so often at most, evenly chosen among EDITED's keys.
+_LOOKS = 64
+# Of the time to the next key: at a jump, either side of it counts.
+_BESIDE = 0.02
+# Sizes, as a share of 1, below which keys hide a joint: it has no axes.
+_HIDDEN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class _Off:
+    """A joint, what of it is off, and by how much in words."""
+
+    joint: int
+    path: str
+    text: str
+
+
+class MotionCheck:
+    """One clip in both files. seen: how it was taken; rig: the result; clip: all that it plays there;
+    left: nodes that were declared not to be taken: they follow controls, or their splines were kept.
+    """
+
+    def __init__(
+        self, seen: Comparison, bodies: Proportions, rig: Rig, clip: Clip, left: Collection[int]
+    ) -> None:
+        self.seen, self.bodies, self.both, self.rig = seen, bodies, seen.both, rig
+        self.left = frozenset(left)
+        frames = seen.transfer.frames
+        self.times = thinned(frames, _LOOKS)
+        gap = _BESIDE * float(np.diff(frames).min(initial=np.inf)) if len(frames) > 1 else 0.0
+        looks = np.concatenate([self.times, self.times - gap, self.times + gap])
+        edited = self.both.other
+        self.theirs = worlds(edited, locals_at(edited, seen.taken.clip, self.times))
+        ways = [clip, replace(clip, tracks=tuple(without_near_keys(t, seen.frames) for t in clip.tracks))]
+        same = all(a is b for a, b in zip(ways[0].tracks, ways[1].tracks, strict=True))
+        played = [locals_at(rig, way, seen.clock.times(looks)) for way in ways[: 1 if same else 2]]
+        self.ours = worlds(rig, np.concatenate(played))
+
+    def found(self) -> tuple[list[_Off], list[_Off]]:
+        """What is off though EDITED has keys of it, and what EDITED holds otherwise without any keys."""
+        wrong, unkeyed = list[_Off](), list[_Off]()
+        for joint in sorted(n for n in self.both.of if self.rig.is_joint[n] and n not in self.left):
+            for off in self._of(joint):
+                (wrong if self._is_taken(joint, off.path) else unkeyed).append(off)
+        return wrong, unkeyed
+
+    # --- one joint
+
+    def _of(self, joint: int) -> list[_Off]:
+        above = self._above(joint)
+        frames = self._frames(joint, above)
+        theirs = self._seen_theirs(joint, above)[frames]
+        ours = self._seen_ours(joint, above).reshape(-1, len(self.times), 4, 4)[:, frames]
+        unit = float(length(self.rig.world[above, 0, :3])) if above >= 0 else 1.0
+        if not len(theirs) or not (np.isfinite(theirs).all() and np.isfinite(ours).all()):
+            return []
+        found, title = [], self.rig.title(joint)
+        sizes = length(ours[..., :3, :3]), length(theirs[..., :3, :3])
+        shown = (np.minimum(*sizes) > _HIDDEN * np.maximum(1.0, sizes[1])).all(axis=-1)
+        turned = np.degrees(angle(ours[..., :3, :3], theirs[..., :3, :3])).max(axis=-1)
+        turned = np.where(shown, turned, 0.0).min(axis=0)
+        ratio = sizes[0] / np.where(sizes[1] > 0, sizes[1], 1.0)
+        grown = np.where(shown, np.abs(ratio - 1.0).max(axis=-1), 0.0)
+        far = length(ours[..., 3, :3] - theirs[..., 3, :3]).min(axis=0) * unit / self.both.size
+        bound = self._bounds(joint, self.times[frames])
+        if (turned > bound).any():
+            found.append(_Off(joint, "rotation", f"'{title}' is turned by {turned.max():.3g}°"))
+        elif float(grown.min(axis=0).max()) > _MOST_GROWN:
+            found.append(_Off(joint, "scale", f"'{title}' has {1 + grown.max():.3g} times the size"))
+        if float(far.max()) > OTHER_SHAPE + 2.0 * self.seen.tolerances.share + self._loose(joint, above):
+            found.append(_Off(joint, "translation", f"'{title}' is {far.max():.2g} of the rig's size beside"))
+        return found
+
+    def _bounds(self, joint: int, times: Floats) -> Floats:
+        """How far a joint may be turned at times of EDITED, (k,), in degrees."""
+        track = Track(joint, "rotation", "LINEAR", times, np.tile([0.0, 0.0, 0.0, 1.0], (len(times), 1)))
+        return np.asarray(MOST_OFF + np.degrees(self.seen.tolerances.of(track)))
+
+    def _above(self, joint: int) -> int:
+        """The nearest joint above that both files have, or −1."""
+        above = self.both.line(joint)[2]
+        while above >= 0 and not self.rig.is_joint[above]:
+            above = self.both.line(above)[2]
+        return above
+
+    def _seen_ours(self, joint: int, above: int) -> Floats:
+        world = self.ours[:, joint]
+        return world if above < 0 else multiply(world, inverse(self.ours[:, above]))
+
+    def _seen_theirs(self, joint: int, above: int) -> Floats:
+        """What EDITED shows of a joint, in RIG's axes and with RIG's lengths, (f, 4, 4)."""
+        both, of = self.both, self.both.of
+        world = multiply(both.turns[joint], self.theirs[:, of[joint]])
+        if above < 0:
+            seen = np.array(multiply(world, both.space))
+            seen[..., 3, :3] = self._placed(joint, seen[..., 3, :3])
+        else:
+            carrier = multiply(both.turns[above], self.theirs[:, of[above]])
+            seen = np.array(multiply(world, inverse(carrier)))
+            if both.line(joint)[2] == above and (place := self.bodies.place(joint)) is not None:
+                seen[..., 3, :3] = transform_points(seen[..., 3, :3], place)
+        return seen
+
+    def _placed(self, joint: int, places: Floats) -> Floats:
+        """Where the whole body is to be, places of EDITED's world as RIG sees it being (f, 3)."""
+        size = self.bodies.body
+        pair = self.bodies.places(joint)
+        if pair is None:
+            return places * size
+        return np.asarray(places * size + self._aside(*pair))
+
+    def _aside(self, ours: Floats, theirs: Floats) -> Floats:
+        beside = ours - self.bodies.body * transform_points(theirs, self.both.space)
+        counts = self.bodies.body != 1.0 or float(length(beside)) > OTHER_SHAPE * self.both.size
+        return beside if counts else np.zeros(3)
+
+    def _loose(self, joint: int, above: int) -> float:
+        """How far beside, as a share of the size, a body may be whose place differs, and which is carried
+        by a node that turns: the difference turns along.
+        """
+        pair = self.bodies.places(joint) if above < 0 else None
+        if pair is None or self.both.line(joint)[2] < 0:
+            return 0.0
+        return 2.0 * float(length(self._aside(*pair))) / self.both.size
+
+    # --- what EDITED moves
+
+    def _line(self, joint: int, above: int) -> list[int]:
+        """The nodes of RIG from a joint up to below the joint above."""
+        line = self.rig.path_to_root(joint)
+        return line[: line.index(above)] if above >= 0 else line
+
+    def _frames(self, joint: int, above: int) -> Booleans:
+        """The times, (f,), at which EDITED has keys of what carries a joint; all, where it has none."""
+        path = self.both.other.path_to_root(self.both.of[joint])
+        tracks = [t for node in path for t in self.seen.transfer.driven.get(node, {}).values()]
+        if not tracks:
+            return np.ones(len(self.times), bool)
+        keys = sorted_unique(np.concatenate([track.times for track in tracks]))
+        return np.asarray(np.isin(self.times, keys))
+
+    def _is_taken(self, joint: int, path: str) -> bool:
+        """Whether a property of a joint comes from keys of EDITED, or RIG has none that would stay."""
+        if self.seen.transfer.is_carried(joint):
+            return True
+        above, driven = self._above(joint), self.seen.transfer.driven
+        line = {n: driven.get(self.both.of[n], {}) for n in self._line(joint, above) if n in self.both.of}
+        for node, own in line.items():
+            paths = (path,) if node == joint else PATHS
+            if any(each not in own and (node, each) in self.seen.tracks for each in paths):
+                return False
+        return any(line.values()) if above < 0 else path in line[joint]
+
+
+def refuse_other_motion(check: MotionCheck, told: Collection[str], report: Report) -> None:
+    """GeometryError where joints play otherwise than in EDITED; a warning where EDITED has no keys of it.
+
+    told: the names of nodes that a notice already says of that RIG's keys were kept.
+    """
+    wrong, unkeyed = check.found()
+    name = check.seen.taken.name
+    if wrong:
+        many = f" and {len(wrong) - 4} more" if len(wrong) > 4 else ""
+        raise GeometryError(
+            f"'{name}' would not play as in EDITED: {', '.join(off.text for off in wrong[:4])}{many} "
+            f"(limits {MOST_OFF:g}°, {OTHER_SHAPE:g}). EDITED rests, or is built, in a way that take-clips "
+            f"cannot map: key every joint in '{name}' in the DCC, or --clip without it"
+        )
+    if held := [off.joint for off in unkeyed if check.rig.names[off.joint] not in told]:
+        names = list_names(check.rig.title(joint) for joint in held)
+        report.warn(
+            "held-without-keys",
+            f"EDITED has no keys of {names} in '{name}', and holds it otherwise than RIG, whose pose "
+            "was kept; key it in EDITED to have it taken",
+        )
