@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import multiply as multiply_rotations
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import Track
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips import take_clips as module
 from rigtri.operations.take_clips.take_clips import take_clips
@@ -81,3 +83,81 @@ def test_joints_that_edited_poses_without_keys_are_told() -> None:
     take_clips(rig, from_=replace(edited, rotation=rotation), report=report)
     assert notices(report) == ["held-without-keys"]
     assert "no keys of 'shin_L' in 'wave'" in report.warnings[0].text
+
+
+def bare(rig: Rig) -> Rig:
+    return replace(rig, skins=())
+
+
+def joints_of(rig: Rig) -> Rig:
+    """The rig with its skin back, by which `apart` finds its joints."""
+    return replace(rig, skins=rig.skins or rig_of().skins)
+
+
+def bound_in_the_world(rig: Rig) -> Rig:
+    skins = (replace(skin, inverse_bind=inverse(rig.world[skin.joints])) for skin in rig.skins)
+    return replace(rig, skins=tuple(skins))
+
+
+def with_rotation(rig: Rig, node: int, rotation: Floats) -> Rig:
+    turns = rig.rotation.copy()
+    turns[node] = rotation
+    return replace(rig, rotation=turns)
+
+
+@pytest.mark.parametrize("degrees", [37.0, 60.0, 90.0, 180.0])
+@pytest.mark.parametrize("bound", [bare, bound_in_the_world, lambda rig: rig], ids=["bare", "world", "below"])
+def test_a_body_faces_where_edited_has_it_whose_armature_was_turned(degrees: float, bound: Any) -> None:
+    """Before, from 45° on, by 90° elsewhere; without a skin the turn was lost, or the file refused."""
+    rig, report = rig_of(), Report()
+    edited = bound(with_rotation(rig, 0, turn(Y, degrees)))
+    assert apart(take_clips(rig, from_=edited, report=report), joints_of(edited), "walk") < CLOSE
+    assert "other-facing" not in notices(report)
+
+
+@pytest.mark.parametrize(("axis", "degrees"), [(Y, 90.0), (Y, 180.0), (X, -90.0)])
+def test_a_file_without_a_skin_may_rest_in_a_frame_with_turned_hips(
+    axis: tuple[float, float, float], degrees: float
+) -> None:
+    """Before, it was refused as another skeleton."""
+    rig = replace(rig_of(), clips=())
+    walk, hips = rig_of().clip("walk"), rig.find("hips")
+    first = {t.node: t.values[0] for t in walk.tracks if t.path == "rotation" and t.node != hips}
+    about = multiply_rotations(turn(axis, degrees), rig.rotation[hips])
+    key = Track(hips, "rotation", "STEP", walk.tracks[0].times[:1], about[np.newaxis])
+    tracks = (*(t for t in walk.tracks if (t.node, t.path) != (hips, "rotation")), key)
+    edited = with_rotation(bare(replace(rig, clips=(replace(walk, tracks=tracks),))), hips, about)
+    for node, rotation in first.items():
+        edited = with_rotation(edited, node, rotation)
+    assert apart(take_clips(rig, from_=edited), joints_of(edited), "walk") < CLOSE
+
+
+def test_joints_posed_without_keys_in_a_file_without_a_skin_are_held_in_a_new_clip() -> None:
+    """Before, a pose of two of them was another skeleton."""
+    rig = rig_of()
+    posed = [rig.find("forearm_L"), rig.find("spine")]
+    walk = rig.clip("walk")
+    clip = replace(walk, tracks=tuple(t for t in walk.tracks if t.node not in posed))
+    edited = bare(replace(rig, clips=(clip,)))
+    for node in posed:
+        edited = with_rotation(edited, node, multiply_rotations(edited.rotation[node], turn(X, 35.0)))
+    home = take_clips(replace(rig, clips=()), from_=edited)
+    assert apart(home, joints_of(edited), "walk") < CLOSE
+
+
+def test_a_file_that_lies_at_rest_as_its_format_has_no_up_is_set_upright_with_a_warning() -> None:
+    rig, report = rig_of(), Report()
+    matrix = compose([0.0, 0.0, 0.0], turn(X, 90.0), [1.0] * 3)
+    hips, lying = rig.find("hips"), replace(rig, parents=np.where(rig.parents == 0, -1, rig.parents))
+    local = multiply(rig.world[hips], matrix)
+    parts = {path: getattr(rig, path).copy() for path in ("translation", "rotation", "scale")}
+    for path, values in zip(parts, to_parts(local), strict=True):
+        parts[path][hips] = values
+    edited = bare(replace(lying, **parts, clips=(without(rig.clip("walk"), hips),)))
+    home = take_clips(replace(rig, clips=()), from_=edited, report=report)
+    assert apart(home, replace(rig, clips=edited.clips), "walk") < CLOSE
+    assert any("EDITED does not stand up" in notice.text for notice in report.warnings)
+
+
+def without(clip: Clip, node: int) -> Clip:
+    return replace(clip, tracks=tuple(track for track in clip.tracks if track.node != node))

@@ -10,11 +10,19 @@ Source: docs/take-clips.md.
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from rigtri.evaluation.active_controls import size_of
-from rigtri.maths.matrices import determinant, from_frame, inverse, multiply, nearest_rotation
+from rigtri.maths.matrices import (
+    determinant,
+    from_frame,
+    inverse,
+    multiply,
+    nearest_rotation,
+    transform_directions,
+)
 from rigtri.maths.matrices import skew as skewed
 from rigtri.maths.similarity_fit import (
     AXIS_TURNS,
@@ -28,11 +36,17 @@ from rigtri.maths.similarity_fit import (
     upright_turn,
 )
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
+from rigtri.maths.vectors import angle, length
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.take_clips.node_matching import pairs
+
+# Of the size; shorter bones have no direction and no length that counts.
+SHORT = 1e-2
+# Degrees. One skeleton after a DCC is off by 0.1 at most (joints that move a little against their parents),
+# other characters with the same names by up to 157. At 5, the end of a limb is a tenth of its length beside.
+MOST_DEGREES = 5.0
 
 
 def _moved(exact: Floats, rounded: Floats) -> float:
@@ -48,6 +62,12 @@ def _median(ours: Floats, theirs: Floats) -> float | None:
     return float(np.median(ours[fit] / theirs[fit])) if fit.any() else None
 
 
+def _most_apart(ours: Floats, theirs: Floats, turn: Floats) -> float:
+    """The largest angle, in degrees, between directions, (k, 3), and others that are turned by (3, 3)."""
+    seen = transform_directions(theirs, from_frame(turn, np.zeros(3)))
+    return float(np.degrees(angle(ours, seen)).max(initial=0.0))
+
+
 def bind_poses(rig: Rig) -> dict[int, Floats]:
     """Where joints stand in their skins' bind poses, (4, 4) each."""
     found: dict[int, Floats] = {}
@@ -60,25 +80,37 @@ def bind_poses(rig: Rig) -> dict[int, Floats]:
 
 
 def placed(rig: Rig) -> Floats:
-    """How the world sees bind poses turned, one of the 24 rotations, (3, 3).
+    """How the world sees bind poses turned, a rotation, (3, 3).
 
     As what stands above the topmost joints turns them, or not at all, whichever these are nearer to at rest:
     some programs bind below that node, others in the world. What is posed below the topmost tells nothing.
+    """
+    return _placings(rig)[0]
+
+
+def _placings(rig: Rig) -> tuple[Floats, Floats]:
+    """How the world sees bind poses turned, (3, 3), and how it would if nobody had turned the body.
+
+    Of what stands above the topmost joints, the smallest of the 24 rotations that sets its up axis upright
+    belongs to the axes of the file; all else, such as a turn about up, may be where the body was put.
     """
     binds = bind_poses(rig)
     tops = [n for n in binds if not binds.keys() & set(rig.path_to_root(n)[1:])]
     tops = [n for n in tops if np.isfinite(rig.world[n]).all() and rig.parents[n] >= 0]
     if not tops:
-        return np.eye(3)
-    above = nearest_axis_turn(nearest_rotation(rig.world[rig.parents[tops[:1]]]))
+        return np.eye(3), np.eye(3)
+    above = from_frame(nearest_rotation(rig.world[rig.parents[tops[0]]]), np.zeros(3))
+    up = np.array(rig.rules.up)
+    lies = upright_turn(np.rint(transform_directions(up, inverse(above))), up)
     bound = from_frame(nearest_rotation([binds[n] for n in tops]), np.zeros(3))
     rest = nearest_rotation(rig.world[tops])
     # Traces of how far each candidate is from what is seen: the larger, the nearer.
     near = [
-        float((multiply(bound, from_frame(turn, np.zeros(3)))[:, :3, :3] * rest).ravel().cumsum()[-1])
-        for turn in (np.eye(3), above)
+        float((multiply(bound, turn)[:, :3, :3] * rest).ravel().cumsum()[-1]) for turn in (np.eye(4), above)
     ]
-    return above if near[1] > near[0] else np.eye(3)
+    if near[1] > near[0]:
+        return np.asarray(above[:3, :3]), lies
+    return np.eye(3), np.asarray(multiply(inverse(above), from_frame(lies, np.zeros(3)))[:3, :3])
 
 
 class Counterparts:
@@ -132,19 +164,76 @@ class Counterparts:
     def _turned(self) -> Floats | None:
         """The rotation of G, (3, 3), from bind poses, so that either file may rest in any pose; None without.
 
-        EDITED's world as its bind pose sees it, EDITED's bind pose as RIG's, and that as RIG's world. A bind
-        pose may lean as a whole, as a DCC binds in the pose that it was given: then up goes to up.
+        EDITED's world as its bind pose sees it, EDITED's bind pose as RIG's, and that as RIG's world. Up goes
+        to up, and a body faces where EDITED has it, wherever that may come from what stands above the joints.
+        A bind pose may also lean as a whole, as a DCC binds in the pose that it was given.
         """
         if self._bind_turn is None:
-            return None
-        theirs, between, ours = (
-            from_frame(each, np.zeros(3)) for each in (placed(self.other), self._bind_turn, placed(self.rig))
-        )
-        turn = np.asarray(multiply(multiply(inverse(theirs), between), ours)[:3, :3])
+            return self._turned_bare
+        between = from_frame(self._bind_turn, np.zeros(3))
+        upright = upright_turn(self.other.rules.up, self.rig.rules.up)
+        for theirs, ours in product(_placings(self.other), _placings(self.rig)):
+            seen = multiply(inverse(from_frame(theirs, np.zeros(3))), between)
+            turn = np.asarray(multiply(seen, from_frame(ours, np.zeros(3)))[:3, :3])
+            if float(np.abs(turn - upright).max()) <= SAME_TURN:
+                return upright
         nearest = nearest_axis_turn(turn[np.newaxis])
-        if float(np.abs(turn - nearest).max()) <= SAME_TURN:
-            return nearest
-        return upright_turn(self.other.rules.up, self.rig.rules.up)
+        return nearest if float(np.abs(turn - nearest).max()) <= SAME_TURN else upright
+
+    @cached_property
+    def _turned_bare(self) -> Floats:
+        """The rotation of G, (3, 3), without bind poses: up goes to up.
+
+        Unless the file as a whole is turned otherwise: its bones at rest, and then it leans, or the axes of
+        its joints, too, as converters turn both.
+        """
+        upright = upright_turn(self.other.rules.up, self.rig.rules.up)
+        ours, theirs = self._directions
+        if not len(ours) or _most_apart(ours, theirs, upright) <= MOST_DEGREES:
+            return upright
+        off = [_most_apart(ours, theirs, turn) for turn in AXIS_TURNS]
+        turn = AXIS_TURNS[int(np.argmin(off))]
+        up = transform_directions(np.array(self.other.rules.up), from_frame(turn, np.zeros(3)))
+        stands = np.abs(up - np.array(self.rig.rules.up)).max() <= SAME_TURN
+        with_axes = np.abs(turn - self._bare_axes).max() <= SAME_TURN
+        return turn if min(off) <= MOST_DEGREES and (with_axes or not stands) else upright
+
+    @cached_property
+    def _directions(self) -> tuple[Floats, Floats]:
+        """Where bones of joints point at rest in the worlds of RIG and EDITED, (k, 3) each."""
+        bones = [(n, above) for n in self.of if (above := self._bone_of(n)) >= 0]
+        a, b = np.array(bones, dtype=np.intp).reshape(-1, 2).T
+        c, d = (np.array([self.of[int(n)] for n in each], dtype=np.intp) for each in (a, b))
+        ours = self.rig.world[a, 3, :3] - self.rig.world[b, 3, :3]
+        theirs = self.other.world[c, 3, :3] - self.other.world[d, 3, :3]
+        return self._long(ours, theirs)
+
+    @cached_property
+    def _bare_axes(self) -> Floats:
+        """How all joints of a file without a skin are turned against RIG's, about themselves: one of the 24
+        rotations, (3, 3), that takes where EDITED's bones point in these to where RIG's do, in any pose.
+        """
+        bones = [n for n in self.of if self._bone_of(n) == int(self.rig.parents[n]) >= 0]
+        bones = [n for n in bones if self.of[self._bone_of(n)] == int(self.other.parents[self.of[n]])]
+        ours, theirs = self._long(
+            self.rig.local[bones, 3, :3], self.other.local[[self.of[n] for n in bones], 3, :3]
+        )
+        off = [_most_apart(ours, theirs, turn) for turn in AXIS_TURNS] if len(ours) else [0.0]
+        best = int(np.argmin(off))
+        return np.asarray(AXIS_TURNS[best if off[best] <= MOST_DEGREES < off[0] else 0])
+
+    def _bone_of(self, node: int) -> int:
+        """The joint that a joint hangs on in both files, or −1."""
+        above = self.line(node)[2] if self.rig.is_joint[node] else -1
+        return above if above >= 0 and self.rig.is_joint[above] else -1
+
+    def _long(self, ours: Floats, theirs: Floats) -> tuple[Floats, Floats]:
+        """The pairs of vectors, (k, 3), that are not next to nothing beside the longest."""
+        fit = [
+            np.isfinite(each).all(axis=1) & (length(each) > SHORT * length(each).max(initial=0.0))
+            for each in (ours, theirs)
+        ]
+        return ours[fit[0] & fit[1]], theirs[fit[0] & fit[1]]
 
     @cached_property
     def _ratio(self) -> float | None:
@@ -225,6 +314,8 @@ class Counterparts:
         drawn = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
         if not np.isfinite(drawn).all():
             return self._inherited(node, between)
+        if self.rig.is_joint[node] and not self.other.is_joint[theirs]:
+            return self._bare(node, between)
         if theirs not in self.moving or self.other.is_joint[theirs]:
             return drawn
         turned, in_place = self._rests_alike(node)
@@ -269,6 +360,13 @@ class Counterparts:
         sizes = float(length(self.rig.local[node, 0, :3])), float(length(seen[0, :3]))
         if self.of[node] not in self._grown and min(sizes) > 0 and np.isfinite(sizes).all():
             turn[:3, :3] *= sizes[0] / sizes[1]
+        return turn
+
+    def _bare(self, node: int, between: Floats) -> Floats:
+        """C of a joint that is only a node in EDITED, which has no skin."""
+        turn = self._inherited(node, between)
+        axes = from_frame(self._bare_axes, np.zeros(3))
+        turn[:3, :3] = inverse(axes)[:3, :3] * float(length(turn[0, :3]))
         return turn
 
     def _looks(self, node: int) -> bool:

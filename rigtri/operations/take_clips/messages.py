@@ -63,18 +63,18 @@ def warn_differences(both: Counterparts, report: Report) -> None:
 
 
 def warn_facing(both: Counterparts, report: Report) -> None:
-    """That EDITED stands turned about the up axis, by one of the 24 rotations, which is taken out."""
+    """That EDITED stands turned by one of the 24 rotations, beside what sets it upright: it is taken out."""
     up, ours = (np.array(rig.rules.up) for rig in (both.other, both.rig))
     turn = nearest_rotation(both.space)
     straight = upright_turn(up, ours)
+    if np.abs(turn - straight).max() <= SAME_TURN:
+        return
+    degrees = np.degrees(angle_between(from_axes(turn), from_axes(straight)))
     stands = np.abs(transform_directions(up, from_frame(turn, np.zeros(3))) - ours).max() <= SAME_TURN
-    if stands and np.abs(turn - straight).max() > SAME_TURN:
-        degrees = np.degrees(angle_between(from_axes(turn), from_axes(straight)))
-        report.warn(
-            "other-facing",
-            f"EDITED faces another way than RIG, by {degrees:.0f}° about the up axis; its motion was taken "
-            "as if it faced as RIG does",
-        )
+    how, as_rig = "does not stand up", "stood as RIG does: its up is not that of its format"
+    if stands:
+        how, as_rig = f"faces another way than RIG, by {degrees:.0f}° about the up axis", "faced as RIG does"
+    report.warn("other-facing", f"EDITED {how}; its motion was taken as if it {as_rig}")
 
 
 def warn_tracks(

@@ -24,15 +24,10 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise
 from rigtri.model.animation import Path, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.axis_mapping import Counterparts, bind_poses, placed
+from rigtri.operations.take_clips.axis_mapping import MOST_DEGREES, SHORT, Counterparts, bind_poses, placed
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 
-# Degrees. One skeleton after a DCC is off by 0.1 at most (joints that move a little against their parents),
-# other characters with the same names by up to 157. At 5, the end of a limb is a tenth of its length beside.
-MOST_DEGREES = 5.0
-# Of the size; shorter bones have no direction and no length that counts.
-SHORT = 1e-2
 # Of its size: keys that differ by more are not one value.
 _VARIES = 1e-2
 # The sine of `MOST_DEGREES`: a joint that wanders farther from its mean direction, seen from the joint above,

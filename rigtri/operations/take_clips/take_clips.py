@@ -22,7 +22,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
 from rigtri.operations.take_clips.armature_motion import put_back
-from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.axis_mapping import SHORT, Counterparts
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.generated_names import span
@@ -45,7 +45,7 @@ from rigtri.operations.take_clips.messages import (
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.operations.take_clips.proportions import SHORT, Proportions, warn_lengths
+from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton, warn_unsure_axes
 from rigtri.operations.take_clips.time_ranges import Ranges
@@ -291,7 +291,7 @@ class _Taking:
         carried = body if any(both.of[node] in self.transfer.driven for node in body) else set[int]()
         for node in sorted(both.of):
             theirs = both.of[node]
-            joint = self.rig.is_joint[node] and both.other.is_joint[theirs]
+            joint = self.rig.is_joint[node]
             own = self.transfer.driven.get(theirs, {})
             fresh = self.taken.home is None and not own and (joint or node in body)
             if self.transfer.is_carried(node) or not (node in carried or fresh):
