@@ -57,7 +57,8 @@ def in_metal(rig: Rig) -> Rig:
     order: list[int] = [len(rig)]
     for node in order:  # it grows as it is walked: level by level, children from last to first
         order += [k for k in range(len(rig) - 1, -1, -1) if parents[k] == node]
-    return replace(above, parents=parents).reordered(order)
+    upright = replace(above.rules, up=(0.0, 0.0, 1.0))
+    return replace(above, parents=parents, rules=upright).reordered(order)
 
 
 FILES = files_of_all_kinds()
@@ -121,6 +122,10 @@ def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
     home = take_clips(rig, from_=edited)
     wanted = turned_key(rig, "thigh_L")
     assert apart(home, wanted, "walk") < CLOSE
+    # What does not stand up in its own format is told.
+    lying = replace(in_metal(rig), rules=rig.rules)
+    assert take_clips(rig, from_=lying, report=report) is rig
+    assert notices(report) == ["other-facing"]
     # And the other way round: a rig in centimetres takes from one in metres.
     large = in_metal(rig)
     assert take_clips(large, from_=rig) is large
