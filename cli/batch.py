@@ -15,7 +15,7 @@ from rigtri.errors import FileError, UsageError
 
 from . import INTERRUPTED, batch_engine, batch_job, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
-from .build import assigned, set_option, spec_option, spec_tolerance_option
+from .build import assigned, set_option, spec_tolerance_option
 from .help_format import Command, option
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
@@ -27,15 +27,29 @@ if TYPE_CHECKING:
     from rigtri.pipeline.batch.local_engine import Engine
     from rigtri.pipeline.batch.run import Plan, Run, Tasks
     from rigtri.pipeline.batch.shards import Shard
-    from rigtri.pipeline.batch.spec_task import SpecTask
+    from rigtri.pipeline.batch.work import Task
 
 SOME_FAILED = 7
+# What a conversion writes, without the dot.
+CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 
 
 @click.command("batch", cls=Command)
 @click.argument("inputs", metavar="IN…", nargs=-1)
-@spec_option
+@option(
+    "--spec",
+    metavar="FILE",
+    type=FilePath(dir_okay=False),
+    help="The rig spec: YAML or JSON.",
+    group="what",
+)
 @set_option
+@option(
+    "--convert-to",
+    type=click.Choice(CONVERTED),
+    help="Instead of a spec: write each file in the other format, as rigtri convert does.",
+    group="what",
+)
 @option(
     "-O",
     "--out-dir",
@@ -135,7 +149,7 @@ SOME_FAILED = 7
 @quiet_option
 @json_option
 def command(inputs: tuple[str, ...], **values: Any) -> None:
-    """Build many files by a spec, in several processes.
+    """Build many files by a spec, or convert them, in several processes.
 
     IN is a path, a pattern in quotes (** stands for all folders), or @LIST, a file with one of
     these in each line. A crash or timeout is reported and does not affect the
@@ -146,6 +160,7 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
     Example:
         rigtri batch --spec rig.yaml 'assets/**/*.glb' -O out/
         rigtri batch-report out/
+        rigtri batch --convert-to usdz 'assets/**/*.glb' -O usd/
     """
     try:
         sys.exit(run(inputs, values, _tasks(values)))
@@ -205,12 +220,16 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
 
 
 def _tasks(values: dict[str, Any]) -> Tasks:
-    """What the spec makes of each file, by its own variables."""
+    """What is done to each file: what the spec makes of it, by its own variables, or a conversion."""
+    if values["convert_to"]:
+        return _conversion(values)
+    if not values["spec"]:
+        raise UsageError("give a spec with --spec FILE, or a format with --convert-to")
     from rigtri.pipeline.rigspec.load import load
 
     shared = assigned(values["variables"])
 
-    def task(own: tuple[tuple[str, str], ...]) -> SpecTask:
+    def task(own: tuple[tuple[str, str], ...]) -> Task:
         from rigtri.pipeline.batch.spec_task import SpecTask
 
         folders = {name: Path(values["job"]).parent for name, _ in own}
@@ -219,6 +238,26 @@ def _tasks(values: dict[str, Any]) -> Tasks:
         return SpecTask(spec.limited(**words), values["verify"])
 
     return cache(task)
+
+
+def _conversion(values: dict[str, Any]) -> Tasks:
+    """Each file in the other format. UsageError for options that a conversion has no use for."""
+    from rigtri.pipeline.batch.convert_task import ConvertTask
+    from rigtri.verification.compare.verdict import TOLERANCE
+
+    for name in ("spec", "variables", "resources", "emit_openjd"):
+        if values[name]:
+            flag = "--set" if name == "variables" else f"--{name.replace('_', '-')}"
+            raise UsageError(f"--convert-to and {flag} do not go together")
+    tolerance = TOLERANCE if values["tolerance"] is None else values["tolerance"]
+    task = ConvertTask(f".{values['convert_to']}", values["verify"], values["strict"], tolerance)
+
+    def alike(own: tuple[tuple[str, str], ...]) -> Task:
+        if own:
+            raise UsageError("variables are for a spec, and --convert-to has none")
+        return task
+
+    return alike
 
 
 def _place(name: str | None) -> Path | str | None:
@@ -236,11 +275,15 @@ def _found(
     from rigtri.pipeline.batch.inputs import entries
 
     job, base = Path(values["job"]) if values["job"] else None, _place(values["base"])
-    found = entries(inputs, job=job, out_dir=out_dir, base=base, fits=tasks)
+    suffix = f".{values['convert_to']}" if values["convert_to"] else ""
+    found = entries(inputs, job=job, out_dir=out_dir, base=base, suffix=suffix, fits=tasks)
     task = tasks(found.entries[0].variables)
     if task.layers:
         found = entries(inputs, job=job, out_dir=out_dir, base=base, layers=True)
-    output_checks.check(found.entries, layers=task.layers, beside=task.beside, relink=task.relink)
+    converts = bool(suffix)
+    output_checks.check(
+        found.entries, layers=task.layers, beside=task.beside, relink=task.relink, converts=converts
+    )
     kept = {"--log": values["log"], "--manifest": _manifest(values, out_dir)}
     lists = [word[1:] for word in inputs if word.startswith("@") and word != "@-"]
     reads = [*task.sources, *task.files(), *([job] if job else []), *map(Path, lists)]

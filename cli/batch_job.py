@@ -39,7 +39,7 @@ def emit(values: dict[str, Any], entries: tuple[Entry, ...], manifest: Path, tas
     folder = Path(values["emit_openjd"])
     with as_file_error(manifest.parent):
         manifest.parent.mkdir(parents=True, exist_ok=True)
-    paths = {own: tasks(own).spec.paths for own in {entry.variables: None for entry in entries}}
+    paths = {own: tasks(own).paths for own in {entry.variables: None for entry in entries}}
     beside = Path(values["job"] or ".").parent
     entries = tuple(replace(e, variables=_whole(e.variables, paths[e.variables], beside)) for e in entries)
     shared = _whole(assigned(values["variables"]).items(), frozenset().union(*paths.values()), Path())

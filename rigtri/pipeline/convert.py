@@ -60,7 +60,8 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
         rig = _chosen(conversion.rig, options.clip)
         clock.lap("read")
         with working_folder(final, request) as folder:
-            written = StagedOutput(folder / final.name, request.overwrite, needed)
+            shared = request.ready is not None
+            written = StagedOutput(folder / final.name, request.overwrite, needed, shared=shared)
             try:
                 begin_stage("write")
                 with as_file_error(written.final):
@@ -79,12 +80,16 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                     raise DeviationError(f"The result would look different: {summary}. Nothing was written.")
                 if request.strict:
                     report.refuse_warnings()
+                files = tuple(dict.fromkeys([path, *(file for file, _ in needed)]))
+                outcome = Outcome(report, found, not request.dry_run, True, clock.laps, rig, files)
                 if request.is_kept:
+                    if request.ready is not None:
+                        request.ready(outcome, written)
                     written.finish()
             except BaseException:  # an interrupt too leaves the folder as it was; it goes on up
                 written.undo()
                 raise
-            return Outcome(report, found, not request.dry_run, True, clock.laps, rig, (path,))
+            return outcome
 
 
 def _conversion(document: Any, path: Path, options: ConvertOptions) -> Any:

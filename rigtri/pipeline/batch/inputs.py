@@ -54,6 +54,7 @@ def entries(
     out_dir: Path | str | None = None,
     base: Path | str | None = None,
     layers: bool = False,
+    suffix: str = "",
     fits: Fits | None = None,
 ) -> Found:
     """The files that ``words`` name: paths, URLs, patterns with ``**``, ``@list`` (``@-`` is standard input).
@@ -64,6 +65,7 @@ def entries(
     out_dir: outputs keep their place in the tree below ``base``; without that it is the fixed part
     of a pattern, and for paths the deepest folder that they share. A pattern does not find what
     lies in out_dir. layers: outputs are layers over their inputs, also over packages.
+    suffix: that of all outputs that no job file names, "" for those of their inputs.
     fits: whether the variables of a job file's lines fit the spec.
     UsageError for a word that names nothing, FileError for lists that cannot be read; all at once.
     """
@@ -80,7 +82,8 @@ def entries(
     if base is not None:
         inputs = [_below(item, base) for item in inputs]
     each: dict[tuple[object, ...], Entry] = {}
-    for entry in (_entry(item, out_dir, layers) for item in inputs):  # a file may be spelled in two ways
+    placed = (_entry(item, out_dir, layers, suffix) for item in inputs)
+    for entry in placed:  # a file may be spelled in two ways
         each.setdefault((located(entry.source), located(entry.target), entry.variables), entry)
     return Found(tuple(sorted(each.values(), key=lambda entry: (entry.source, entry.target))), left_out)
 
@@ -274,17 +277,19 @@ def _below(item: Input, base: Path | str) -> Input:
     return replace(item, base=str(base))
 
 
-def _entry(item: Input, out_dir: Path | str | None, layers: bool) -> Entry:
+def _entry(item: Input, out_dir: Path | str | None, layers: bool, suffix: str) -> Entry:
     """Where an input goes."""
-    target = item.output or _placed(item, out_dir, layers)
+    target = item.output or _placed(item, out_dir, layers, suffix)
     return Entry(item.source, target, item.variables, item.found, item.line)
 
 
-def _placed(item: Input, out_dir: Path | str | None, layers: bool) -> str:
+def _placed(item: Input, out_dir: Path | str | None, layers: bool, suffix: str) -> str:
     """The output's name, at its place in the tree."""
     if out_dir is None:
         raise UsageError(f"-O says which folder the outputs go to; {item.source} has none of its own")
     relative = _relative(item.source, item.base or ".")
+    if suffix:
+        relative = os.path.splitext(relative)[0] + suffix
     if isinstance(out_dir, str):
         return urls.join(out_dir, relative)
     target = out_dir / relative

@@ -19,11 +19,18 @@ from rigtri.pipeline.batch.remote_files import is_elsewhere
 from rigtri.text import and_more
 
 
-def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", relink: bool = False) -> None:
+def check(
+    entries: Sequence[Entry],
+    *,
+    layers: bool = False,
+    beside: str = "",
+    relink: bool = False,
+    converts: bool = False,
+) -> None:
     """UsageError or FileError for inputs and outputs that cannot go together, with the first few of them.
 
     layers: outputs are layers over their inputs. beside: the suffix of a file that goes with each output.
-    relink: outputs refer to files of their inputs.
+    relink: outputs refer to files of their inputs. converts: a glTF becomes a USD, and a USD a glTF.
     """
     away = [entry for entry in entries if is_elsewhere(entry)]
     if layers or relink:
@@ -42,7 +49,10 @@ def check(entries: Sequence[Entry], *, layers: bool = False, beside: str = "", r
     known = GLTF_SUFFIXES + USD_SUFFIXES
     strange = [at_line(e.line, e.source) for e in entries if not e.source.lower().endswith(known)]
     _refuse(strange, f"no rig file, as its name does not end with one of {' '.join(known)}", UsageError)
-    _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
+    if converts:
+        _refuse(_same_formats(entries), "convert writes glTF as USD and USD as .glb or .gltf", UsageError)
+    else:
+        _refuse(_other_suffixes(entries, layers), "the output has the format of the input", UsageError)
     _refuse(_clashes(entries), "more than one input for one output", UsageError)
     if beside:
         sides = [Entry(e.source, os.path.splitext(e.target)[0] + beside) for e in entries]
@@ -72,6 +82,13 @@ def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequ
 def _refuse(names: Sequence[str], why: str, kind: type[FileError] | type[UsageError]) -> None:
     if names:
         raise kind(f"{why}: {and_more(names, MOST)}")
+
+
+def _same_formats(entries: Sequence[Entry]) -> list[str]:
+    def other(source: str) -> tuple[str, ...]:
+        return (".glb", ".gltf") if source.lower().endswith(USD_SUFFIXES) else USD_SUFFIXES
+
+    return [f"{e.source} → {e.target}" for e in entries if not e.target.lower().endswith(other(e.source))]
 
 
 def _other_suffixes(entries: Sequence[Entry], layers: bool) -> list[str]:

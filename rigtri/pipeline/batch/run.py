@@ -24,11 +24,10 @@ from rigtri.pipeline.batch.inputs import MOST, Entry, at_line
 from rigtri.pipeline.batch.local_engine import Engine
 from rigtri.pipeline.batch.manifest_lookup import Known, look_up, name_of
 from rigtri.pipeline.batch.manifest_writer import Manifest
-from rigtri.pipeline.batch.spec_task import SpecTask
-from rigtri.pipeline.batch.work import Assignment, Record, faults, missing, reason
+from rigtri.pipeline.batch.work import Assignment, Record, Task, faults, missing, reason
 from rigtri.text import and_more
 
-Tasks = Callable[[tuple[tuple[str, str], ...]], SpecTask]
+Tasks = Callable[[tuple[tuple[str, str], ...]], Task]
 
 # A part or a backup of an output, as `rigtri.files.staged_output` names them.
 _PART = re.compile(r"\.(.+)\.(?:part-[0-9]+(\.[^.]+)|kept-[0-9]+)")
@@ -148,7 +147,7 @@ class Run:
     def failures(self) -> int:
         return self.counts["error"] + self.counts["crashed"]
 
-    def _key(self, task: SpecTask) -> str:
+    def _key(self, task: Task) -> str:
         """What decides an output besides its source: the task, the files it reads, and rigtri itself."""
         from rigtri._version import __version__
 

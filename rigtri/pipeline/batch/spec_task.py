@@ -57,6 +57,11 @@ class SpecTask:
         """The files that describe what is done."""
         return self.spec.sources
 
+    @property
+    def paths(self) -> frozenset[str]:
+        """The variables that are paths."""
+        return self.spec.paths
+
     def key(self) -> str:
         """All that decides what becomes of a file, but for the contents of `files`, as text."""
         return f"{self.spec.canonical()}\nverify {self.verify}"

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from rigtri.errors import FileError, RigtriError, error_kind
 from rigtri.files.staged_output import StagedOutput
@@ -24,9 +24,6 @@ from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.report import Report
 
-if TYPE_CHECKING:
-    from rigtri.pipeline.batch.spec_task import SpecTask
-
 STATUSES = ("ok", "warned", "unchanged", "skipped", "error", "crashed")
 FAILED = ("error", "crashed")
 # After what is missing comes what a file has instead.
@@ -38,12 +35,40 @@ _HINT = re.compile(r"(?<=')\. .*")
 _MEANT = re.compile(r"Did you mean [^?]*\?")
 
 
+class Task(Protocol):
+    """What is done to a file: `spec_task.SpecTask`, `convert_task.ConvertTask`. It travels by pickle.
+
+    layers: outputs are layers over their inputs. beside: the suffix of a file that goes with each output,
+    "" for none. relink: outputs refer to the files of their inputs where these are. sources: the files that
+    describe what is done. paths: the variables that are paths.
+    """
+
+    @property
+    def layers(self) -> bool: ...
+    @property
+    def beside(self) -> str: ...
+    @property
+    def relink(self) -> bool: ...
+    @property
+    def sources(self) -> Sequence[Path]: ...
+    @property
+    def paths(self) -> frozenset[str]: ...
+    def key(self) -> str:
+        """All that decides what becomes of a file, but for the contents of `files`, as text."""
+
+    def files(self) -> Sequence[Path]:
+        """The files that are read besides the source."""
+
+    def run(self, request: EditRequest, report: Report) -> Outcome:
+        """Do it; raises RigtriErrors."""
+
+
 @dataclass(frozen=True)
 class Assignment:
     """One entry with what to do to it, as an engine takes it. It travels to other processes by pickle."""
 
     entry: Entry
-    task: SpecTask
+    task: Task
     overwrite: bool = False
 
 
