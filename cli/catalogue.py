@@ -63,8 +63,48 @@ GROUPS = {
     },
 }
 COMMANDS = {name: words for group in GROUPS.values() for name, words in group.items()}
+# Page of the folder docs → the commands that it is about; operations.md has a paragraph on each other one.
+PAGES = {
+    "recognise.md": ("recognise",),
+    "checks.md": ("check",),
+    "exactness.md": ("verify",),
+    "pictures.md": ("draw",),
+    "view.md": ("view",),
+    "explain.md": ("explain",),
+    "tasks/straighten.md": ("orient-joints",),
+    "auto.md": ("auto",),
+    "constraints.md": ("constrain",),
+    "evaluation.md": ("pose", "snap", "bake"),
+    "take-clips.md": ("take-clips",),
+    "blender.md": ("export-blender",),
+    "one-skeleton.md": (
+        "freeze",
+        "rename-joints",
+        "set-rest",
+        "conform",
+        "add-root",
+        "add-socket",
+        "root-motion",
+        "prune-joints",
+        "merge-joints",
+        "limit-weights",
+    ),
+    "convert.md": ("convert",),
+    "specs.md": ("spec-init", "build", "schema"),
+    "batch.md": ("batch", "batch-report"),
+    "start.md": ("help", "completion"),
+}
 # How alike, from 0 to 1, a word is to the command that was meant; of words of five letters four agree.
 ALIKE = 0.75
+
+
+def page_of(command: str) -> str:
+    """The page to read on about a command.
+
+    >>> page_of("bake"), page_of("add-controls")
+    ('docs/evaluation.md', 'docs/operations.md')
+    """
+    return f"docs/{next((page for page, about in PAGES.items() if command in about), 'operations.md')}"
 
 
 def alike(name: str) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from rigtri.errors import NameNotFoundError
 from rigtri.operations.declaration import made
 from rigtri.report import Report
 
@@ -102,10 +103,19 @@ def declared_options(declared: type) -> Callable[[Any], Any]:
 
 def step_of(name: str, declared: type, values: dict[str, Any]) -> Step:
     """What the user asks of an operation, as `rigtri.edit` does it. UsageError for what cannot be."""
-    from rigtri.pipeline.steps import applied
+    from rigtri.pipeline.steps import applied, name_all_missing
 
     options: Any = made(declared, values, given(click.get_current_context()))
-    return applied(name, options, read_options(values))
+    step = applied(name, options, read_options(values))
+
+    def named(rig: Any, report: Report) -> Any:
+        try:
+            return step(rig, report)
+        except NameNotFoundError as error:
+            name_all_missing(error, rig, options)
+            raise
+
+    return named
 
 
 def _add(command: Any, option: click.Parameter) -> None:

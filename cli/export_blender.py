@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from rigtri.errors import UsageError
 from rigtri.report import Report
 
 from . import output_file
@@ -40,7 +41,6 @@ def command(source: str, output: str, **values: Any) -> None:
 
     Import IN in Blender and run the script there (Text Editor, Run Script), or let the script import
     IN: blender --python SETUP.py. Bones follow controls by Blender's own constraints; nothing moves at rest.
-    docs/blender.md says what becomes of what, and of the way back.
 
     \b
     Example:
@@ -50,6 +50,8 @@ def command(source: str, output: str, **values: Any) -> None:
     from rigtri.export.blender.script import setup_for
 
     report = Report()
+    if output != "-" and not output.lower().endswith(".py"):
+        raise UsageError(f"{output} is not a valid script name: use the suffix .py")
     output_file.check_place(output, [source], values)
     made = setup_for(source, read_options(values), report)
     output_file.write_output(made.script.encode("utf-8", "backslashreplace"), output)

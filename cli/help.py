@@ -7,7 +7,7 @@ from click.shell_completion import CompletionItem
 
 from rigtri.errors import UsageError
 
-from .catalogue import COMMANDS, GROUPS
+from .catalogue import COMMANDS, GROUPS, page_of
 from .help_format import WHOLE, Command, option, options_json
 from .options import json_option
 from .printing import print_json
@@ -59,6 +59,7 @@ def command(ctx: click.Context, name: str | None, man: bool, as_json: bool) -> N
     with click.Context(found, info_name=known, parent=root) as inner:
         inner.meta[WHOLE] = True
         if as_json:
-            print_json({"command": known, "help": found.help, "options": options_json(inner)})
+            page = page_of(str(known))
+            print_json({"command": known, "help": found.help, "page": page, "options": options_json(inner)})
         else:
             click.echo(found.get_help(inner))

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .catalogue import page_of
+
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
@@ -89,12 +91,15 @@ class Command(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         words = list(args)
         try:
-            return super().parse_args(ctx, args)
+            left = super().parse_args(ctx, args)
+            if ctx.params.get("quiet") and ctx.params.get("verbose"):
+                raise click.UsageError("give -q or -v, not both", ctx)
+            return left
         except click.MissingParameter as error:
-            left = self.make_parser(ctx).parse_args(words)[1]
-            if left and error.param is not None and isinstance(error.param, click.Option):
+            others = self.make_parser(ctx).parse_args(words)[1]
+            if others and error.param is not None and isinstance(error.param, click.Option):
                 flag = error.param.opts[0]
-                asked = f"Missing option '{flag}'. Did you mean {flag} {left[0]}?"
+                asked = f"Missing option '{flag}'. Did you mean {flag} {others[0]}?"
                 raise click.UsageError(asked, ctx) from None
             raise
 
@@ -103,9 +108,10 @@ class Command(click.Command):
             with formatter.section(title):
                 formatter.write_dl(rows)
         every = _options(self, ctx)
+        formatter.write_paragraph()
         if not ctx.meta.get(WHOLE) and any(getattr(each, "rare", False) for each in every):
-            formatter.write_paragraph()
             formatter.write_text(f"All {len(every)} options: rigtri help {ctx.info_name}")
+        formatter.write_text(f"More about it: {page_of(str(ctx.info_name))}")
 
 
 def option_groups(command: click.Command, ctx: click.Context) -> Iterator[tuple[str, list[tuple[str, str]]]]:

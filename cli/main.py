@@ -59,8 +59,11 @@ class Program(click.Group):
                 ignore_interrupts()
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
-        with failures.exit_on_interrupt():
-            return super().make_context(*args, **extra)
+        try:
+            with failures.exit_on_interrupt():
+                return super().make_context(*args, **extra)
+        except BrokenPipeError:  # --help of all commands
+            failures.gone(FileError.exit_code)
 
     def invoke(self, ctx: click.Context) -> Any:
         for stream in (sys.stdout, sys.stderr):
@@ -110,4 +113,5 @@ def program() -> None:
 
     \b
     Then: rigtri COMMAND --help, or rigtri help COMMAND for all of its options.
+    The pages that help names: https://github.com/rigtri/rigtri/blob/main/docs/index.md
     """

@@ -11,6 +11,7 @@ Examples:
     rigtri make-limb hero.glb -o out.glb --locators "tail_*_loc" --parent hips --name tail
     rigtri make-limb hero.glb -o out.glb --points 0,1.4,0 .2,1.4,0 --up-from world:+y --name clavicle
     rigtri make-limb -o skeleton.glb --guides skeleton.csv
+    rigtri make-limb scene.glb -o out.glb --guide-nodes "*_loc"
 """
 
 from __future__ import annotations
@@ -80,8 +81,9 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
 
     if values["output"] in (None, "-"):
         raise UsageError("-o: a new file needs a name, whose suffix says its format")
-    if values["locators"]:
-        raise UsageError("--locators are nodes of a file: give IN, or --points")
+    for flag in ("locators", "guide_nodes"):
+        if values[flag]:
+            raise UsageError(f"--{flag.replace('_', '-')}: these are nodes of a file: give IN, or --points")
     target = Path(values["output"])
     path = folder / target.name
     if target.suffix.lower() in GLTF_SUFFIXES:

@@ -9,7 +9,7 @@ import click
 
 from rigtri._version import __version__
 
-from .catalogue import GROUPS
+from .catalogue import GROUPS, page_of
 from .help_format import WHOLE, option_groups
 
 _EXIT = {
@@ -58,6 +58,7 @@ def _command(command: click.Command, name: str, root: click.Context) -> Iterator
             yield from (".PP", f".I {_text(title)}")
             for term, words in rows:
                 yield from (".TP", f".B {_text(term.strip())}", _text(words))
+        yield from (".PP", f"More about it: {_text(page_of(name))}")
 
 
 def _paragraphs(text: str) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 import time
@@ -19,6 +20,8 @@ from .text import colored, counted, plain
 _PAUSE = 0.1
 # Cells of the bar, and the characters that stand in front of what is done and of what is left.
 _CELLS, _DONE, _LEFT = 24, "━", "─"
+# Cells that a bar keeps where its words need the room.
+_FEWEST = 6
 
 
 class Progress:
@@ -33,7 +36,8 @@ class Progress:
         self._total, self._done, self._failed, self._what = total, 0, 0, "files"
         self._files = not name
         self._began = self._shown = time.monotonic()
-        self._shows = not quiet and sys.stderr is not None and sys.stderr.isatty()
+        seen = sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._shows = seen and not quiet
         self._within = ExitStack()
 
     def __enter__(self) -> Self:
@@ -80,13 +84,15 @@ class Progress:
         color = colored(sys.stderr)
         words = [word for word in (self._name, self._stage) if word]
         numbers = self._numbers()
-        room = shutil.get_terminal_size().columns - 1 - (len(numbers) + _CELLS + 4 if numbers else 0)
         line = plain(": ".join(words), one_line=True)
+        room = shutil.get_terminal_size().columns - 1 - (len(numbers) + 4 if numbers else 0)
+        cells = max(min(_CELLS, room - len(line)), _FEWEST)
+        room -= cells if numbers else 0
         line = line if len(line) <= room else f"{line[: max(room - 1, 0)]}…"
         shown = [line] if line else []
         if self._total:
-            full = round(_CELLS * self._done / self._total)
-            done, left = _DONE * full, _LEFT * (_CELLS - full)
+            full = round(cells * self._done / self._total)
+            done, left = _DONE * full, _LEFT * (cells - full)
             shown += [click.style(done, fg="green") + click.style(left, dim=True) if color else done + left]
             shown.append(numbers)
         sys.stderr.write(f"\r\x1b[K{'  '.join(shown)}")

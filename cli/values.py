@@ -70,6 +70,11 @@ class FilePath(click.Path):
     def __init__(self, **about: Any) -> None:
         super().__init__(readable=False, **about)
 
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if value == "":
+            self.fail("the name of the file is empty", param, ctx)
+        return super().convert(value, param, ctx)
+
 
 class Bytes(ParamType):
     """A size: 2G, 500M, 1.5GiB."""

@@ -198,6 +198,16 @@ def _options(cls: Any) -> dict[str, Option]:
     return {one.name: _option(one, hints_of(cls)[one.name]) for one in ordered}
 
 
+def keywords_of(cls: Any) -> dict[str, str]:
+    """By the option of a command, without the dashes in front, what Python says for it."""
+    found: dict[str, str] = {}
+    for name, one in options_of(cls).items():
+        flag = one.hint is bool
+        found[one.key] = f"{name}=True" if flag else f"{name}="
+        found |= {f"no-{one.key}": f"{name}=False"} if flag else {}
+    return found
+
+
 def _option(one: Any, hint: Any) -> Option:
     optional, hint = _without_none(hint)
     kind = None
@@ -288,6 +298,13 @@ def _check_value(one: Option, value: Any) -> None:
     refuse_unworkable(one.flag, *([value] if one.hint in (int, float) else _numbers(value)))
     if one.kind is not None and isinstance(value, Real) and not one.kind.allows(float(value)):
         raise UsageError(f"{one.flag} {value:g}: give a number {one.kind.range}")
+    if one.kind is not None and one.kind.name == "axis":
+        from rigtri.maths.triangle import axis_of
+
+        try:
+            axis_of(value)
+        except ValueError as error:
+            raise UsageError(f"{one.flag}: {error}") from None
     if one.kind is not None and one.kind.name == "direction" and not any(value):
         raise UsageError(f"{one.flag} is not a valid direction: use numbers that are not all 0")
 

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from rigtri.errors import UsageError
+from rigtri.model.rig import Rig
 from rigtri.operations.declaration import check, options_of, point
 from rigtri.operations.operation import from_keywords
 from rigtri.operations.options.make_limb import MakeLimbOptions
+from rigtri.operations.rigtri_nodes import plain_name
 
 _COORDINATES = ("x", "y", "z")
+_SIDES = {"L": "left", "R": "right"}
 
 
-def guided(options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
+def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
     """The options of each limb or chain in order: its own, else those given beside the guides.
 
     A limb may be a child of one before it. Raises UsageError with the name of the guide.
     """
     content = options.guides
     guides = _of_rows(content) if isinstance(content, list) else content
+    if options.guide_nodes is not None:
+        guides = _of_nodes(rig, options.guide_nodes)
     if not isinstance(guides, Mapping) or not guides:
         raise UsageError("--guides: give {NAME: [[x, y, z], [x, y, z], ...], ...}, or rows of name, x, y, z")
     for name, about in guides.items():
@@ -29,11 +35,80 @@ def guided(options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
         try:
             fresh = from_keywords(MakeLimbOptions, {"name": str(name), **_readable(keywords)}, "make-limb")
             given = {"name", *keywords}
-            each = replace(options, guides=None, **{field: getattr(fresh, field) for field in given})
+            here = {field: getattr(fresh, field) for field in given}
+            each = replace(options, guides=None, guide_nodes=None, **here)
             check(each, given)
         except (TypeError, UsageError) as error:
-            raise UsageError(f"--guides, {name}: {error}") from None
+            raise UsageError(f"{_flag(options)}, {name}: {error}") from None
         yield each
+
+
+def _flag(options: MakeLimbOptions) -> str:
+    return "--guides" if options.guide_nodes is None else "--guide-nodes"
+
+
+def natural(name: str) -> list[tuple[str, int]]:
+    """The order of names by their numbers: a_2 before a_10."""
+    return [(text.lower(), int(number or -1)) for text, number in re.findall(r"([^0-9]*)([0-9]*)", name)]
+
+
+def _of_nodes(rig: Rig, pattern: str) -> dict[str, dict[str, Any]]:
+    """Guides of nodes: by the name of each limb its nodes in the order of their numbers, and its parent.
+
+    A limb is called as its nodes are without the number and without what the pattern spells out at its ends.
+    """
+    before, after = re.split(r"[*?\[]", pattern)[0], re.split(r"[*?\]]", pattern)[-1]
+    limbs: dict[str, list[int]] = {}
+    for node in sorted(rig.match(pattern), key=lambda node: natural(rig.names[node])):
+        word = rig.names[node].removeprefix(before).removesuffix(after)
+        found = re.fullmatch(r"(.*?)[_.\- ]*[0-9]+([^0-9]*)", word)
+        if not found:
+            raise UsageError(
+                f"--guide-nodes {pattern}: '{rig.names[node]}' has no number; nodes of a limb are called "
+                f"{before}arm_1{after}, {before}arm_2{after} …"
+            )
+        limbs.setdefault(found[1] + found[2], []).append(node)
+    return {title: _node_guide(rig, title, limbs) for title in _parents_first(rig, limbs, pattern)}
+
+
+def _node_guide(rig: Rig, title: str, limbs: Mapping[str, list[int]]) -> dict[str, Any]:
+    name, mark, letter = title.rpartition("_")
+    side = _SIDES.get(letter) if mark and name else None
+    about: dict[str, Any] = {"name": name if side else title, "locators": [*map(rig.address, limbs[title])]}
+    about |= {"side": side} if side else {}
+    found = _hangs_below(rig, title, limbs)
+    if found is not None:
+        above, number = found
+        name, _, letter = above.rpartition("_")
+        joint = f"{name}_{number}_{letter}" if letter in _SIDES and name else f"{above}_{number}"
+        about["parent"] = plain_name(joint)
+    return about
+
+
+def _hangs_below(rig: Rig, title: str, limbs: Mapping[str, list[int]]) -> tuple[str, int] | None:
+    """The limb, and from 1 on which of its nodes, that the first node of a limb is below; None for none."""
+    homes = {
+        node: (other, number)
+        for other, nodes in limbs.items()
+        if other != title
+        for number, node in enumerate(nodes, 1)
+    }
+    node = int(rig.parents[limbs[title][0]])
+    while node >= 0 and node not in homes:
+        node = int(rig.parents[node])
+    return homes.get(node)
+
+
+def _parents_first(rig: Rig, limbs: Mapping[str, list[int]], pattern: str) -> list[str]:
+    above = {title: (_hangs_below(rig, title, limbs) or ("",))[0] for title in limbs}
+    ordered: list[str] = []
+    while len(ordered) < len(limbs):
+        ready = [title for title in limbs if title not in ordered and above[title] in ("", *ordered)]
+        if not ready:
+            left = ", ".join(f"'{title}'" for title in limbs if title not in ordered)
+            raise UsageError(f"--guide-nodes {pattern}: {left} are each below one another")
+        ordered += ready
+    return ordered
 
 
 def _field(key: str) -> str:

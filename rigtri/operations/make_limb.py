@@ -7,7 +7,6 @@ its normal goes from bone to bone by parallel transport.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -26,7 +25,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration import check, vector
-from rigtri.operations.limb_guides import guided
+from rigtri.operations.limb_guides import guided, natural
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.options.make_limb import is_pattern
@@ -56,8 +55,8 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     Raises UsageError (a single point, a name that is taken), NameNotFoundError, and
     GeometryError where points coincide, or lie on a line and nothing says the side or what is up.
     """
-    if options.guides is not None:
-        for each in guided(options):
+    if options.guides is not None or options.guide_nodes is not None:
+        for each in guided(rig, options):
             rig = _made(rig, each, report)
         return rig
     return _made(rig, options, report)
@@ -95,14 +94,10 @@ def _expanded(rig: Rig, options: MakeLimbOptions) -> MakeLimbOptions:
         len(options.locators) == 1 and is_pattern(options.locators[0]) and not rig.has(options.locators[0])
     ):
         return options
-    found = sorted(rig.match(options.locators[0]), key=lambda node: _natural(rig.names[node]))
+    found = sorted(rig.match(options.locators[0]), key=lambda node: natural(rig.names[node]))
     options = replace(options, locators=tuple(map(rig.address, found)))
     check(options, {"locators"})
     return options
-
-
-def _natural(name: str) -> list[tuple[str, int]]:
-    return [(text.lower(), int(number or -1)) for text, number in re.findall(r"([^0-9]*)([0-9]*)", name)]
 
 
 def _title(options: MakeLimbOptions) -> str:

@@ -12,7 +12,7 @@ import inspect
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
 from difflib import get_close_matches
 from numbers import Integral
@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
-from rigtri.errors import UsageError
+from rigtri.errors import UsageError, in_keywords
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
@@ -31,6 +31,7 @@ from rigtri.operations.declaration import (
     described,
     direction,
     hints_of,
+    keywords_of,
     options_of,
 )
 from rigtri.report import Report
@@ -79,25 +80,16 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 raise TypeError(f"{function.__name__}: give a rig, as rigtri.read does, not {kind_given}")
             if options is not None and keywords:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(keywords)}, not both")
-            if kind is not None:
+            report = report if report is not None else Report()
+            if kind is None:
+                return _run(function, rig, others, report, keywords)
+            with in_keywords(keywords_of(kind)) if options is None else nullcontext():
                 given = None if options is not None else tuple(keywords)
                 if options is None:
                     options = from_keywords(kind, keywords, function.__name__)
                 _check_rigs(options)
                 check(options, given)
-                keywords = {"options": options}
-            report = report if report is not None else Report()
-            run = _of_character(function, getattr(options, "character", None))
-            if rig.source is None:
-                return run(rig, *others, report=report, **keywords)
-            own = Report()
-            try:
-                # What leaves float64 becomes inf or NaN; writing sees it.
-                with np.errstate(all="ignore"):
-                    made = run(replace(rig, source=None), *others, report=own, **keywords)
-            finally:
-                report.merge(own)
-            return replace(made, source=rig.source.after(own))
+                return _run(function, rig, others, report, {"options": options})
 
         called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
         if kind is not None:
@@ -105,6 +97,23 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
         return called
 
     return decorated
+
+
+def _run(
+    function: Callable[..., Rig], rig: Rig, others: Sequence[Rig], report: Report, words: Mapping[str, Any]
+) -> Rig:
+    """What an operation makes of a rig; one that knows its file keeps what was reported."""
+    run = _of_character(function, getattr(words.get("options"), "character", None))
+    if rig.source is None:
+        return run(rig, *others, report=report, **words)
+    own = Report()
+    try:
+        # What leaves float64 becomes inf or NaN; writing sees it.
+        with np.errstate(all="ignore"):
+            made = run(replace(rig, source=None), *others, report=own, **words)
+    finally:
+        report.merge(own)
+    return replace(made, source=rig.source.after(own))
 
 
 def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]:
@@ -118,8 +127,9 @@ def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]
             chosen = {word: keywords.pop(word) for word in [*keywords] if word not in own}
             if options is not None and chosen:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(chosen)}, not both")
-            options = options or from_keywords(kind, chosen, function.__name__)
-            return function(*values, options=options, **keywords)
+            with in_keywords(keywords_of(kind)) if options is None else nullcontext():
+                options = options or from_keywords(kind, chosen, function.__name__)
+                return function(*values, options=options, **keywords)
 
         called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
         called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{described(kind)}"

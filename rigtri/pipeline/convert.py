@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import DeviationError, NameNotFoundError, UsageError
+from rigtri.errors import DeviationError, NameNotFoundError, UsageError, in_keywords
 from rigtri.evaluation.timelines import matching_clips
 from rigtri.files.input_stream import opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
@@ -18,7 +18,7 @@ from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
 from rigtri.formats.registry import need_usd
 from rigtri.model.rig import Rig
 from rigtri.operations.options.convert import ConvertOptions
-from rigtri.pipeline.edit import Clock, EditRequest, Outcome, allowed_target, working_folder
+from rigtri.pipeline.edit import KEYWORDS, Clock, EditRequest, Outcome, allowed_target, working_folder
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.across import compare_converted
@@ -28,6 +28,7 @@ from rigtri.verification.compare.compare import Comparison, Source
 LOST = "lost"
 
 
+@in_keywords(KEYWORDS)
 def convert(source: Path | str, target: Path | str, *, report: Report | None = None, **given: Any) -> Outcome:
     """Write a glTF, GLB or VRM file as USD, or a USD as glTF; ``target`` appears complete or not at all.
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
+from rigtri.errors import DeviationError, FileError, GeometryError, UsageError, in_keywords
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
@@ -36,6 +36,10 @@ Step = Callable[[Rig, Report], Rig]
 _LARGE = 1 << 24
 # Files hold positions and keys as float32, some as half.
 _LARGEST, _LARGEST_HALF = float(np.finfo(np.float32).max), float(np.finfo(np.float16).max)
+
+
+# What the library says for options that every command has.
+KEYWORDS = {"overwrite": "overwrite=True"}
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ class EditRequest:
         return not (self.to_stdout or self.dry_run)
 
 
+@in_keywords(KEYWORDS)
 def edit(
     source: Path | str, target: Path | str, step: Step, *, report: Report | None = None, **request: Any
 ) -> Outcome:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from rigtri import formats
-from rigtri.errors import UsageError
+from rigtri.errors import UsageError, in_keywords
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
+from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, edit_file
 from rigtri.report import Report
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
@@ -103,7 +103,7 @@ def write(
         same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "source")
         return first if same else replace(rig, source=None)
 
-    with _file(origin) as path:
+    with in_keywords(KEYWORDS), _file(origin) as path:
         request = EditRequest(path, target, origin.reading, overwrite, verify, tolerance, dry_run, strict)
         return edit_file(replace(request, document=origin.document), step, Report())
 

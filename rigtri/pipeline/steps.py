@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigtri.errors import RigtriError
+from rigtri.errors import LIST_NAMES, NameNotFoundError, RigtriError
 from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain, json_of, rows_of
 from rigtri.formats import Document, ReadOptions, read
@@ -18,6 +19,9 @@ from rigtri.report import Report
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Step
+
+# Kinds of options whose words are names of nodes.
+_OF_NODES = ("node", "nodes", "chains", "limb", "limbs", "of nodes")
 
 
 def applied(name: str, options: Any, reading: ReadOptions) -> Step:
@@ -42,6 +46,29 @@ def applied(name: str, options: Any, reading: ReadOptions) -> Step:
         return result
 
     return step
+
+
+def name_all_missing(error: NameNotFoundError, rig: Rig, options: Any) -> None:
+    """Let an error about a name name all else, too, that options name and the rig has not."""
+    texts = [str(error).removesuffix(LIST_NAMES)]
+    for one in options_of(type(options)).values():
+        for name in _words(getattr(options, one.name)) if one.kind and one.kind.name in _OF_NODES else ():
+            node = name if rig.has(name) else name.rpartition("=")[0] or name
+            try:
+                rig.match(node)
+            except NameNotFoundError as other:
+                if not any(f"'{node}'" in text for text in texts):
+                    texts.append(str(other).removesuffix(LIST_NAMES))
+    error.args = ("".join((*texts, LIST_NAMES)),)
+
+
+def _words(value: Any) -> Iterator[str]:
+    """The names in a value: one, some, or groups of some; a mapping's keys."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Iterable):
+        for each in value:
+            yield from _words(each)
 
 
 class _Files:

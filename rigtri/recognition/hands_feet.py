@@ -295,7 +295,7 @@ def why_none(draft: Draft) -> str:
     branching = [k for k in tree.nodes if len(tree.below[k]) > 1]
     count = f"{len(joints)} joint{'s' * (len(joints) != 1)}"
     if len(joints) < 5:
-        return f"{count} are too few for a character"
+        return f"{count} {'is' if len(joints) == 1 else 'are'} too few for a character"
     if len(tree.nodes) > MOST:
         return f"{count} without names of limbs: of more than {MOST} only names are read, not their shape"
     if not branching:

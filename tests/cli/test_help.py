@@ -12,7 +12,7 @@ import pytest
 from program import cli
 
 import rigtri
-from rigtri.cli.catalogue import COMMANDS, GROUPS
+from rigtri.cli.catalogue import COMMANDS, GROUPS, PAGES, page_of
 from rigtri.operations.declaration import options_of
 from rigtri.operations.registry import OPERATIONS, options_class
 
@@ -71,6 +71,16 @@ def test_values_that_are_explained_are_all_that_can_be_given(name: str) -> None:
         )
         if fixed and option.values:
             assert [word for word, _ in option.values] == list(fixed), option.flag
+
+
+def test_every_command_names_a_page_that_is_about_it() -> None:
+    root = Path(rigtri.__file__).parents[1]
+    assert {name for about in PAGES.values() for name in about} <= set(COMMANDS)
+    for name in COMMANDS:
+        assert f"More about it: {page_of(name)}" in run(name, "--help").stdout
+        if (root / "docs").is_dir():  # the sdist has none
+            page = (root / page_of(name)).read_text("utf-8")
+            assert f"rigtri {name}" in page or f"`{name}`" in page or f"**{name}**" in page, name
 
 
 def test_every_preset_end_and_branch_is_explained_where_it_stands() -> None:

@@ -11,6 +11,8 @@ import pytest
 from places import SAMPLES
 from program import cli
 
+import rigtri
+from rigtri.errors import UsageError
 from rigtri.formats import read
 
 BIPED = SAMPLES / "biped.glb"
@@ -19,7 +21,7 @@ BIPED = SAMPLES / "biped.glb"
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ("left=rd", "'rd' is not a valid colour: use R,G,B from 0 to 1, or red, orange"),
+        ("left=rd", "'rd' is not a valid colour: use R,G,B from 0 to 1, #RRGGBB, or red, orange"),
         ("left=2,0,0", "red, green and blue lie between 0 and 1"),
         ("up=red", "give left=COLOR, right=COLOR or centre=COLOR"),
     ],
@@ -31,13 +33,50 @@ def test_a_colour_that_is_none_is_called_a_colour(given: str, told: str, tmp_pat
 
 def test_colours_have_names_and_black_is_one(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
-    colours = ("--color", "left=black", "--color", "Right=Red", "--shape", "box")
-    cli("add-controls", BIPED, "-o", out, "--below", "hips", *colours, code=0)
+    colours = [f"--color={each}" for each in ("left=black", "Right=Red", "centre=#FF8040")]
+    cli("add-controls", BIPED, "-o", out, "--below", "hips", "--shape", "box", *colours, code=0)
     rig = read(out).rig
     notes = {note["joint"]: note for note in rig.metadata.values() if note.get("type") == "control"}
     assert notes["hand_L"]["color"] == [0, 0, 0]
     assert notes["hand_R"]["color"] == [1, 0, 0]
+    # sRGB: 128 of 255 is 0.216 of the light, 64 is 0.0513.
+    assert notes["head"]["color"] == pytest.approx([1, 0.21586, 0.05127], abs=1e-5)
     assert {note["shape"] for note in notes.values()} == {"cube"}
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "told"),
+    [
+        (("orient-joints", "--aim", "q"), 2, "--aim: 'q' is not a valid axis: use x, y, z"),
+        (("add-controls", "--below", "head", "--shape", "sfere"), 2, "--shape: 'sfere' .* mean 'sphere'"),
+        (("orient-joints", "-q", "-v"), 2, "give -q or -v, not both"),
+        (("strip", "-o", ""), 2, "the name of the file is empty"),
+        (("export-blender", "-o", "x.txt"), 2, "x.txt is not a valid script name: use the suffix .py"),
+        (
+            ("constrain", "--child", "hed", "--driver", "hnad=0.5", "--driver", "hip"),
+            4,
+            "'hnad'. Did you mean .*'hed'. Did you mean 'head'? .*'hip'. Did you mean 'hips'? List",
+        ),
+    ],
+)
+def test_an_error_names_the_option_and_all_that_is_missing(
+    line: tuple[str, ...], code: int, told: str, tmp_path: Path
+) -> None:
+    out = () if "-o" in line else ("-o", tmp_path / "out.glb")
+    found = cli(line[0], BIPED, *line[1:], *out, code=code).stderr
+    assert re.search(told.replace("?", r"\?").replace(".*", "[^\n]*"), found), found
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_library_names_its_own_keywords(tmp_path: Path) -> None:
+    rig, there = rigtri.read(BIPED), tmp_path / "there.glb"
+    there.touch()
+    with pytest.raises(UsageError, match="replaced only with overwrite=True"):
+        rigtri.write(rig, there)
+    with pytest.raises(UsageError, match="say which limbs: limb=ROOT MIDDLE END, chain=START END, or limbs="):
+        rigtri.add_polevector(rig)
+    with pytest.raises(UsageError, match=r"^aim=: 'q' is not"):
+        rigtri.orient_joints(rig, aim="q")
 
 
 def test_a_name_that_a_spec_has_often_is_listed_once(tmp_path: Path) -> None:
@@ -80,7 +119,7 @@ def test_a_constraint_that_does_nothing_is_warned_of(
 def test_output_that_nobody_reads_is_no_answer() -> None:
     """1 of check means errors, and of mirror --check something that is not symmetric."""
     rigtri = str(Path(sys.executable).parent / "rigtri")
-    for words in (["check", BIPED], ["check", "--list"], ["inspect", BIPED]):
+    for words in (["check", BIPED], ["check", "--list"], ["inspect", BIPED], ["--help"], ["bake", "--help"]):
         run = [rigtri, *map(str, words)]
         with subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             assert process.stdout is not None

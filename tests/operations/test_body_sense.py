@@ -300,9 +300,9 @@ def test_straight_limbs_are_straight_without_a_number() -> None:
 def test_advice_is_not_what_was_tried() -> None:
     body = posed_body(Pose(elbow=0.0))
     limb = ("mixamorig:Spine", "mixamorig:Spine1", "mixamorig:Spine2")
-    with pytest.raises(GeometryError, match=r"--bend '.*'\.$"):
+    with pytest.raises(GeometryError, match=r"bend='.*'\.$"):
         add_polevector(body.rig, limb=[limb])
-    with pytest.raises(GeometryError, match="--facing says nothing of it"):
+    with pytest.raises(GeometryError, match="facing= says nothing of it"):
         add_polevector(body.rig, limb=[limb], facing="+z")
 
 

@@ -227,7 +227,7 @@ def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:
     joints = frozenset(np.flatnonzero(rig.is_joint).tolist())
     rules = replace(rig.rules, orient_locked="VRM 0.x forbids it", world_aligned=joints)
     locked = replace(rig, source=None, rules=rules)
-    with pytest.raises(GeometryError, match="--to godot has other axes: take --to unity or vrm"):
+    with pytest.raises(GeometryError, match="to= godot has other axes: take to= unity or vrm"):
         rigtri.conform(locked, to="godot")
     rigtri.conform(locked, to="unity", report=report)
     assert "set-rest" not in {entry["do"] for entry in report.added if entry["type"] == "step"}

@@ -100,7 +100,7 @@ def test_specs_have_it_with_the_same_words(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_options_that_contradict_each_other_are_refused_wherever_they_are_given() -> None:
-    with pytest.raises(UsageError, match="give --as or --still, not both"):
+    with pytest.raises(UsageError, match="give as_= or still=True, not both"):
         wave(chain((0, 0, 0), (1, 0, 0)), hand="h", as_="queen", still=True)
     with pytest.raises(UsageError, match="--times says how often"):
         made(WaveOptions, {"hand": "h", "times": 3, "still": True}, ["times", "still"])

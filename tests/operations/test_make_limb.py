@@ -378,7 +378,7 @@ def test_two_joints_take_up_from_the_world() -> None:
     rig = _chain([(0, 0, 0), (2, 0, 0)], up_from="world:+y")
     assert_allclose(rig.world[rig.find("tail_1"), :3, :3], np.eye(3), atol=1e-6)
     assert_allclose(rig.world[rig.find("tail_2"), 3, :3], (2, 0, 0), atol=1e-6)
-    with pytest.raises(GeometryError, match="--up-from world"):
+    with pytest.raises(GeometryError, match="up_from= world"):
         _chain([(0, 0, 0), (2, 0, 0)])
     with pytest.raises(UsageError, match="no bend"):
         _chain([(0, 0, 0), (2, 0, 0)], pole=True)
@@ -449,6 +449,54 @@ def test_a_pattern_means_locators_in_the_order_of_their_numbers() -> None:
     assert_allclose(
         out.world[[out.find(f"tail_{k}") for k in (1, 2, 3)], 3, :3], places[[2, 1, 0]], atol=1e-6
     )
+
+
+def _guide_nodes(*named: tuple[str, int, tuple[float, float, float]]) -> Rig:
+    """Locators by their names, parents and places in the world."""
+    names, parents, places = [each[0] for each in named], [each[1] for each in named], []
+    for _, parent, place in named:
+        above = np.zeros(3) if parent < 0 else np.array(named[parent][2])
+        places.append(np.array(place) - above)
+    return rig_of(names, parents, np.array(places), np.tile([0.0, 0, 0, 1], (len(names), 1)))
+
+
+def test_nodes_that_a_pattern_means_are_guides_of_a_skeleton() -> None:
+    # The arm first: a limb below another one waits for it.
+    rig = _guide_nodes(
+        ("all", -1, (0, 0, 0)),
+        ("arm_2_L_loc", 0, (0.5, 1.5, -0.05)),
+        ("spine_1_loc", 0, (0, 1, 0)),
+        ("spine_2_loc", 2, (0, 1.2, 0.05)),
+        ("spine_3_loc", 3, (0, 1.5, 0)),
+        ("arm_1_L_loc", 4, (0.2, 1.5, 0)),
+        ("arm_3_L_loc", 1, (0.8, 1.5, 0)),
+    )
+    out = rigtri.make_limb(rig, guide_nodes="*_loc")
+    arm = [out.find(f"arm_{k}_L") for k in (1, 2, 3)]
+    assert [out.names[int(out.parents[k])] for k in arm] == ["spine_3", "arm_1_L", "arm_2_L"]
+    assert_allclose(out.world[arm, 3, :3], rig.world[[5, 1, 6], 3, :3], atol=1e-6)
+    assert [out.names[node] for node in out.nodes_of("poleVector")] == ["spine_2_pole", "arm_2_L_pole"]
+
+
+@pytest.mark.parametrize(
+    ("rig", "words"),
+    [
+        (_guide_nodes(("hip_loc", -1, (0, 0, 0))), "guide_nodes=.*: 'hip_loc' has no number"),
+        (_guide_nodes(("a_1_loc", -1, (0, 0, 0))), "guide_nodes=, a: .*two or more"),
+        (
+            _guide_nodes(
+                ("a_2_loc", -1, (0, 0, 0)),
+                ("b_1_loc", 0, (1, 0, 0)),
+                ("b_2_loc", -1, (2, 0, 0)),
+                ("a_1_loc", 2, (3, 0, 0)),
+            ),
+            "'a', 'b' are each below one another",
+        ),
+    ],
+)
+def test_nodes_that_are_no_guides_are_refused_by_name(rig: Rig, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        rigtri.make_limb(rig, guide_nodes="*_loc")
 
 
 @pytest.mark.parametrize(

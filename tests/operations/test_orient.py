@@ -495,7 +495,7 @@ def test_a_split_node_is_the_joints_frame_from_then_on() -> None:
 
 def test_a_plain_hierarchy_needs_its_top_named() -> None:
     rig = replace(arm(), skins=())
-    with pytest.raises(FileError, match="--root"):
+    with pytest.raises(FileError, match="root=NAME"):
         orient_joints(rig)
     out = orient_joints(rig, options=OrientJointsOptions(root="a"))
     assert_allclose(axes(out, "a")[0], AIM, atol=1e-12)

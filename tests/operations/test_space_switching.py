@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,21 @@ def test_weights_may_move_between_keys() -> None:
     assert_allclose(world(baked, "sword", 1.0)[0, 3, :3], [1.5, 1, 0], atol=1e-5)
 
 
+def test_weights_come_from_a_table_too(tmp_path: Path) -> None:
+    table, out = tmp_path / "keys.csv", []
+    table.write_text("clip,time,left,right,interpolation\nswing,0,1,0,LINEAR\nswing,2,0,1,\n")
+    rows = list(csv.DictReader(table.read_text().splitlines()))
+    keys = {"swing": {"times": [0, 2], "left": [1, 0], "right": [0, 1], "interpolation": "LINEAR"}}
+    for given in (rows, keys):
+        rig = rigtri.constrain(hands(), child="sword", driver=("left", "right=0"), weight_keys=given)
+        out.append([(rig.names[t.node], t.path, t.values.tolist()) for t in rig.clips[0].tracks])
+    assert out[0] == out[1]
+    biped = (SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--child", "staff", "--driver", "hand_L")
+    table.write_text("clip,time,hand_L\nwalk,0,1\nwalk,0.5,much\n")
+    told = cli("constrain", *biped, "--weight-keys", table, code=2).stderr
+    assert "--weight-keys, row 2: hand_L 'much' is not a number" in told
+
+
 def test_weights_are_copied_from_a_channel() -> None:
     rig = hands()
     switch = Track(0, "scale", "STEP", np.array([0.0, 1.0]), np.array([[1.0, 1, 1], [0.25, 1, 1]]))
@@ -145,8 +161,8 @@ def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp
         ({"weight_keys": {"swing": {"times": [0], "left": [-1]}}}, UsageError, "from 0 on"),
         ({"weight_keys": {"swing": {"times": [0], "top": [1]}}}, UsageError, "none of the drivers"),
         ({"weight_from": ("left=root.rx",)}, UsageError, "CHANNEL"),
-        ({"type": "aim", "match": True}, UsageError, "--space means nothing"),
-        ({"type": "orient", "space": ("local",)}, UsageError, "--driver-space local"),
+        ({"type": "aim", "match": True}, UsageError, "space= means nothing"),
+        ({"type": "orient", "space": ("local",)}, UsageError, "driver_space= local"),
     ],
 )
 def test_what_is_no_switch_is_refused(given: dict[str, Any], error: type[Exception], words: str) -> None:

@@ -455,7 +455,7 @@ def test_several_clips_for_a_usd_file_are_chosen_or_refused() -> None:
     take_clips(rig, from_=edited, report=report)
     assert notices(report) == ["one-clip"]
     others = tuple(replace(clip, name=f"my {clip.name}") for clip in edited.clips)
-    with pytest.raises(UsageError, match="--clip"):
+    with pytest.raises(UsageError, match="with clip="):
         take_clips(rig, from_=replace(edited, clips=others))
     assert (
         take_clips(rig, options=TakeClipsOptions(from_=replace(edited, clips=others), clip=("my walk",)))

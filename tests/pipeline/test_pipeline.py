@@ -81,7 +81,7 @@ def test_a_dry_run_measures_and_writes_nothing(samples: Path, tmp_path: Path) ->
 def test_an_existing_file_is_replaced_only_on_request(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
     target.write_bytes(b"precious")
-    with pytest.raises(UsageError, match="--overwrite"):
+    with pytest.raises(UsageError, match="overwrite=True"):
         edit(samples / "biped.glb", target, orient)
     assert target.read_bytes() == b"precious"
     edit(samples / "biped.glb", target, orient, overwrite=True)
@@ -209,7 +209,7 @@ def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Pa
 
 def test_a_resource_that_is_another_file_is_not_replaced_unasked(samples: Path, tmp_path: Path) -> None:
     (tmp_path / "biped.bin").write_bytes(b"precious")
-    with pytest.raises(UsageError, match="--overwrite"):
+    with pytest.raises(UsageError, match="overwrite=True"):
         edit(samples / "biped.gltf", tmp_path / "out.gltf", orient)
     assert [p.name for p in tmp_path.iterdir()] == ["biped.bin"]
     assert (tmp_path / "biped.bin").read_bytes() == b"precious"

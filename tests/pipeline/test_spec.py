@@ -405,7 +405,7 @@ def test_files_that_a_spec_names_are_found_beside_it(tmp_path: Path) -> None:
 def test_a_target_that_exists_is_refused_before_anything_is_done(tmp_path: Path) -> None:
     spec = load(write(tmp_path, "steps:\n- do: strip\n- do: orient-joints\n"))
     (tmp_path / "out.glb").write_bytes(b"mine")
-    with pytest.raises(UsageError, match="only with --overwrite"):
+    with pytest.raises(UsageError, match="only with overwrite=True"):
         build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
     assert (tmp_path / "out.glb").read_bytes() == b"mine"
 

@@ -82,12 +82,32 @@ def _check_range(keys: WeightKeys) -> None:
 
 
 def _from_file(rig: Rig, words: Sequence[str], content: Any) -> Iterator[WeightKeys]:
-    """The clips of a file: ``{CLIP: {"times": […], DRIVER: […], …, "interpolation": "STEP"}}``."""
+    """The clips of a file: ``{CLIP: {"times": […], DRIVER: […], …, "interpolation": "STEP"}}``, or rows."""
+    content = _of_rows(content) if isinstance(content, list) else content
     if not isinstance(content, Mapping) or not content:
         raise UsageError('--weight-keys: give {"CLIP": {"times": [0, 1], "DRIVER": [1, 0], …}}')
     for clip, curves in content.items():
         (timeline,) = chosen_timelines(rig, [clip])[:1]
         yield _curves(timeline, words, curves)
+
+
+def _of_rows(rows: Sequence[Any]) -> dict[str, dict[str, Any]]:
+    """The clips of a table: a row for each key, with its clip, its time and the weight of each driver."""
+    clips: dict[str, dict[str, Any]] = {}
+    for number, row in enumerate(rows, 1):
+        where = f"--weight-keys, row {number}"
+        if not isinstance(row, Mapping) or not (row.get("clip") and row.get("time")):
+            raise UsageError(f"{where}: give clip and time; the columns are clip, time, a driver each …")
+        own = clips.setdefault(str(row["clip"]), {"times": []})
+        for column, text in row.items():
+            if column in ("clip", "interpolation") or not column:
+                continue
+            try:
+                own.setdefault("times" if column == "time" else column, []).append(float(text))
+            except (TypeError, ValueError):
+                raise UsageError(f"{where}: {column} '{text or ''}' is not a number") from None
+        own |= {"interpolation": row["interpolation"]} if row.get("interpolation") else {}
+    return clips
 
 
 def _curves(timeline: Timeline, words: Sequence[str], curves: Any) -> WeightKeys:

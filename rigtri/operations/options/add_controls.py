@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cached_property
 from typing import Annotated, Any, Literal
 
-from rigtri.errors import UsageError
+from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.control_shapes import KINDS
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
@@ -82,14 +84,28 @@ def _color(given: str, text: str) -> Vector:
     """A colour from its name, or from red, green and blue between 0 and 1."""
     if text in COLORS:
         return COLORS[text]
+    if re.fullmatch("#[0-9a-f]{6}", text):
+        red, green, blue = (_linear(int(text[k : k + 2], 16)) for k in (1, 3, 5))
+        return red, green, blue
     with suppress(ValueError):
         color = three(text)
         if all(0 <= part <= 1 for part in color):
             return color
         raise UsageError(f"{given}: red, green and blue lie between 0 and 1")
     raise UsageError(
-        f"{given}: '{text}' is not a valid colour: use R,G,B from 0 to 1, or {', '.join(COLORS)}"
+        f"{given}: '{text}' is not a valid colour: use R,G,B from 0 to 1, #RRGGBB, or {', '.join(COLORS)}"
     )
+
+
+def _linear(byte: int) -> float:
+    """Linear light of a byte of #RRGGBB; in decimal numbers, whose powers are the same on every machine.
+
+    Source: IEC 61966-2-1 (sRGB).
+    """
+    share = Decimal(byte) / 255
+    if share <= Decimal("0.04045"):
+        return float(share / Decimal("12.92"))
+    return float(((share + Decimal("0.055")) / Decimal("1.055")) ** Decimal("2.4"))
 
 
 @dataclass(frozen=True)
@@ -144,7 +160,7 @@ class AddControlsOptions(OneCharacter):
     )
     color: Annotated[Mapping[str, Vector], Kind("assignments", "SIDE=COLOR", read=_colors)] = option(
         {},
-        help="Colour of left, right or centre, as linear R,G,B from 0 to 1 or by name: "
+        help="Colour of left, right or centre, as linear R,G,B from 0 to 1, #RRGGBB (sRGB) or by name: "
         f"{', '.join(COLORS)}. [blue, red, yellow]",
         group="what",
     )
@@ -185,7 +201,8 @@ class AddControlsOptions(OneCharacter):
         """UsageError for what fits no control."""
         for kind in self.shape.values():
             if kind not in KINDS:
-                raise UsageError(f"'{kind}' is not a valid shape: use {', '.join(KINDS)}")
+                hint = did_you_mean(kind, [*KINDS, *_ALSO]) or f" Use {', '.join(KINDS)}"
+                raise UsageError(f"--shape: '{kind}' is not a valid shape.{hint}")
         if unknown := [kind for kind in self.shape if kind not in _CONTROLS]:
             raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
         if unknown := [side for side in self.color if side not in _SIDES.values()]:

@@ -91,7 +91,9 @@ class ConstrainOptions(OneCharacter):
     )
     weight_keys: JsonFile = option(
         None,
-        help="Weights in clips: {CLIP: {times: [...], NODE: [...], interpolation: STEP or LINEAR}}.",
+        metavar="FILE",
+        help="Weights in clips: JSON {CLIP: {times: [...], NODE: [...], interpolation: STEP or LINEAR}}, or "
+        "CSV with the columns clip, time, each NODE, and interpolation.",
         group="how",
     )
     weight_from: Switches = option(

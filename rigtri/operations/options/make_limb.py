@@ -49,7 +49,8 @@ class MakeLimbOptions(PlacementOptions):
 
     Two, or more than three without ``planar``, make a chain, which keeps its curve and has no pole vector.
     locators: nodes at the positions of the joints; or points: these positions, in the world. guides: many
-    limbs and chains by their names, each a list of points or the options of its own. end_aim: None
+    limbs and chains by their names, each a list of points or the options of its own. guide_nodes: these
+    from nodes, by a pattern. end_aim: None
     gives the end joint the axes of the joint before. names: else NAME_1, NAME_2 … with _L or _R of the
     side. skin: that of the parent, else one of their own.
     """
@@ -66,6 +67,14 @@ class MakeLimbOptions(PlacementOptions):
         help="Limbs and chains of a whole skeleton: JSON {NAME: [[x, y, z], ...] or {points: ..., parent: "
         "...}}, or CSV with the columns name, x, y, z and more options.",
         excludes=["locators", "points", "names", "bend", "end_aim", "pole_name"],
+        group="what",
+    )
+    guide_nodes: str | None = option(
+        None,
+        metavar="GLOB",
+        help="The same from nodes that a pattern means: names of one limb differ by a number, and a limb "
+        "whose first node is below one of another limb is a child of that joint.",
+        excludes=["guides", "locators", "points", "names", "name", "side", "bend", "end_aim", "pole_name"],
         group="what",
     )
     planar: bool = option(
@@ -116,13 +125,14 @@ class MakeLimbOptions(PlacementOptions):
     def check(self, given: Collection[str]) -> None:
         """UsageError for a count that makes no limb, or options that contradict each other."""
         super().check(given)
-        if self.guides is None and not self.with_pole:
+        many = self.guides is not None or self.guide_nodes is not None
+        if not many and not self.with_pole:
             why = "--no-pole leaves it out" if self.pole is False else "a chain has none without --pole"
             refuse(given, [*_PLACEMENT, "pole_name", "as_"], f"is for the pole vector, and {why}")
         if self.preset == "vrm" and any(getattr(self, name) is not None for name in AXES):
             flags = ", ".join(f"--{key_of(name)}" for name in AXES)
             raise UsageError(f"--preset vrm: its frames are parallel to the world; leave out {flags}")
-        if self.guides is not None:
+        if many:
             return
         if bool(self.locators) == bool(self.points):
             raise UsageError(

@@ -8,13 +8,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from rigtri.errors import DeviationError, GeometryError, NameNotFoundError, NoLimbError, RigtriError
+from rigtri.errors import (
+    DeviationError,
+    GeometryError,
+    NameNotFoundError,
+    NoLimbError,
+    RigtriError,
+    in_keywords,
+)
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import check_not_an_input
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import EditRequest, Outcome, Step, check_target, edit_file
+from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, Step, check_target, edit_file
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import PlannedStep, Spec, load
 from rigtri.pipeline.rigspec.missing_names import fault_of, named
@@ -41,6 +48,7 @@ class Built:
     outcome: Outcome
 
 
+@in_keywords(KEYWORDS)
 def build(
     source: Path | str,
     target: Path | str,
