@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 import time
 from contextlib import ExitStack
@@ -80,6 +79,8 @@ class Progress:
             self._show()
 
     def _show(self) -> None:
+        import shutil
+
         self._shown = time.monotonic()
         color = colored(sys.stderr)
         words = [word for word in (self._name, self._stage) if word]

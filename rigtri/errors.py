@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from difflib import get_close_matches
 from typing import Protocol
 
 
@@ -158,6 +157,8 @@ def _range(name: str, known: Sequence[str]) -> str:
 
 def did_you_mean(word: str, known: Iterable[object], most: int = 1) -> str:
     """A question after an unknown word, with a space before it: which of these it is like; "" for none."""
+    from difflib import get_close_matches
+
     close = get_close_matches(word, [str(each) for each in known], n=most)
     return f" Did you mean {_quoted(close)}?" if close else ""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import glob
 import os
-import shutil
+import stat
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -101,7 +101,7 @@ def _inherit(old: Path, new: Path) -> None:
     if hasattr(os, "chown") and (known.st_uid, known.st_gid) != (os.geteuid(), os.getegid()):
         with suppress(OSError):
             os.chown(new, known.st_uid, known.st_gid)
-    shutil.copymode(old, new)
+    os.chmod(new, stat.S_IMODE(known.st_mode))
 
 
 def fsync_folder(folder: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from rigtri.errors import RigtriError
-from rigtri.files import temp_dirs
 from rigtri.files.text_files import check_plain
 
 # The first bytes of a stream show its format, and with it the suffix that `read` goes by.
@@ -46,6 +44,10 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
     if str(source) != "-":
         yield check_plain(path_of(source))
         return
+    import shutil
+
+    from rigtri.files import temp_dirs
+
     start = sys.stdin.buffer.read(16)
     suffix = next((s for magic, s in SUFFIX_OF.items() if start.startswith(magic)), ".gltf")
     with temp_dirs.folder() as folder:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import filecmp
 import os
 import re
-import shutil
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -180,6 +179,8 @@ def _link(place: Path, backup: Path) -> None:
     try:
         os.link(place, backup)
     except OSError:
+        import shutil
+
         shutil.copy2(place, backup)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.resources import files
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 Severity = Literal["error", "warning", "info"]
@@ -37,5 +37,5 @@ def read_rules(family: str) -> tuple[Rule, ...]:
     """The rules in the catalogue of a family of formats: gltf, vrm or usd."""
     import tomllib  # a file that can be read needs no catalogue
 
-    text = files("rigtri.formats").joinpath(family, "catalogue.toml").read_text("utf-8")
+    text = Path(__file__).with_name(family).joinpath("catalogue.toml").read_text("utf-8")
     return tuple(Rule(name, **rule) for name, rule in tomllib.loads(text).items())

@@ -14,7 +14,6 @@ import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
-from difflib import get_close_matches
 from numbers import Integral
 from typing import Annotated, Any, Literal, Protocol, TypeVar
 
@@ -189,6 +188,8 @@ def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
     known, hints, declared = defaults(kind), hints_of(kind), options_of(kind)
     for keyword in keywords:
         if keyword not in known:
+            from difflib import get_close_matches
+
             close = get_close_matches(keyword, known, n=1)
             hint = f"; did you mean '{close[0]}'?" if close else ""
             raise TypeError(f"{name}() has no option '{keyword}'{hint}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import filecmp
-import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError, in_keywords
-from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened
@@ -26,7 +24,6 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
-from rigtri.verification.compare.advice import why_near
 from rigtri.verification.compare.compare import TOLERANCE, Comparison, self_check
 from rigtri.verification.compare.expected_result import ExpectedResult, check_result
 
@@ -273,6 +270,8 @@ def _deliver(
         result = _compared(document, path, rig, written.part, tolerance, report)
     clock.lap("verify")
     if not result.passes(tolerance):
+        from rigtri.verification.compare.advice import why_near
+
         report.extend(document.warnings)  # which meshes could only be bounded
         raise DeviationError(
             f"The result would look different: {result.summary(tolerance)}. Nothing was written."
@@ -300,6 +299,8 @@ def _to_stdout(written: StagedOutput) -> None:
             f"-o -: the output refers to other files ({names}), which a stream cannot hold. "
             "Give a file name, or embed the data first."
         )
+    import shutil
+
     with written.part.open("rb") as file:
         shutil.copyfileobj(file, sys.stdout.buffer)
     sys.stdout.buffer.flush()
@@ -359,6 +360,8 @@ def working_folder(final: Path, request: EditRequest) -> Iterator[Path]:
     if request.is_kept:
         yield final.parent
         return
+    from rigtri.files import temp_dirs
+
     with temp_dirs.folder() as folder:
         yield Path(folder)
 

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.model.joint_names import spread, words
@@ -167,7 +167,7 @@ def _known() -> frozenset[str]:
 
 @cache
 def _table() -> _Table:
-    text = tomllib.loads((files("rigtri.recognition") / "limb_words.toml").read_text("utf-8"))
+    text = tomllib.loads(Path(__file__).with_name("limb_words.toml").read_text("utf-8"))
 
     def by_word(lines: Mapping[str, str]) -> dict[str, frozenset[Level]]:
         found: dict[str, frozenset[Level]] = {}

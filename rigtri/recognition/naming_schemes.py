@@ -17,7 +17,6 @@ import unicodedata
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
 
@@ -152,15 +151,15 @@ def _ours() -> tuple[Scheme, ...]:
     read = [k for k, table in tables if "marks" in table or "like" not in table or k in _LAST]
     order = sorted(read, key=lambda name: (_LAST.index(name) + 1 if name in _LAST else 0, name))
     found = [_scheme(_tables()[name], name) for name in order]
-    other = tomllib.loads((files("rigtri.recognition") / "languages.toml").read_text("utf-8"))
+    other = tomllib.loads(Path(__file__).with_name("languages.toml").read_text("utf-8"))
     return (*found[: -len(_LAST)], _scheme(other, "languages"), *found[-len(_LAST) :])
 
 
 @cache
 def _tables() -> Mapping[str, Mapping[str, Any]]:
     """Our schemes as their files have them, by name."""
-    found = (files("rigtri.recognition") / "schemes").iterdir()
-    return {file.name.removesuffix(".toml"): tomllib.loads(file.read_text("utf-8")) for file in found}
+    found = Path(__file__).with_name("schemes").glob("*.toml")
+    return {file.stem: tomllib.loads(file.read_text("utf-8")) for file in found}
 
 
 @cache
@@ -285,7 +284,7 @@ def is_segment(name: str, above: str) -> bool:
 @cache
 def role_words() -> Mapping[str, frozenset[str]]:
     """The words of names that say what a joint is for, by role."""
-    table = tomllib.loads((files("rigtri.recognition") / "roles.toml").read_text("utf-8"))
+    table = tomllib.loads(Path(__file__).with_name("roles.toml").read_text("utf-8"))
     return {role: frozenset(text.split()) for role, text in table.items()}
 
 

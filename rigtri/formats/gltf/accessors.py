@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rigtri.errors import FileError
-from rigtri.formats.gltf.buffers import Buffers
-from rigtri.formats.gltf.meshopt.views import compression_of, decode_view
+from rigtri.formats.gltf.buffers import Buffers, compression_of
 from rigtri.formats.json_values import Value
 from rigtri.maths.trigonometry import Floats
 
@@ -293,6 +292,8 @@ class Accessors:
         if layout.buffer >= 0:
             return self.buffers.content(layout.buffer)
         if layout.view not in self._decoded:
+            from rigtri.formats.gltf.meshopt.views import decode_view
+
             self._decoded[layout.view] = decode_view(self._view_value(layout.view), self.buffers)
         return self._decoded[layout.view]
 

@@ -5,7 +5,6 @@ Source: glTF 2.0 §3.6 (buffers, views, accessors), §4.4.3 (the BIN chunk).
 
 from __future__ import annotations
 
-import hashlib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -261,7 +260,9 @@ class Storage:
             head = old.partition(",")[0] if is_data(old) else "data:application/octet-stream;base64"
             buffer["uri"] = encode_data(content, head)
             return []
-        name = f"{stem}.rigtri-{hashlib.sha256(content).hexdigest()[:8]}.bin"
+        from hashlib import sha256  # of a .glb nobody needs it
+
+        name = f"{stem}.rigtri-{sha256(content).hexdigest()[:8]}.bin"
         buffer["uri"] = escape(name)
         return [Companion(name, bytes(content))]
 

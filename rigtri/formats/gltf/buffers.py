@@ -120,3 +120,10 @@ def _is_fallback(buffer: Value) -> bool:
     used = buffer.object().get("extensions")
     marks = [used.get(name) for name in MESHOPT] if isinstance(used, dict) else []
     return any(isinstance(mark, dict) and mark.get("fallback") is True for mark in marks)
+
+
+def compression_of(view: Value) -> Value | None:
+    """The extension of a buffer view that states how its bytes are compressed."""
+    extensions = view.get("extensions")
+    found = (extensions.get(name) for name in MESHOPT) if extensions is not None else iter(())
+    return next((extension for extension in found if extension is not None), None)

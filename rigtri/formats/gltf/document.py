@@ -24,16 +24,12 @@ from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, Piece, open_container
 from rigtri.formats.gltf.control_shapes import read_lines, write_shapes
-from rigtri.formats.gltf.embed import embedded
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
-from rigtri.formats.gltf.materials import Materials
 from rigtri.formats.gltf.mesh_reader import Drawn, MeshReader
 from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
-from rigtri.formats.gltf.prune import prune
 from rigtri.formats.gltf.references import check_added, named_nodes
-from rigtri.formats.gltf.removal_check import check_before_removal
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
 from rigtri.formats.gltf.skin_weight_writer import WeightWriter
@@ -46,7 +42,6 @@ from rigtri.formats.gltf.structure import (
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
 from rigtri.formats.json_values import Value
-from rigtri.formats.vrm.scene_facts import read_facts
 from rigtri.formats.vrm.vrm1 import read_bindings
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
@@ -132,6 +127,9 @@ class GltfDocument:
         facts = read_scenery(self.container.gltf, self.tree)
         if not closely:
             return facts
+        from rigtri.formats.gltf.materials import Materials
+        from rigtri.formats.vrm.scene_facts import read_facts
+
         materials = Materials(self.container.gltf, self.image)
         nodes = {k: {**own, **materials.of(self.tree.order[k])} for k, own in facts.nodes.items()}
         avatar, driven = read_facts(self.container.gltf, self.tree.place, self._pointers)
@@ -152,6 +150,8 @@ class GltfDocument:
 
     def embedded(self) -> Embedded:
         """The file as it is, and the files of buffers and images."""
+        from rigtri.formats.gltf.embed import embedded
+
         allowed = self.options.allow_external_paths
         return embedded(self.container.gltf, self.container.path, self.image, allow_external=allowed)
 
@@ -201,6 +201,8 @@ class GltfDocument:
         """Put what of ``rig`` differs into the JSON and the buffers."""
         refuse_early(self._rig, rig)
         if rig.pending.removed:
+            from rigtri.formats.gltf.removal_check import check_before_removal
+
             check_before_removal(Value(self.container.gltf, f"{self.container.path}:"))
         nodes = NodeWriter(draft, self._rig, rig)
         clips = ClipWriter(draft, storage, self.accessors, self._rig, rig, nodes.index, nodes.moved)
@@ -213,6 +215,8 @@ class GltfDocument:
         if draft.changed or not storage.idle:
             nodes.repair(self.rest.repaired)
         if rig.pending.removed:
+            from rigtri.formats.gltf.prune import prune
+
             prune(draft, storage, {nodes.index[node] for node in rig.pending.removed})
 
     def _add_notices(self, notices: Sequence[Notice]) -> None:

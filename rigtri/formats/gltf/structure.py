@@ -5,10 +5,9 @@ Source: glTF 2.0 §3.2 (JSON encoding), §3.12 (extensions).
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from rigtri.formats.json_values import Value
@@ -101,7 +100,9 @@ def unknown_required(names: Iterable[str]) -> list[str]:
 @cache
 def _node_extensions() -> Mapping[str, Mapping[str, Any]]:
     """What node_extensions.toml says of each extension that rigtri knows."""
-    return tomllib.loads((files("rigtri.formats.gltf") / "node_extensions.toml").read_text("utf-8"))
+    import tomllib  # few files have any
+
+    return tomllib.loads(Path(__file__).with_name("node_extensions.toml").read_text("utf-8"))
 
 
 def extension_in_axes(node: Mapping[str, Any]) -> tuple[str, str]:

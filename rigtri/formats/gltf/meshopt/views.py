@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.formats.gltf.buffers import MESHOPT, Buffers
+from rigtri.formats.gltf.buffers import Buffers, compression_of
 from rigtri.formats.gltf.meshopt.attributes import decode_attributes, decode_indices
 from rigtri.formats.gltf.meshopt.filters import FILTERS
 from rigtri.formats.gltf.meshopt.triangles import decode_triangles
@@ -18,13 +18,6 @@ _DECODERS = {"ATTRIBUTES": decode_attributes, "INDICES": decode_indices, "TRIANG
 MOST_BYTES = 1 << 28
 # Zeros can be packed a thousand to one, numbers that mean something a tenth of that; a small view may.
 RATIO, SMALL = 100, 1 << 24
-
-
-def compression_of(view: Value) -> Value | None:
-    """The extension of a buffer view that states how its bytes are compressed."""
-    extensions = view.get("extensions")
-    found = (extensions.get(name) for name in MESHOPT) if extensions is not None else iter(())
-    return next((extension for extension in found if extension is not None), None)
 
 
 def decode_view(view: Value, buffers: Buffers) -> memoryview:
