@@ -76,7 +76,8 @@ BEND = (
     f"24: [({QUARTER}, 0, 0, {QUARTER}), (1, 0, 0, 0), (1, 0, 0, 0)],\n}}"
 )
 OTHER = 'uniform token[] blendShapes = ["other"]\n'
-OTHER_KEYS = "float[] blendShapeWeights.timeSamples = {0: [0.25], 12: [0.75], 24: [0.5]}"
+# As OpenUSD lays it out: text of samples that an edit has replaced comes back in no other layout.
+OTHER_KEYS = "float[] blendShapeWeights.timeSamples = {\n    0: [0.25],\n    12: [0.75],\n    24: [0.5],\n}"
 
 
 def arm_usd(folder: Path, *, weights: str = OTHER + OTHER_KEYS, more: str = "") -> Path:

@@ -122,11 +122,7 @@ def test_keys_that_a_pose_reader_has_replaced_come_back(
     kind: str,
     weights: dict[str, Any],
     tmp_path: Path,
-    request: pytest.FixtureRequest,
 ) -> None:
-    if request.node.name.endswith("[keys-usda]"):
-        why = "open: strip leaves other bytes than the source had"
-        request.applymarker(pytest.mark.xfail(reason=why, strict=True))
     said = weights.get(kind, {})
     source = arm(**said).glb(tmp_path / "in.glb") if kind == "glb" else arm_usd(tmp_path, **said)
     mesh = "Skin" if kind == "glb" else "/Root/Skin"

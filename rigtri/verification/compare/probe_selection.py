@@ -93,7 +93,7 @@ def skin_corners(
     for number, partner in enumerate(m.skin.tolist()):
         if partner < 0:
             continue
-        mine = before.skins[number]
+        mine = _of_source(before, number)
         theirs = _without_added(after, partner, m, len(mine.joints))
         if len(theirs.joints) < len(mine.joints):
             continue
@@ -121,6 +121,13 @@ def skin_corners(
             )
 
 
+def _of_source(before: Rig, skin: int) -> Skin:
+    """A skin of what was meant without the rows of joints that the edit adds, which have no keys."""
+    whole = before.skins[skin]
+    keep = np.array([before.keys[joint] is not None for joint in whole.joints.tolist()], dtype=bool)
+    return whole if keep.all() else _rows(whole, keep)
+
+
 def _without_added(after: Rig, skin: int, m: Correspondence, count: int) -> Skin:
     """A skin without the rows of joints that an edit has put among the ``count`` that were there.
 
@@ -132,9 +139,11 @@ def _without_added(after: Rig, skin: int, m: Correspondence, count: int) -> Skin
     partners = np.isin(whole.joints, known)
     if partners.sum() == count < keep.sum():
         keep = partners
-    if keep.all():
-        return whole
-    return replace(whole, joints=whole.joints[keep], inverse_bind=whole.inverse_bind[keep])
+    return whole if keep.all() else _rows(whole, keep)
+
+
+def _rows(skin: Skin, keep: Booleans) -> Skin:
+    return replace(skin, joints=skin.joints[keep], inverse_bind=skin.inverse_bind[keep])
 
 
 def _with_bind_origin(points: Floats, bind: Floats, frames: Floats) -> Floats:
