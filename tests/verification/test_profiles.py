@@ -83,3 +83,12 @@ def test_findings_of_a_profile_can_be_ignored() -> None:
     ran = cli("check", SAMPLES / "biped.usda", "--profile", "unreal", "--ignore", "profile.*", "--json")
     assert "profile." not in ran.stdout
     assert "profile.root" in cli("check", "--list", "--profile", "unreal").stdout
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_file_is_read_as_a_rig_once(suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = SAMPLES / f"biped{suffix}"
+    plain, asked = check(path), check(path, profile="unity")
+    assert {item.id for item in asked} > {item.id for item in plain}
+    monkeypatch.setattr("rigtri.verification.checks.read", None)
+    assert check(path, profile="unity") == asked

@@ -13,6 +13,7 @@ from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
 from rigtri.formats.registry import check_content, unknown_format
+from rigtri.model.rig import Rig
 from rigtri.verification.checks.findings import Finding, Findings, Rule
 from rigtri.verification.checks.profile_check import PROFILE_RULES, Profile, check_profile
 from rigtri.verification.checks.rule_catalogue import RULES, UNREADABLE
@@ -38,9 +39,9 @@ def check(
     path = path_of(path)
     findings = Findings({**RULES, **PROFILE_RULES})
     try:
-        _check(path, findings, allow_external_paths, external)
+        rig = _check(path, findings, allow_external_paths, external)
         if profile is not None:
-            rig = read(path, ReadOptions(allow_external_paths=allow_external_paths)).rig
+            rig = rig or read(path, ReadOptions(allow_external_paths=allow_external_paths)).rig
             check_profile(rig, profile, findings)
     except FileError as error:
         return [*unreadable(path, error), *findings.all()]
@@ -57,17 +58,17 @@ def unreadable(path: Path, error: FileError) -> list[Finding]:
     return findings.all()
 
 
-def _check(path: Path, findings: Findings, allow_external: bool, external: bool) -> None:
+def _check(path: Path, findings: Findings, allow_external: bool, external: bool) -> Rig | None:
+    """Note all that is wrong with a file: its rig, where that was looked at."""
     suffix = path.suffix.lower()
     check_content(check_plain(path))
     if suffix in GLTF_SUFFIXES:
         from rigtri.verification.checks.gltf.check_gltf import check_gltf
 
-        check_gltf(path, findings, allow_external=allow_external)
-    elif suffix in USD_SUFFIXES:
+        return check_gltf(path, findings, allow_external=allow_external)
+    if suffix in USD_SUFFIXES:
         need_usd()
         from rigtri.verification.checks.usd.check_usd import check_usd
 
-        check_usd(path, findings, external=external, allow_external=allow_external)
-    else:
-        raise unknown_format(path)
+        return check_usd(path, findings, external=external, allow_external=allow_external)
+    raise unknown_format(path)

@@ -11,6 +11,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.structure import unknown_required
 from rigtri.formats.gltf.uris import absent
 from rigtri.formats.json_values import short_repr
+from rigtri.model.rig import Rig
 from rigtri.text import is_number
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.clip_check import MAYBE_FAR, check_clips
@@ -31,8 +32,11 @@ from rigtri.verification.checks.metadata_check import broken, unknown
 _NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
 
 
-def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) -> None:
-    """Note all that is wrong with a file. FileError where it is no glTF at all."""
+def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) -> Rig | None:
+    """Note all that is wrong with a file: its rig, where that was looked at.
+
+    FileError where it is no glTF at all.
+    """
     container = _opened(path, findings)
     try:
         view = View(container, findings, allow_external=allow_external)
@@ -49,26 +53,27 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
         vrm.check(view)
         spring_bones.check(view)
         _check_metadata(view)
-        _check_rig(view, findings, allow_external=allow_external)
+        return _check_rig(view, findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
 
 
-def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> None:
+def _check_rig(view: View, findings: Findings, *, allow_external: bool) -> Rig | None:
     """What only a rig shows. A file that cannot be read as one has findings of other rules."""
     waits = _waits(view)
     joints = (skin.get("joints") for skin in view.lists["skins"])
     least = 1 if view.largest_key > MAYBE_FAR else LEAST_JOINTS
     if not waits and not any(isinstance(each, list) and len(each) >= least for each in joints):
-        return
+        return None
     try:
         rig = GltfDocument(view.container, ReadOptions(allow_external_paths=allow_external, empty=True)).rig
     except RigtriError:
-        return
+        return None
     if waits:
         check_cycles(rig, "gltf.note.circle", findings)
     check_axes(rig, findings)
     check_clips(rig, findings)
+    return rig
 
 
 def _opened(path: Path, findings: Findings) -> Container:

@@ -13,6 +13,7 @@ from rigtri.formats.usd import usdz
 from rigtri.formats.usd.composition.stage import open_file, quiet
 from rigtri.formats.usd.reading.joint_tokens import unsplit
 from rigtri.formats.usd.reading.metadata_attributes import JOINT_NOTES, read_joints, read_prim
+from rigtri.model.rig import Rig
 from rigtri.verification.checks import metadata_check
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.clip_check import check_clips
@@ -24,10 +25,10 @@ from rigtri.verification.checks.usd.scene import Scene
 
 def check_usd(
     path: Path, findings: Findings, *, external: bool = False, allow_external: bool = False
-) -> None:
-    """Note all that is wrong with a file; ``external`` asks OpenUSD's validation, too.
+) -> Rig | None:
+    """Note all that is wrong with a file: its rig, where that was looked at.
 
-    FileError where it is no USD at all.
+    ``external`` asks OpenUSD's validation, too. FileError where it is no USD at all.
     """
     if path.suffix.lower() == ".usdz":
         _check_package(path, findings)
@@ -49,25 +50,27 @@ def check_usd(
         scene.guard(prim, bindings.check_blend_shapes)
     for prim in scene.noted:
         scene.guard(prim, _check_notes)
-    least = 1 if scene.animations else LEAST_JOINTS
+    rig, least = None, 1 if scene.animations else LEAST_JOINTS
     if scene.noted or any(len(tokens) >= least for tokens in scene.tokens.values()):
-        _check_rig(path, scene, findings, allow_external=allow_external)
+        rig = _check_rig(path, scene, findings, allow_external=allow_external)
     if external:
         from rigtri.verification.checks.usd.usd_validation import validate
 
         validate(stage, findings, path)
+    return rig
 
 
-def _check_rig(path: Path, scene: Scene, findings: Findings, *, allow_external: bool) -> None:
+def _check_rig(path: Path, scene: Scene, findings: Findings, *, allow_external: bool) -> Rig | None:
     """What only a rig shows. A file that cannot be read as one has findings of other rules."""
     try:
         rig = read(path, ReadOptions(allow_external_paths=allow_external, allow_missing=True, empty=True)).rig
     except RigtriError:
-        return
+        return None
     if scene.noted:
         check_cycles(rig, "usd.note.circle", findings)
     check_axes(rig, findings)
     check_clips(rig, findings)
+    return rig
 
 
 def _check_package(path: Path, findings: Findings) -> None:
