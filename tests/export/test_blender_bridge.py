@@ -17,6 +17,7 @@ from gltf_files import glb_bytes, glb_parts
 from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
 from program import cli
 
+import rigtri
 from rigtri.evaluation.active_controls import controls_with_keys, size_of
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
@@ -536,6 +537,49 @@ def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], tmp_path:
     assert code == 1
     assert told.count("nothing is set up") == 1
     assert "'shin_L' (if that is 'knee' now, rename it back)" in told
+
+
+def _setup_in_words(plan: dict[str, Any]) -> str:
+    """What the script makes: controls, where they stand and what is locked, and who follows whom."""
+    kinds = {"n": "nodes", "s": "sockets", "b": "bones"}
+
+    def name(reference: str) -> str:
+        return str(plan[kinds[reference[0]]][int(reference[1:])]["name"])
+
+    def numbers(values: Any) -> str:
+        return " ".join(f"{value or 0.0:9.6f}".replace("-0.000000", " 0.000000") for value in values)
+
+    lines = ["controls"]
+    for control in plan["controls"]:
+        about, above = plan["nodes"][int(control["node"][1:])], control["above"]
+        under = name(plan["controls"][above]["node"]) if above >= 0 else "-"
+        x, y, _, at = np.array(about["world"]).reshape(4, 4)[:, :3]
+        words = [f"{about['name']:<26} under {under:<26} {control['kind']:<9}"]
+        words += [f"at {numbers(at)}  x {numbers(x)}  y {numbers(y)}"]
+        words += [f"size {control['size']:.6f}"] if control["size"] else []
+        words += [f"colour {numbers(control['color'])}"] if control["color"] else []
+        lines.append("  ".join([*words, f"locked {control['locked'] or '-'}"]))
+    lines.append("limbs")
+    lines += [
+        f"{each['name']:<26} to {name(each['target'])}, pole {name(each['pole'])} at {numbers(each['rest'])}"
+        for each in plan["triangles"]
+    ]
+    lines.append("constraints")
+    lines += [
+        f"{name(each['on']):<26} {each['type']:<17} {each['name']:<34} {each['share']:g}"
+        for each in plan["constraints"]
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    text = _setup_in_words(exported(rig, gltf=True).plan)
+    golden.check("export-blender_biped.glb.txt", text)
+    # A root control that is 1 % of the height too high is not what it says.
+    places = rig.translation.copy()
+    places[rig.find("hips_root_ctl_offset"), 1] += 0.017
+    assert _setup_in_words(exported(replace(rig, translation=places), gltf=True).plan) != text
 
 
 def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(tmp_path: Path) -> None:

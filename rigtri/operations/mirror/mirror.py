@@ -81,7 +81,15 @@ def _warn_modes(rig: Rig, options: MirrorOptions, report: Report) -> None:
 
 
 def _joints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
-    """Turn the joints of the other side onto the mirrored axes of this side's."""
+    """Turn the joints of the other side onto the mirrored axes of this side's.
+
+    Where no joint may have axes of its own both sides have the world's, and what is built is mirrored alone.
+    """
+    if locked := rig.rules.orient_locked:
+        if "joints" in options.what or not rig.metadata:
+            raise GeometryError(f"{locked}, so the axes of no joint are mirrored")
+        report.warn("not-mirrored", f"Joints keep their axes: {locked}. What is built on them is mirrored.")
+        return rig
     both = _both_sides(rig, options)
     if not both.named:
         return rig

@@ -13,15 +13,18 @@ import pytest
 from avatars import JOINTS, NODES, avatar_0
 from gltf_files import glb_json
 from numpy.testing import assert_allclose
+from places import SAMPLES
 from program import cli
 from second_opinions import khronos_errors
 
-from rigtri.errors import FileError, NameNotFoundError, UsageError
+import rigtri
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
+from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
 FLIP = np.diag([1.0, 1.0, -1.0])
@@ -133,6 +136,21 @@ def test_all_other_axes_are_refused_with_the_reason_and_what_to_do(
     rig = GltfDocument.read(avatar_0(1).glb(tmp_path / "a.vrm")).rig
     with pytest.raises(FileError, match=r"VRM 0.x forbids rest rotations.*--world.*convert.*VRM 1.0"):
         orient_joints(rig, options=options)
+
+
+def test_controls_are_mirrored_where_joints_keep_their_axes() -> None:
+    plain = rigtri.read(SAMPLES / "tpose.glb")
+    plain = replace(plain, rules=replace(plain.rules, orient_locked="VRM 0.x forbids rest rotations"))
+    with pytest.raises(GeometryError, match="rest rotations, so the axes of no joint"):
+        rigtri.mirror(plain)
+    rig, report = rigtri.add_controls(plain, joints="upper_arm_L"), Report()
+    out = rigtri.mirror(rig, report=report)
+    assert [notice.code for notice in report.warnings] == ["not-mirrored"]
+    assert "upper_arm_R_ctl" not in rig.names
+    assert "upper_arm_R_ctl" in out.names
+    assert (out.world[out.find("upper_arm_R")] == plain.world[plain.find("upper_arm_R")]).all()
+    with pytest.raises(GeometryError, match="the axes of no joint are mirrored"):
+        rigtri.mirror(rig, what="joints")
 
 
 def test_a_name_that_is_not_there_is_reported_first(tmp_path: Path) -> None:
