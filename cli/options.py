@@ -16,14 +16,13 @@ from typing import Any, TypeVar
 
 import click
 
+from rigtri.limits import TOLERANCE
+
 from . import failures
 from .help_format import Option, option
 from .values import FilePath, Tolerance
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-TOLERANCE = 1e-5
-
 
 source_argument = click.argument("source", metavar="IN", type=FilePath(allow_dash=True))
 

@@ -24,9 +24,6 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
-# Relative to the size of what is seen. Random axes on every joint of real files, stored as
-# float32, move points by less than 8.7e-6; a visible fault by far more.
-TOLERANCE = 1e-5
 # Numbers of matrices in one block of times.
 _BLOCK = 1 << 20
 

@@ -19,12 +19,13 @@ from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
+from rigtri.limits import TOLERANCE
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
-from rigtri.verification.compare.compare import TOLERANCE, Comparison, self_check
+from rigtri.verification.compare.compare import Comparison, self_check
 from rigtri.verification.compare.expected_result import ExpectedResult, check_result
 
 Step = Callable[[Rig, Report], Rig]

@@ -12,11 +12,12 @@ from rigtri.errors import UsageError, in_keywords
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
+from rigtri.limits import TOLERANCE
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, edit_file
 from rigtri.report import Report
 from rigtri.verification.compare import compare
-from rigtri.verification.compare.compare import TOLERANCE, Comparison, Source
+from rigtri.verification.compare.compare import Comparison, Source
 
 
 @dataclass(frozen=True, eq=False)

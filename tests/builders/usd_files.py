@@ -13,9 +13,10 @@ from pxr import Sdf, Usd, UsdGeom, UsdSkel, UsdUtils
 from rigtri.errors import RigtriError
 from rigtri.formats import ReadOptions
 from rigtri.formats.usd.document import UsdDocument
-from rigtri.frames.error_bounds import TOLERANCE, LeverArm
+from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.nonuniform_scale import ScaleTable, ties
 from rigtri.frames.reframe import reframe
+from rigtri.limits import TOLERANCE
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig

@@ -20,6 +20,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.frames.error_bounds import LeverArm, bearable
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.reframe import reframe, split
+from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import inverse
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, unit
 from rigtri.maths.trigonometry import Floats
@@ -31,7 +32,7 @@ from rigtri.model.skin import Skin
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.verification.compare.compare import TOLERANCE, verify
+from rigtri.verification.compare.compare import verify
 
 SUFFIXES = (".glb", ".usda")
 # What float32 leaves where a mesh is a twentieth of the skeleton; elsewhere less.

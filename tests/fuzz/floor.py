@@ -21,12 +21,13 @@ import numpy as np
 
 from rigtri.formats import Document
 from rigtri.frames.nonuniform_scale import SAME_SCALE
+from rigtri.limits import TOLERANCE
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.verification.compare.compare import TOLERANCE, self_check
+from rigtri.verification.compare.compare import self_check
 from rigtri.verification.compare.scene_facts import Scenery
 
 # Half a step of float32, relative to the largest number beside it: new axes mix the three of a vector.

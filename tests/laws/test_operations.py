@@ -18,10 +18,11 @@ from program import cli
 from second_opinions import khronos_errors, usd_errors, validator
 
 from rigtri.formats import read
+from rigtri.limits import TOLERANCE
 from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.edit import edit
 from rigtri.verification.checks import check
-from rigtri.verification.compare.compare import TOLERANCE, verify
+from rigtri.verification.compare.compare import verify
 
 
 @dataclass(frozen=True)

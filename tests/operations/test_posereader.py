@@ -23,6 +23,7 @@ from rigtri.evaluation import sampling
 from rigtri.evaluation.pose_readers import PoseReader, Target, twist, weights
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import read
+from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import compose, identity
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.maths.trigonometry import Floats, exponential
@@ -33,7 +34,7 @@ from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Go
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
-from rigtri.verification.compare.compare import TOLERANCE, verify
+from rigtri.verification.compare.compare import verify
 from rigtri.verification.compare.expected_result import ExpectedResult, check_result
 from rigtri.verification.compare.morph_changes import MorphChanges
 

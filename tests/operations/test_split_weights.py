@@ -18,6 +18,7 @@ from second_opinions import khronos_errors, validator
 from rigtri import verify
 from rigtri.errors import FileError
 from rigtri.formats import Document, read
+from rigtri.limits import TOLERANCE
 from rigtri.model.rig import Rig
 from rigtri.model.skin import WeightRedistribution
 from rigtri.model.skin_weights import folded, shared
@@ -26,7 +27,6 @@ from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.strip import strip
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.verification.compare.compare import TOLERANCE
 
 # A bone of three twist joints, and a triangle with points at 0, 0.5 and 1 of it.
 POINTS = [[0, 1, 0], [1, 1.5, 0], [0, 2, 0]]

@@ -23,11 +23,12 @@ from places import (
 
 from rigtri.errors import RigtriError
 from rigtri.formats import ReadOptions, read
+from rigtri.limits import TOLERANCE
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
-from rigtri.verification.compare.compare import TOLERANCE, verify
+from rigtri.verification.compare.compare import verify
 
 # Blender keeps bones as head, tail and roll in float32: of the untouched samples/hand.glb it shows
 # vertices up to 5.8e-5 of the size away from where three.js and rigtri put them.

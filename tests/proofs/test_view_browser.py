@@ -19,9 +19,9 @@ from rigtri.evaluation.sampling import locals_at, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
 from rigtri.evaluation.timelines import timeline_and_time
 from rigtri.formats import read
+from rigtri.limits import TOLERANCE
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import TOLERANCE
 
 ON_SCREEN = "document.getElementById('messages').textContent"
 BUTTONS = "[...document.querySelectorAll('button')]"

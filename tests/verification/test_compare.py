@@ -15,6 +15,7 @@ from rigs import chain, random_rig, random_turns, rig_of
 from rigtri.errors import FileError
 from rigtri.evaluation.sampling import Motion, between_keys, locals_at, worlds
 from rigtri.frames.reframe import reframe
+from rigtri.limits import TOLERANCE
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
@@ -22,7 +23,7 @@ from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Source, self_check, verify
 from rigtri.verification.compare.deviation import denormalisation, joined
 from rigtri.verification.compare.probes import LinearMeshPoints, MeshPoints, SampledPoses, mesh_points
-from rigtri.verification.compare.verdict import TOLERANCE, Comparison, Worst
+from rigtri.verification.compare.verdict import Comparison, Worst
 
 BOTH = pytest.mark.parametrize("compare", [self_check, verify])
 Compare = Callable[[Source, Source], Comparison]

@@ -31,7 +31,6 @@ from rigtri.verification.compare.probe_selection import (
 )
 from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
 from rigtri.verification.compare.scene_facts import Scenery, compare_scenery, compare_surfaces
-from rigtri.verification.compare.verdict import TOLERANCE as TOLERANCE
 from rigtri.verification.compare.verdict import Comparison as Comparison
 from rigtri.verification.compare.verdict import Motion
 

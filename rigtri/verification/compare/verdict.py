@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.error_bounds import TOLERANCE as TOLERANCE
+from rigtri.limits import TOLERANCE
 
 # Quaternions stored as float32 are unit within this.
 UNIT = 1e-6
