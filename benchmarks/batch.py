@@ -18,10 +18,10 @@ import time
 from pathlib import Path
 
 from rigtri.pipeline.batch.axis_summary import Axes
+from rigtri.pipeline.batch.file_task import Record
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.report import summarise
-from rigtri.pipeline.batch.work import Record
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = [sys.executable, "-c", "from rigtri.cli.main import program; program()"]

@@ -20,9 +20,9 @@ from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 from rigtri.files.worker_process import WorkerProcess
+from rigtri.pipeline.batch.file_task import Assignment, work
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.spec_task import SpecTask
-from rigtri.pipeline.batch.work import Assignment, work
 from rigtri.pipeline.rigspec.load import load
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -18,7 +18,7 @@ from rigtri.operations.options.add_posereader import AddPosereaderOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
-from .text import counted
+from .terminal_text import counted
 
 
 def summary(report: Report) -> str:

@@ -15,6 +15,7 @@ from . import output_file
 from .build import step_lines, steps_of
 from .editing import edit_request, run
 from .help_format import Command, option
+from .option_types import FilePath
 from .options import (
     dry_run_option,
     output_options,
@@ -30,7 +31,6 @@ from .options import (
     verify_option,
 )
 from .parameters import given_options
-from .values import FilePath
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig
@@ -158,7 +158,7 @@ class _Job:
     def summary(self, report: Report) -> str:
         """What was recognised, and what each step has done."""
         from rigtri.pipeline.rigspec.spec_init import recognised_lines
-        from rigtri.recognition.output import text
+        from rigtri.recognition.layout_output import text
 
         found, whole = self.proposal, self.values["dry_run"] or self.values["verbose"]
         lines = [text(found.rig, found.layout) + "\n"] if whole else list(recognised_lines(found.layout))
@@ -171,7 +171,7 @@ class _Job:
 
     def more(self) -> dict[str, Any]:
         """For the report: what was recognised, the spec, the steps of the build, and what controls move."""
-        from rigtri.recognition.output import as_json
+        from rigtri.recognition.layout_output import as_json
 
         found = self.proposal
         characters = as_json(found.rig, found.layout)["characters"]

@@ -20,7 +20,7 @@ from rigtri.report import Report
 
 from .edit_command import edit_command
 from .options import extend_help
-from .text import counted, grown
+from .terminal_text import counted, grown
 
 _HINT = " (the clips of the joints go onto the controls with --to controls)"
 

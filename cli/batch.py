@@ -17,17 +17,17 @@ from . import INTERRUPTED, batch_engine, batch_job, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_tolerance_option
 from .help_format import Command, option
+from .option_types import Bytes, FilePath
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
 from .progress import Progress
-from .text import plain
-from .values import Bytes, FilePath
+from .terminal_text import plain
 
 if TYPE_CHECKING:
+    from rigtri.pipeline.batch.file_task import Task
     from rigtri.pipeline.batch.inputs import Found
     from rigtri.pipeline.batch.local_engine import Engine
     from rigtri.pipeline.batch.run import Plan, Run, Tasks
     from rigtri.pipeline.batch.shards import Shard
-    from rigtri.pipeline.batch.work import Task
 
 SOME_FAILED = 7
 # What a conversion writes, without the dot.
@@ -242,8 +242,8 @@ def _tasks(values: dict[str, Any]) -> Tasks:
 
 def _conversion(values: dict[str, Any]) -> Tasks:
     """Each file in the other format. UsageError for options that a conversion has no use for."""
+    from rigtri.limits import TOLERANCE
     from rigtri.pipeline.batch.convert_task import ConvertTask
-    from rigtri.verification.compare.verdict import TOLERANCE
 
     for name in ("spec", "variables", "resources", "emit_openjd"):
         if values[name]:

@@ -13,7 +13,7 @@ import click
 from rigtri.errors import UsageError
 
 from .build import assigned
-from .text import counted, plain
+from .terminal_text import counted, plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.batch.inputs import Entry

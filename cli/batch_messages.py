@@ -12,13 +12,13 @@ import click
 
 from rigtri.errors import FileError
 
-from .text import counted, plain, without_advice
+from .terminal_text import counted, plain, without_advice
 
 if TYPE_CHECKING:
+    from rigtri.pipeline.batch.file_task import Record
     from rigtri.pipeline.batch.inputs import Entry, Found
     from rigtri.pipeline.batch.run import Run
     from rigtri.pipeline.batch.shards import Shard
-    from rigtri.pipeline.batch.work import Record
 
 # Failures that are printed while a batch runs; the summary counts all, and the manifest has each.
 MOST_SHOWN = 20
@@ -74,7 +74,7 @@ class Files:
 
 def print_summary(session: Run, left: int, advice: Iterable[str], values: dict[str, Any]) -> None:
     """What became of all files. left: those that were not begun."""
-    from rigtri.pipeline.batch.work import STATUSES
+    from rigtri.pipeline.batch.file_task import STATUSES
 
     counts = [f"{session.counts[status]} {status}" for status in STATUSES if session.counts[status]]
     words = [*counts, *([f"{left} not started"] if left else [])]

@@ -9,10 +9,10 @@ from typing import Any
 import click
 
 from .help_format import Command, option
+from .option_types import FilePath, Tolerance
 from .options import json_option
 from .printing import print_json
-from .text import counted, plain
-from .values import FilePath, Tolerance
+from .terminal_text import counted, plain
 
 
 @click.command("batch-report", cls=Command)

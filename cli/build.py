@@ -12,6 +12,7 @@ from rigtri.report import Report
 
 from .editing import edit_request, run
 from .help_format import Command, option
+from .option_types import FilePath, Tolerance
 from .options import (
     dry_run_option,
     optional_target_option,
@@ -22,8 +23,7 @@ from .options import (
     verify_option,
 )
 from .printing import print_json
-from .text import plain
-from .values import FilePath, Tolerance
+from .terminal_text import plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome

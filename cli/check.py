@@ -12,10 +12,10 @@ import click
 from rigtri.errors import UsageError
 
 from .help_format import Command, option
+from .option_types import FilePath
 from .options import json_option, quiet_option
 from .printing import print_json
-from .text import echo
-from .values import FilePath
+from .terminal_text import echo
 
 if TYPE_CHECKING:
     from rigtri.files.worker_process import WorkerProcess

@@ -39,7 +39,7 @@ from .options import (
     verify_option,
 )
 from .parameters import destination, given, given_options, read_options
-from .text import counted
+from .terminal_text import counted
 
 
 @click.command("convert", cls=Command, help=__doc__)

@@ -10,11 +10,11 @@ import click
 
 from . import failures
 from .help_format import Command, option
+from .option_types import FilePath, Tolerance
 from .options import json_option, reading_options
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
-from .text import echo, plain
-from .values import FilePath, Tolerance
+from .terminal_text import echo, plain
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
 DIFFERS, ERROR = 1, 2

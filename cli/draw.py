@@ -14,6 +14,7 @@ from rigtri.report import Report
 from . import output_file
 from .edit_command import declared_options
 from .help_format import Command, option
+from .option_types import FilePath
 from .options import (
     json_option,
     output_option,
@@ -24,7 +25,6 @@ from .options import (
 )
 from .parameters import given, read_options
 from .printing import print_json
-from .values import FilePath
 
 
 @click.command("draw", cls=Command)

@@ -15,9 +15,9 @@ from rigtri.report import Report
 from .editing import copy_ahead, run_edit
 from .help_format import Command, Option
 from .operation_options import click_options
+from .option_types import FilePath
 from .options import edit_options, output_options, reading_options, source_argument, target_option
 from .parameters import given, given_options, read_options
-from .values import FilePath
 
 Step = Callable[[Any, "Report"], Any]
 Decorator = Callable[[Any], Any]

@@ -17,7 +17,7 @@ from .help_format import Option
 from .parameters import destination, read_options, refuse_given
 from .printing import print_joints, print_json, print_verification, print_warnings
 from .progress import Progress
-from .text import plain
+from .terminal_text import plain
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -18,7 +18,7 @@ from .help_format import Command, option
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .parameters import read_options
 from .printing import print_json
-from .text import plain
+from .terminal_text import plain
 
 if TYPE_CHECKING:
     from rigtri.export.explain.explain import Explanation

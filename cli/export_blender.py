@@ -11,6 +11,7 @@ from rigtri.report import Report
 
 from . import output_file
 from .help_format import Command
+from .option_types import FilePath
 from .options import (
     json_option,
     output_option,
@@ -21,7 +22,6 @@ from .options import (
 )
 from .parameters import read_options
 from .printing import print_json
-from .values import FilePath
 
 
 @click.command("export-blender", cls=Command)

@@ -15,7 +15,7 @@ import click
 from rigtri.errors import Fault, RigtriError, error_kind
 
 from . import INTERRUPTED
-from .text import echo_message, plain, without_advice
+from .terminal_text import echo_message, plain, without_advice
 
 # In the context of a run: whether JSON is requested on standard output, which has nothing on it yet.
 _JSON_REQUESTED = "rigtri.cli.failures"

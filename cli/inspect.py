@@ -12,11 +12,11 @@ import click
 from rigtri.report import Notice, Report
 
 from .help_format import Command, option
-from .matrices import chosen_matrices, matrix_options, refuse_without_matrices
+from .matrix_options import chosen_matrices, matrix_options, refuse_without_matrices
 from .options import json_option, no_warnings_option, reading_options, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
-from .text import colored, plain
+from .terminal_text import colored, plain
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig

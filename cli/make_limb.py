@@ -29,9 +29,9 @@ from rigtri.report import Report
 from .edit_command import command_of, step_of
 from .editing import run_edit
 from .help_format import Command, Option
+from .option_types import FilePath, Number
 from .options import needed_output, output_option
 from .parameters import given_options, refuse_given
-from .values import FilePath, Number
 
 # Options that take all words up to the next option.
 _LISTS = ("--locators", "--points", "--names")

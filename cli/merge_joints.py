@@ -16,7 +16,7 @@ from rigtri.operations.options.merge_joints import MergeJointsOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
-from .text import counted
+from .terminal_text import counted
 
 
 def summary(report: Report) -> str:

@@ -27,11 +27,11 @@ from rigtri.report import Report
 from .edit_command import command_of, step_of
 from .editing import run_edit
 from .help_format import Option
+from .option_types import Number
 from .options import allow_rename_option, optional_target_option
 from .parameters import given, given_options, read_options
 from .printing import print_json
-from .text import counted, plain
-from .values import Number
+from .terminal_text import counted, plain
 
 MOST = 20
 

@@ -12,7 +12,7 @@ from rigtri.operations.declaration import Kind, options_of
 from rigtri.operations.declaration import Option as Declared
 
 from .help_format import Option
-from .values import FilePath, Number, Parsed, Tolerance
+from .option_types import FilePath, Number, Parsed, Tolerance
 
 
 def click_options(declared: type) -> list[Option]:

@@ -20,7 +20,7 @@ from rigtri.limits import TOLERANCE
 
 from . import failures
 from .help_format import Option, option
-from .values import FilePath, Tolerance
+from .option_types import FilePath, Tolerance
 
 F = TypeVar("F", bound=Callable[..., Any])
 

@@ -26,7 +26,7 @@ from rigtri.report import Report
 from .edit_command import SavedFile, edit_command
 from .help_format import Command, Option
 from .options import allow_rename_option
-from .text import counted
+from .terminal_text import counted
 
 _STYLED = ("aim", "up", "up_from")
 

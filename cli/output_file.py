@@ -14,7 +14,7 @@ from rigtri.report import Report
 
 from .parameters import check_streams
 from .printing import print_warnings
-from .text import plain
+from .terminal_text import plain
 
 
 def check_place(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:

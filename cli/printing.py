@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .text import echo_message, plain
+from .terminal_text import echo_message, plain
 
 if TYPE_CHECKING:
     from rigtri.pipeline.edit import Outcome

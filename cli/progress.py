@@ -13,7 +13,7 @@ import click
 
 from rigtri.progress import watched
 
-from .text import colored, counted, plain
+from .terminal_text import colored, counted, plain
 
 # The shortest time between two updates of a terminal, in seconds.
 _PAUSE = 0.1

@@ -15,7 +15,7 @@ from rigtri.operations.options.prune_joints import PruneJointsOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
-from .text import counted
+from .terminal_text import counted
 
 
 def summary(report: Report) -> str:

@@ -13,7 +13,7 @@ from .help_format import Command, option
 from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
-from .text import echo, plain
+from .terminal_text import echo, plain
 
 # How sure something is: enough to build on, or not.
 _PAINTS = (
@@ -44,8 +44,8 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
     """
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
+    from rigtri.recognition.layout_output import as_json, text
     from rigtri.recognition.naming_schemes import own_schemes
-    from rigtri.recognition.output import as_json, text
     from rigtri.recognition.recognise import recognise
 
     schemes = own_schemes(own)

@@ -20,7 +20,7 @@ from rigtri.operations.options.rename_joints import RenameJointsOptions
 from rigtri.report import Report
 
 from .edit_command import SavedFile, edit_command
-from .text import counted
+from .terminal_text import counted
 
 
 def _map(report: Report) -> str:

@@ -15,7 +15,7 @@ from rigtri.operations.options.root_motion import RootMotionOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
-from .text import counted
+from .terminal_text import counted
 
 
 def summary(report: Report) -> str:

@@ -12,10 +12,10 @@ from rigtri.errors import UsageError
 
 from . import output_file
 from .help_format import Command
+from .option_types import FilePath
 from .options import json_option, output_option, overwrite_option, reading_options, source_argument
 from .parameters import read_options
-from .text import plain
-from .values import FilePath
+from .terminal_text import plain
 
 
 @click.command("spec-init", cls=Command)

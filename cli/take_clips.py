@@ -24,10 +24,10 @@ from rigtri.report import Report
 from .edit_command import declared_options, step_of
 from .editing import run_edit
 from .help_format import Command
+from .option_types import FilePath
 from .options import edit_options, extend_help, output_options, reading_options, target_option
 from .parameters import check_streams, given_options
-from .text import grown
-from .values import FilePath
+from .terminal_text import grown
 
 
 @extend_help(

@@ -12,12 +12,12 @@ from rigtri.errors import DeviationError
 
 from . import failures
 from .help_format import Command
+from .option_types import FilePath
 from .options import output_options, reading_options, tolerance_option
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .progress import Progress
-from .text import echo, plain
-from .values import FilePath
+from .terminal_text import echo, plain
 
 if TYPE_CHECKING:
     from rigtri.model.rig import Rig

@@ -12,6 +12,7 @@ from rigtri.report import Report
 
 from . import output_file
 from .help_format import Command, option
+from .option_types import FilePath, Number
 from .options import (
     json_option,
     output_option,
@@ -23,8 +24,7 @@ from .options import (
 from .parameters import read_options
 from .printing import print_json
 from .progress import Progress
-from .text import echo_message, plain
-from .values import FilePath, Number
+from .terminal_text import echo_message, plain
 
 if TYPE_CHECKING:
     from rigtri.export.viewer.view import Shown

@@ -24,8 +24,8 @@ from rigtri.model.animation import Clip
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import facing
-from rigtri.recognition.output import direction_text
 from rigtri.text import columns, display_name, fit_columns, plain, wrap_line
 
 # Scales nearer to 1 are 1 that was stored as float32 or half.

@@ -23,7 +23,7 @@ PRELOADED = [
     "rigtri.operations.add_twist.twist",
     "rigtri.operations.orient_joints.orient",
     "rigtri.pipeline.batch.run",
-    "rigtri.pipeline.batch.work",
+    "rigtri.pipeline.batch.file_task",
     "rigtri.pipeline.rigspec.auto",
     "rigtri.pipeline.rigspec.build",
     "rigtri.pipeline.rigspec.models.spec",

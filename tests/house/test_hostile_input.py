@@ -22,7 +22,7 @@ from program import cli
 from pxr import Sdf, Tf
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton
 
-from rigtri.cli.text import plain
+from rigtri.cli.terminal_text import plain
 from rigtri.errors import FileError, GeometryError, RigtriError
 from rigtri.files.worker_process import CrashError, WorkerProcess, send_event
 from rigtri.formats import ReadOptions

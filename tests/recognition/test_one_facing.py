@@ -18,8 +18,8 @@ from rigtri.formats import ReadOptions, read
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import facing, forward
-from rigtri.recognition.output import direction_text
 from rigtri.recognition.recognise import recognise
 
 

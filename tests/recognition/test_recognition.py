@@ -37,7 +37,7 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.orient_joints.orient import orient_joints
-from rigtri.recognition import output
+from rigtri.recognition import layout_output
 from rigtri.recognition.layout import CONFIDENT, Layout
 from rigtri.recognition.limbs import recognise as limbs
 from rigtri.recognition.naming_schemes import own_scheme, parse_name, schemes
@@ -526,7 +526,8 @@ def test_chains_of_more_than_four_joints_are_shown_by_their_ends() -> None:
     layout = recognise(rig)
     (tail,) = layout.characters[0].chains
     four = replace(layout.characters[0], chains=(replace(tail, joints=tail.joints[:4]),))
-    assert "tail_01 → tail_02 → tail_03 → tail_04 " in output.text(rig, replace(layout, characters=(four,)))
+    printed = layout_output.text(rig, replace(layout, characters=(four,)))
+    assert "tail_01 → tail_02 → tail_03 → tail_04 " in printed
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "hand.glb", "flat_ik.glb", "biped.usda"])

@@ -15,7 +15,6 @@ from rigtri.formats.document import Companion, Embedded, ReadOptions
 from rigtri.formats.usd.composition import external_paths
 from rigtri.formats.usd.composition.edit_target import sublayer
 from rigtri.formats.usd.composition.stage import open_file, quiet
-from rigtri.formats.usd.edit_stage import edit_stage
 from rigtri.formats.usd.embed import embedded
 from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
@@ -23,6 +22,7 @@ from rigtri.formats.usd.reading.control_shape_reader import read_lines
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.scene_facts import read_scenery
 from rigtri.formats.usd.reading.source import Source, played_by_instances, read_meshes
+from rigtri.formats.usd.run_passes import edit_stage
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig

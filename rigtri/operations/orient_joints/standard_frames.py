@@ -18,7 +18,7 @@ from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import THUMB, Directions, StandardPose, directions, sure_bones
 from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
-from rigtri.recognition.output import direction_text
+from rigtri.recognition.layout_output import direction_text
 from rigtri.report import Report
 
 _TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")

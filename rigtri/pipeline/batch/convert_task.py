@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rigtri.limits import TOLERANCE
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.report import Report
-from rigtri.verification.compare.verdict import TOLERANCE
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.dask_worker import Event, Settings, do
+from rigtri.pipeline.batch.file_task import Assignment, OnReady, Record
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.work import Assignment, OnReady, Record
 
 # Seconds to wait for the scheduler, and for a first worker.
 REACHED, STAFFED = 10.0, 60.0

@@ -18,8 +18,8 @@ from uuid import uuid4
 
 from rigtri.files.import_path import leave_out_working_folder
 from rigtri.pipeline.batch import urls
+from rigtri.pipeline.batch.file_task import Assignment, Record
 from rigtri.pipeline.batch.local_engine import FileProcess
-from rigtri.pipeline.batch.work import Assignment, Record
 
 # A worker looks this often, in seconds, whether anybody still waits for the file.
 _LOOK = 0.5

@@ -16,13 +16,13 @@ from rigtri.files import temp_dirs
 from rigtri.files.staged_output import recover
 from rigtri.files.worker_process import CrashError, WorkerProcess
 from rigtri.formats import references
+from rigtri.pipeline.batch.file_task import Assignment, OnReady, Record, work
 from rigtri.pipeline.batch.remote_files import RemoteAssignment, is_elsewhere
-from rigtri.pipeline.batch.work import Assignment, OnReady, Record, work
 
 # What work and most tasks need, so that a new process has it.
 PRELOADED = (
     "rigtri.operations.orient_joints.orient",  # and with it what most operations need
-    "rigtri.pipeline.batch.work",
+    "rigtri.pipeline.batch.file_task",
     "rigtri.pipeline.batch.spec_task",
     "rigtri.pipeline.rigspec.expand",
     "rigtri.pipeline.rigspec.models.spec",

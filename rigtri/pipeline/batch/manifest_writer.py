@@ -21,6 +21,7 @@ from typing import Any, Self
 
 from rigtri.errors import UsageError
 from rigtri.pipeline.batch.axis_summary import Axes
+from rigtri.pipeline.batch.file_task import Record, reason
 from rigtri.pipeline.batch.hashes import seen_from
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.manifest_lookup import (
@@ -33,7 +34,6 @@ from rigtri.pipeline.batch.manifest_lookup import (
     sqlite_errors,
     writable,
 )
-from rigtri.pipeline.batch.work import Record, reason
 
 _TABLES = """
 CREATE TABLE files(

@@ -11,9 +11,9 @@ from pathlib import Path
 from rigtri.errors import RigtriError, UsageError, kind_name
 from rigtri.files.worker_process import CrashError
 from rigtri.pipeline.batch import urls
+from rigtri.pipeline.batch.file_task import Assignment, OnReady, Record
 from rigtri.pipeline.batch.hashes import Hashes
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.work import Assignment, OnReady, Record
 
 
 def is_elsewhere(entry: Entry) -> bool:

@@ -16,8 +16,8 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.axis_summary import angles, names
+from rigtri.pipeline.batch.file_task import STATUSES, missing
 from rigtri.pipeline.batch.manifest_lookup import NAME, opened
-from rigtri.pipeline.batch.work import STATUSES, missing
 
 # Axes of one skeleton that are nearer than this, in degrees, are the same: what files store is rounded.
 SAME = 0.1

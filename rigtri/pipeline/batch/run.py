@@ -19,12 +19,12 @@ from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import fsync_folder
 from rigtri.files.staged_output import as_file_error, recover
 from rigtri.pipeline.batch import urls
+from rigtri.pipeline.batch.file_task import Assignment, Record, Task, faults, missing, reason
 from rigtri.pipeline.batch.hashes import ABSENT, Hashes, seen_from
 from rigtri.pipeline.batch.inputs import MOST, Entry, at_line
 from rigtri.pipeline.batch.local_engine import Engine
 from rigtri.pipeline.batch.manifest_lookup import Known, look_up, name_of
 from rigtri.pipeline.batch.manifest_writer import Manifest
-from rigtri.pipeline.batch.work import Assignment, Record, Task, faults, missing, reason
 from rigtri.text import and_more
 
 Tasks = Callable[[tuple[tuple[str, str], ...]], Task]

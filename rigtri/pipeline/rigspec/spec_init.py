@@ -18,7 +18,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import idle_ik
 from rigtri.operations.add_twist.twist import twists_skin
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
-from rigtri.recognition.output import direction_text
+from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.recognise import recognise
 from rigtri.text import a
 

@@ -19,7 +19,7 @@ from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.rig import Rig
 from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
-from rigtri.recognition.output import direction_text
+from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.recognise import recognise
 from rigtri.verification.checks.cycle_check import place_of
 from rigtri.verification.checks.findings import Findings

@@ -7,8 +7,8 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from rigtri.formats.usd import passes
-from rigtri.formats.usd.edit_stage import PASSES
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.run_passes import PASSES
 
 
 def test_every_pass_is_a_module_with_one_function_and_stands_in_the_list_once() -> None:

@@ -34,8 +34,8 @@ from rigtri import edit, orient_joints
 from rigtri.errors import FileError
 from rigtri.pipeline.batch import dask
 from rigtri.pipeline.batch.dask_worker import Event
+from rigtri.pipeline.batch.file_task import Assignment, Record
 from rigtri.pipeline.batch.inputs import Entry
-from rigtri.pipeline.batch.work import Assignment, Record
 
 # Tasks travel by the name of their module, which workers must find, too.
 ENVIRONMENT = os.environ | {"PYTHONPATH": str(BUILDERS), "PYTHONSAFEPATH": ""}

@@ -21,9 +21,9 @@ from polling import wait_for
 
 from rigtri import edit, orient_joints
 from rigtri.errors import FileError
+from rigtri.pipeline.batch.file_task import Record
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.manifest_writer import Manifest
-from rigtri.pipeline.batch.work import Record
 
 PROGRAM = BUILDERS / "batch_tasks.py"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")

@@ -16,10 +16,10 @@ from second_opinions import validator
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.pipeline.batch.axis_summary import Axes, angles, axes_of
+from rigtri.pipeline.batch.file_task import Record
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.manifest_writer import Manifest
 from rigtri.pipeline.batch.report import summarise
-from rigtri.pipeline.batch.work import Record
 
 
 @pytest.fixture(autouse=True)

@@ -11,8 +11,8 @@ from rigtri.errors import UsageError
 from rigtri.operations.options.constrain import joint_orient
 
 from .help_format import option
+from .option_types import Parsed
 from .parameters import given
-from .values import Parsed
 
 if TYPE_CHECKING:
     from rigtri.export.matrix_table import MatrixOptions
