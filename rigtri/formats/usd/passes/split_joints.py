@@ -84,10 +84,11 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
     for joint, holder in sorted(new_above(rig).items()):
         key = rig.keys[joint]
         if kind(key) != "joint":
-            raise UsageError(
-                f"--on-nonuniform-scale split: '{rig.title(joint)}' is a prim, and one above it would "
-                "give it and all below it other paths. Choose snap or skip."
-            )
+            name = rig.title(joint)
+            what = f"'{name}' is a prim, and one above it would give it and all below it other paths"
+            if joint in rig.frame_of:
+                raise UsageError(f"--on-nonuniform-scale split: {what}. Choose snap or skip.")
+            raise UsageError(f"{what}. Put one there in the program that made the file.")
         path, token = parts(key)[1], token_of[key]
         taken = {other.rpartition("/")[2] for other in source.skeletons[path].tokens}
         name = rig.names[holder]

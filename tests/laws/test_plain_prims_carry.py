@@ -1,0 +1,129 @@
+"""Rigs of plain Xform prims (--root) carry what is built on them, whatever ops these stand by, or refuse.
+
+Built, edited, baked: the meshes on the prims stand at every sample where they stand without the edit, by
+UsdGeom alone. docs/carrying.md has the table.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import slow
+from program import Ran, cli
+from pxr import Gf, Usd, UsdGeom
+
+SAME = 1e-5
+FRAMES = (0, 6, 12, 18, 24)
+PLACES = {
+    "/rig/hip": ((0, 1, 0), (5, 10, 0)),
+    "/rig/hip/upper": ((0.2, 0.3, 0), (10, 20, 30)),
+    "/rig/hip/upper/fore": ((0.4, 0, 0.05), (0, 40, 10)),
+    "/rig/hip/upper/fore/hand": ((0.4, 0, 0.1), (5, 5, 5)),
+    "/rig/hip/other": ((-0.2, 0.3, 0), (15, 0, 25)),
+}
+OPS = ("rotateXYZ", "rotateZ rotateY rotateX", "rotateXYZ scale", "transform")
+THINGS = {
+    "controls": ("add-controls", "--chain", "upper", "hand"),
+    "constraint": ("constrain", "--type", "orient", "--child", "other", "--driver", "upper"),
+}
+EDITS = {
+    "orient-joints": ("--aim", "x", "--up", "y"),
+    "freeze": (),
+    "set-rest": ("--pose", "bind"),
+    "add-root": ("--above", "hip"),
+    "add-socket": ("--on", "hand", "--name", "grip"),
+    "add-polevector": ("--limb", "upper", "fore", "hand"),
+    "add-controls": ("--whole-character",),
+    "prune-joints": (),
+    "strip": (),
+}
+# What says so where an edit or a bake refuses.
+REFUSED = "by the scale that this has|other paths|cannot take keys"
+
+
+def _save(path: Path, ops: str, *, animated: bool) -> Path:
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/rig").GetPrim())
+    for name, (place, angles) in PLACES.items():
+        prim = UsdGeom.Xform.Define(stage, name)
+        times = FRAMES if animated else (Usd.TimeCode.Default(),)
+        turned = [[angle * (1 + k / 4) for angle in angles] for k in range(len(times))]
+        if ops == "transform":
+            op = prim.AddTransformOp()
+            for time, (x, y, z) in zip(times, turned, strict=True):
+                parts = zip(np.eye(3).tolist(), (x, y, z), strict=True)
+                first, second, third = (Gf.Rotation(Gf.Vec3d(*axis), angle) for axis, angle in parts)
+                op.Set(Gf.Matrix4d().SetTransform(first * second * third, Gf.Vec3d(*place)), time)
+        else:
+            prim.AddTranslateOp().Set(Gf.Vec3d(*place))
+            for word in ops.split():
+                if word == "scale":
+                    prim.AddScaleOp().Set(Gf.Vec3f(1.5 if name.endswith("upper") else 1.0))
+                    continue
+                op = getattr(prim, f"Add{word[0].upper()}{word[1:]}Op")()
+                for time, angled in zip(times, turned, strict=True):
+                    op.Set(Gf.Vec3f(*angled) if word == "rotateXYZ" else angled["XYZ".index(word[-1])], time)
+        mesh = UsdGeom.Mesh.Define(stage, f"{name}/geo")
+        mesh.CreatePointsAttr([(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)])
+        mesh.CreateFaceVertexCountsAttr([3, 3])
+        mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 0, 2, 3])
+    stage.Save()
+    return path
+
+
+def _seen(path: Path) -> np.ndarray:
+    """Where the corners of all meshes are, by the names of what they hang on, at all samples and between."""
+    stage, found = Usd.Stage.Open(str(path)), []
+    meshes = [prim for prim in stage.Traverse() if prim.GetName() == "geo"]
+    meshes.sort(key=lambda prim: prim.GetParent().GetName())
+    for time in (*range(0, 25, 3), Usd.TimeCode.Default()):
+        cache = UsdGeom.XformCache(time)
+        for prim in meshes:
+            world = np.array(cache.GetLocalToWorldTransform(prim))
+            found.append(np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get()) @ world[:3, :3] + world[3, :3])
+    return np.array(found)
+
+
+def _run(*words: Any) -> Ran:
+    ran = cli(*words, "--root", "/rig/hip")
+    assert ran.exit_code == 0 or re.search(REFUSED, ran.stderr), ran.stderr
+    return ran
+
+
+def _cases() -> list[Any]:
+    every = product(OPS, (False, True), THINGS, EDITS)
+    few = (("rotateXYZ", True, "controls", "orient-joints"), ("transform", False, "constraint", "freeze"))
+    return [case if case in few else slow(*case) for case in every]
+
+
+@pytest.mark.parametrize(("ops", "animated", "thing", "edit"), _cases())
+def test_prims_carry_what_is_built_on_them(
+    ops: str, animated: bool, thing: str, edit: str, tmp_path: Path
+) -> None:
+    source = _save(tmp_path / "in.usda", ops, animated=animated)
+    built, edited = tmp_path / "built.usda", tmp_path / "edited.usda"
+    baked, again = tmp_path / "baked.usda", tmp_path / "again.usda"
+    assert _run(THINGS[thing][0], source, "-o", built, *THINGS[thing][1:]).exit_code == 0
+    if _run("bake", built, "-o", baked, "--to", "joints").exit_code:
+        return
+    if _run(edit, built, "-o", edited, *EDITS[edit]).exit_code:
+        return
+    if edit == "strip":
+        assert np.abs(_seen(source) - _seen(edited)).max() <= SAME
+        return
+    assert _run("bake", edited, "-o", again, "--to", "joints").exit_code == 0
+    assert np.abs(_seen(baked) - _seen(again)).max() <= SAME
+
+
+def test_a_root_above_a_prim_is_refused_in_its_own_words(tmp_path: Path) -> None:
+    source = _save(tmp_path / "in.usda", "transform", animated=False)
+    words = ("add-root", source, "-o", tmp_path / "out.usda", "--root", "/rig/hip", "--above", "hip")
+    error = cli(*words, code=2).stderr
+    assert "'hip' is a prim" in error
+    assert "--on-nonuniform-scale" not in error
