@@ -43,7 +43,7 @@ EDITS = {
     "strip": (),
 }
 # What says so where an edit or a bake refuses.
-REFUSED = "by the scale that this has|other paths|cannot take keys"
+REFUSED = "by the scale that this has|other paths"
 
 
 def _save(path: Path, ops: str, *, animated: bool) -> Path:
@@ -98,7 +98,7 @@ def _run(*words: Any) -> Ran:
 
 def _cases() -> list[Any]:
     every = product(OPS, (False, True), THINGS, EDITS)
-    few = (("rotateXYZ", True, "controls", "orient-joints"), ("transform", False, "constraint", "freeze"))
+    few = (("rotateXYZ", True, "constraint", "orient-joints"), ("transform", False, "controls", "freeze"))
     return [case if case in few else slow(*case) for case in every]
 
 
@@ -110,8 +110,7 @@ def test_prims_carry_what_is_built_on_them(
     built, edited = tmp_path / "built.usda", tmp_path / "edited.usda"
     baked, again = tmp_path / "baked.usda", tmp_path / "again.usda"
     assert _run(THINGS[thing][0], source, "-o", built, *THINGS[thing][1:]).exit_code == 0
-    if _run("bake", built, "-o", baked, "--to", "joints").exit_code:
-        return
+    assert _run("bake", built, "-o", baked, "--to", "joints").exit_code == 0
     if _run(edit, built, "-o", edited, *EDITS[edit]).exit_code:
         return
     if edit == "strip":

@@ -371,10 +371,22 @@ def test_a_stack_that_stands_still_is_replaced_and_stands_where_it_stood(tmp_pat
     assert_allclose(found["translation"].values, [before.local[node][3, :3]] * 2, atol=1e-12)
 
 
-def test_a_stack_that_moves_otherwise_is_refused_by_name_unless_all_of_it_is_given(tmp_path: Path) -> None:
+def test_what_a_stack_that_moves_otherwise_keeps_of_its_motion_goes_along(tmp_path: Path) -> None:
     path, out = sword(tmp_path, MOVING), tmp_path / "out.usda"
-    with pytest.raises(FileError, match=r"</Root/Sword> stands by xformOp:rotateXYZ, xformOp:translate"):
-        _follow(path, out, "rotation")
+    before = read(path).rig
+    _follow(path, out, "rotation")
+    after, times = read(out).rig, np.linspace(0.0, 6.0, 25)
+    nodes = before.find("/Root/Sword", "node"), after.find("/Root/Sword", "node")
+    was, now = (
+        {t.path: t for clip in rig.clips for t in clip.tracks if t.node == node}
+        for rig, node in zip((before, after), nodes, strict=True)
+    )
+    assert_allclose(sample(now["translation"], times), sample(was["translation"], times), atol=1e-6)
+    assert_allclose(sample(now["rotation"], [1, 4]), TURN[:2], atol=1e-12)
+
+
+def test_a_stack_that_moves_otherwise_takes_all_that_is_given(tmp_path: Path) -> None:
+    path, out = sword(tmp_path, MOVING), tmp_path / "out.usda"
     _follow(path, out, "rotation", "translation", "scale")
     after = read(out).rig
     node = after.find("/Root/Sword", "node")

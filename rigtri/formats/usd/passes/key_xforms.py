@@ -1,7 +1,7 @@
 """Key prims that are not rigtri's: time samples of their ops, as far as their stacks allow.
 
-A stack of translate, orient and scale holds what tracks hold. Another one that stands still is
-replaced by these; one that moves goes between its keys in ways that no track has.
+A stack of translate, orient and scale holds what tracks hold. Another one is replaced by these; what keeps
+its keys goes along, as it was sampled where the prim was read (`reading.xform_hierarchy`).
 
 Source: UsdGeomXformable, "Xform ops" and `xformOpOrder`.
 """
@@ -53,6 +53,9 @@ def _prim_edits(source: Source, rig: Rig, node: int, tracks: dict[Path, Track]) 
     if ops == [name for name in OPS.values() if name in ops]:
         return _into_stack(prim, rig.local[node] if moved else None, tracks, resets, ops)
     still = not UsdGeom.Xformable(prim).TransformMightBeTimeVarying()
+    if not still:  # what keeps its keys gets them in the new ops
+        kept = (t for clip in rig.clips for t in clip.tracks if t.node == node and t.path in OPS)
+        tracks = {t.path: as_samples(t, f"<{path}>") for t in kept} | tracks
     if not (still or len(tracks) == len(OPS)) or skew(rig.local[node]) >= SKEW:
         shown = ", ".join(ops)
         raise FileError(
