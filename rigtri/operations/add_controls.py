@@ -214,7 +214,9 @@ class _Builder:
     def _control(self, joint: int, kind: ControlKind, known: int | None, about: Mapping[str, Any]) -> int:
         """The control of a kind over a joint, found again or new, its offset at the joint."""
         parent, frame = self._parent(joint, kind), self.axes.frames.get((joint, kind))
-        drawing = self._drawing(kind, joint, *self.sizes.of(joint, frame))
+        size, normal = self.sizes.of(joint, frame)
+        limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
+        drawing = self._drawing(kind, joint, size if limb is None else self.sizes.of_end(limb), normal)
         if known is None:
             control = self._new(kind, joint, parent, about, drawing)
         else:

@@ -1,6 +1,6 @@
 """How large a control is drawn: as wide as the skin around its joint, else by the length of the bone.
 
-Skin is as wide as the mesh at rest where the plane of the control's ring cuts it.
+Skin is as wide as the joint's own part of the mesh at rest, where the plane of the control's ring cuts it.
 """
 
 from __future__ import annotations
@@ -17,19 +17,29 @@ from rigtri.frames.skeleton import Skeleton
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import from_frame, transform_directions
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length, normalise
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import triangles
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import Aim
+from rigtri.recognition.limbs import Limb
 
 # The radius of a shape as a share of how far the skin reaches around the joint; at least, and without skin,
 # as a share of the bone. Bones shorter than this share of the median count as that.
 MARGIN = 1.2
 LEAST, RADIUS = 0.25, 0.5
 SHORTEST = 0.5
-# A vertex with less weight of a joint than this is skin of another.
-_OWN = 0.1
+# Where a limb arrives at its end, as a share of its last bone: its skin often ends just at the joint.
+BEFORE = 0.1
+# A vertex is skin of the joint that has the largest weight there, or as large a one but for rounding.
+_LARGEST = 0.999
+# How many times as wide as its own limb a ring may be for others not to hide it.
+_WIDER = 1.6
+# Directions in a plane.
+_AROUND = (
+    np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)])
+    * np.where(np.arange(8) % 2, np.sqrt(0.5), 1.0)[:, np.newaxis]
+)
 
 
 class ControlSizes:
@@ -62,6 +72,15 @@ class ControlSizes:
         bone = max(bone, SHORTEST * self.typical)
         return max(MARGIN * around, LEAST * bone) if around > 0 else RADIUS * bone, normal
 
+    def of_end(self, limb: Limb) -> float:
+        """Half the edge of a cube around the end of a limb: how thick the limb is where it arrives there."""
+        end, bone = self.world[limb.end, 3, :3], self.world[limb.end, 3, :3] - self.world[limb.middle, 3, :3]
+        for place in (end - bone * BEFORE, end) if bone.any() else ():
+            thick = self.sections.thickness([limb.middle, limb.end], place, normalise(bone))
+            if thick > 0:
+                return MARGIN * thick
+        return self.of(limb.end)[0]
+
 
 class SkinSections:
     """The meshes of a rig at rest, which planes through joints cut."""
@@ -77,34 +96,43 @@ class SkinSections:
             found.setdefault(key, []).append(_Skinned(rig, mesh))
 
     def radius(self, joint: int, place: Floats, normal: Floats) -> float:
-        """How far from a place, (3,), skin reaches in the plane square to ``normal``, (3,) unit.
+        """How wide a ring around a place, (3,), must be in the plane square to ``normal``, (3,) unit.
 
-        Of the joint, its parent and its children. Where the plane cuts no such skin, how far it reaches from
-        the line along the normal; 0 without any skin. File units, in the world.
+        The joint's own skin lies inside it, where the plane cuts that; else all of it, seen along the normal.
+        The other leg, or the trunk below a clavicle, is not asked for; but where half of the ring would be
+        hidden in them it is up to `_WIDER` as wide. 0 without any skin. File units, in the world.
         """
-        cut = whole = 0.0
-        for skinned, own in self._of(joint):
-            flat, _ = _seen(skinned.points[own], place, normal)
+        own = whole = 0.0
+        for skinned, vertices in self._near(joint):
+            flat, _ = _seen(skinned.points[vertices], place, normal)
             whole = max(whole, float(length(flat).max(initial=0.0)))
-            flat, height = _seen(skinned.points[skinned.edges_of(own)], place, normal)
-            a, b = height.T
-            crosses = ((a <= 0) & (b > 0)) | ((b <= 0) & (a > 0))
-            flat, a, b = flat[crosses], a[crosses], b[crosses]
-            share = (a / (a - b))[:, np.newaxis]
-            cut = max(cut, float(length(flat[:, 0] + share * (flat[:, 1] - flat[:, 0])).max(initial=0.0)))
-        return cut or whole
+            lines = skinned.cut(skinned.triangles_of(vertices), place, normal)
+            own = max(own, float(length(lines).max(initial=0.0)))
+        cuts = [skinned.cut(skinned.triangles, place, normal) for skinned in self._body]
+        return max(own or whole, min(_half(cuts, normal), _WIDER * (own or whole)))
 
-    def _of(self, joint: int) -> Iterator[tuple[_Skinned, Integers]]:
-        """The meshes that have skin of a joint or of its neighbours, and which vertices of each, (v,).
+    def thickness(self, joints: list[int], place: Floats, normal: Floats) -> float:
+        """How thick the skin of joints is in the plane: as `radius`, but half of the directions are enough.
 
-        Meshes that are children of a joint are the body where there is no skin; else they are held or worn.
+        So the length of a foot does not count where its ankle is low.
         """
-        joints = [joint, int(self.rig.parents[joint]), *self.rig.children[joint]]
+        near = [(skinned, skinned.triangles_of(vertices)) for skinned, vertices in self._of(joints)]
+        return _half([skinned.cut(corners, place, normal) for skinned, corners in near], normal)
+
+    def _near(self, joint: int) -> list[tuple[_Skinned, Integers]]:
+        """As `_of` a joint, or its neighbours where it has none."""
+        return self._of([joint]) or self._of([int(self.rig.parents[joint]), *self.rig.children[joint]])
+
+    def _of(self, joints: list[int]) -> list[tuple[_Skinned, Integers]]:
+        """The meshes that have skin of joints, and which vertices of each, (v,).
+
+        Meshes that are children of joints are the body where there is no skin; else they are held or worn.
+        """
         found = list(self._skin_of(joints))
         if not found:
             rigid = (mesh for node in joints for mesh in self._by_node.get(node, ()))
             found = [(mesh, np.arange(len(mesh.points))) for mesh in rigid if mesh.usable]
-        yield from found
+        return found
 
     def _skin_of(self, joints: list[int]) -> Iterator[tuple[_Skinned, Integers]]:
         for skin, meshes in self._by_skin.items():
@@ -113,6 +141,12 @@ class SkinSections:
                 own = skinned.vertices_of(rows)
                 if len(own) and skinned.usable:
                     yield skinned, own
+
+    @cached_property
+    def _body(self) -> list[_Skinned]:
+        """The meshes that a body consists of: those with a skin, else all."""
+        found = [skinned for meshes in (self._by_skin or self._by_node).values() for skinned in meshes]
+        return [skinned for skinned in found if skinned.usable]
 
     @cached_property
     def _rows(self) -> dict[int, dict[int, list[int]]]:
@@ -142,26 +176,47 @@ class _Skinned:
         return bool(np.isfinite(self.points).all())
 
     def vertices_of(self, rows: list[int]) -> Integers:
-        """The vertices, (v,), that rows of the skin's joints move."""
+        """The vertices, (v,), that rows of the skin's joints move most."""
         return np.unique(self._own.of(np.array(rows)))
 
-    def edges_of(self, vertices: Integers) -> Integers:
-        """The edges, (e, 2), that vertices are at, some twice."""
-        return np.asarray(self._edges[self._at.of(vertices)])
+    def triangles_of(self, vertices: Integers) -> Integers:
+        """The triangles, (t, 3), that vertices are at, some more than once."""
+        return np.asarray(self.triangles[self._at.of(vertices)])
+
+    def cut(self, corners: Integers, place: Floats, normal: Floats) -> Floats:
+        """The lines, (m, 2, 3), in which triangles, (t, 3), cut a plane, seen from ``place``."""
+        above = (dot(self.points, normal) > dot(place, normal))[corners]
+        corners = corners[above.any(axis=1) & ~above.all(axis=1)]
+        flat, height = _seen(self.points[corners], place, normal)
+        above = height > 0
+        # The corner that is alone on its side comes first.
+        a, b, c = above.T
+        alone = np.where(b == c, 0, np.where(a == c, 1, 2))
+        order = (alone[:, np.newaxis] + np.arange(3)) % 3
+        each = np.arange(len(order))[:, np.newaxis]
+        flat, height = flat[each, order], height[each, order]
+        apart = height[:, :1] - height[:, 1:]
+        share = height[:, :1] / np.where(apart == 0, 1.0, apart)
+        return np.asarray(flat[:, :1] + share[..., np.newaxis] * (flat[:, 1:] - flat[:, :1]))
 
     @cached_property
     def _own(self) -> _Groups:
-        vertices, columns = np.nonzero(self.mesh.weights >= _OWN)
+        weights = self.mesh.weights
+        vertices, columns = np.nonzero(weights >= _LARGEST * weights.max(axis=1, keepdims=True))
         return _Groups(self.mesh.joints[vertices, columns], vertices)
 
     @cached_property
-    def _edges(self) -> Integers:
-        return _edges(self.mesh)
+    def triangles(self) -> Integers:
+        """(t, 3); none where its faces cannot be read."""
+        try:
+            return triangles(self.mesh)
+        except FileError:
+            return np.zeros((0, 3), dtype=np.int64)
 
     @cached_property
     def _at(self) -> _Groups:
-        numbers = np.arange(len(self._edges))
-        return _Groups(self._edges.T.ravel(), np.concatenate([numbers, numbers]))
+        numbers = np.arange(len(self.triangles))
+        return _Groups(self.triangles.T.ravel(), np.concatenate([numbers] * 3))
 
 
 class _Groups:
@@ -187,10 +242,20 @@ def _seen(points: Floats, place: Floats, normal: Floats) -> tuple[Floats, Floats
     return away - height[..., np.newaxis] * normal, height
 
 
-def _edges(mesh: Mesh) -> Integers:
-    """The edges of a mesh's triangles, (e, 2); none where its faces cannot be read."""
-    try:
-        found = triangles(mesh)
-    except FileError:
-        return np.zeros((0, 2), dtype=np.int64)
-    return np.concatenate([found[:, [0, 1]], found[:, [1, 2]], found[:, [2, 0]]])
+def _half(cuts: list[Floats], normal: Floats) -> float:
+    """How far a ring around a normal must reach for half of it to be beyond all lines, (m, 2, 3) each."""
+    ends = np.array([np.zeros(len(_AROUND)), *(_ends(lines, normal) for lines in cuts)]).max(axis=0)
+    return float(np.sort(ends)[len(ends) // 2])
+
+
+def _ends(lines: Floats, normal: Floats) -> Floats:
+    """How far lines, (m, 2, 3), lie away at most in each of the directions `_AROUND` a normal, (8,)."""
+    u = normalise(perpendicular(np.eye(3)[int(np.argmin(np.abs(normal)))], normal))
+    v = cross(normal, u)
+    ahead = _AROUND[:, :1] * u + _AROUND[:, 1:] * v
+    aside = cross(normal, ahead)
+    along, across = (dot(lines[np.newaxis], k[:, np.newaxis, np.newaxis]) for k in (ahead, aside))
+    (a, b), (c, d) = (np.moveaxis(k, 2, 0) for k in (along, across))
+    crosses = (c <= 0) != (d <= 0)
+    share = c / np.where(crosses, c - d, 1.0)
+    return np.asarray(np.where(crosses, a + share * (b - a), 0.0).max(axis=1, initial=0.0))

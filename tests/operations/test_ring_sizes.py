@@ -11,6 +11,7 @@ from rigtri.evaluation.skinning import deformed
 from rigtri.formats import read
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.mesh_triangles import triangles
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
 
@@ -41,3 +42,28 @@ def test_rings_are_outside_the_skin(name: str) -> None:
         points = lines.segments[::4, 0] @ rig.world[node][:3, :3] + rig.world[node][3, :3]
         inside = [abs(winding(point, faces)) > 0.5 for point in points]
         assert np.mean(inside) <= 0.5, rig.names[node]
+
+
+def sizes(name: str, kind: str) -> dict[str, float]:
+    """How large the shape of each joint's control of a kind is."""
+    rig = rigtri.add_controls(read(SAMPLES / name).rig, whole_character=True)
+    records = rig.records(ControlRecord).values()
+    return {record.joint: record.size or 0.0 for record in records if record.kind == kind}
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "tpose.glb"])
+def test_a_ring_is_as_wide_as_its_own_limb_and_not_as_what_else_its_plane_cuts(name: str) -> None:
+    """The plane of a thigh cuts the other leg, and that of a clavicle the whole trunk."""
+    rings, rig = sizes(name, "fk"), read(SAMPLES / name).rig
+    left, right = (rig.world[rig.find(f"thigh_{side}"), 3, :3] for side in "LR")
+    for side in "LR":
+        assert rings[f"thigh_{side}"] < np.linalg.norm(left - right)
+        assert rings[f"clavicle_{side}"] < 0.6 * rings["chest"]
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "tpose.glb"])
+def test_a_cube_is_as_large_as_the_limb_is_thick_where_it_arrives(name: str) -> None:
+    """Not as long as the foot is; and alike on both sides, where the skin of the shin ends at the ankle."""
+    cubes = sizes(name, "ik")
+    assert cubes["foot_L"] == pytest.approx(cubes["foot_R"], rel=0.05)
+    assert cubes["foot_L"] < 2 * cubes["hand_L"]
