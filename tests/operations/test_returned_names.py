@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,10 @@ from places import every_other
 from program import cli
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+import rigtri
+from rigtri.errors import GeometryError
 from rigtri.formats import read
+from rigtri.report import Report
 
 
 def returned(rig: Path, out: Path, *, names: dict[str, str], stored: bool) -> Path:
@@ -79,6 +83,15 @@ def test_keys_of_nodes_that_nobody_knows_are_an_error(rig: Path, tmp_path: Path)
     printed = cli(*words, code=5).output
     assert "'shape_004' of this file have keys" in printed
     assert "'hand_L_ik_ctl'" in printed
+
+
+def test_joints_without_names_are_the_reason_why_no_control_finds_its_joint(samples: Path) -> None:
+    plain = read(samples / "tpose.glb").rig
+    hips = plain.labels[plain.find("hips")]
+    rig = rigtri.add_controls(replace(plain, names=("",) * len(plain)), below=hips)
+    named = tuple(name or f"Bone_{k}" for k, name in enumerate(rig.names))
+    with pytest.raises(GeometryError, match=r"have no names, and --rig finds joints by these.*take-clips RIG"):
+        rigtri.as_described(replace(rig, names=named), rig, report=Report())
 
 
 def test_the_curve_of_a_control_has_its_name(rig: Path) -> None:

@@ -117,14 +117,21 @@ def _refuse_strange_joints(rig: Rig, nodes: Collection[int], described: Rig, rep
     called = name if joint is None else described.names[joint]
     there, here = described.names.count(called), rig.names.count(called)
     reason = "this file has no such joint"
-    if there > 1:
+    remedy = "Name a file that has this character alone, or at the same paths"
+    if not called:
+        reason = f"{there} nodes of that file have no names, and --rig finds joints by these"
+        remedy = (
+            "take-clips finds them by their places: rigtri take-clips RIG --from EDITED -o OUT. Or give them "
+            "names before the rig is built, with rigtri rename-joints"
+        )
+    elif there > 1:
         reason = f"{there} nodes of that file are called '{called}', so it means each by its path"
     elif here > 1:
         reason = f"{here} nodes of this file are called '{called}', so the name is ambiguous"
     more = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
     text = f"'{name}'{more}, which controls of the file of --rig move, is not found in this file: {reason}"
     if len(lost) == len(set(joints)):
-        raise GeometryError(f"{text}. Name a file that has this character alone, or at the same paths")
+        raise GeometryError(f"{text}. {remedy}")
     report.warn("not-in-this-file", text)
 
 
