@@ -161,3 +161,13 @@ def test_a_file_that_lies_at_rest_as_its_format_has_no_up_is_set_upright_with_a_
 
 def without(clip: Clip, node: int) -> Clip:
     return replace(clip, tracks=tuple(track for track in clip.tracks if track.node != node))
+
+
+def test_bind_poses_in_a_space_of_their_own_lay_nobody_down() -> None:
+    """Before, a body came out on its side, as the bind poses were."""
+    rig = rig_of()
+    turned = np.eye(4)
+    turned[:3, :3] = [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]
+    skins = (replace(skin, inverse_bind=turned @ skin.inverse_bind) for skin in rig.skins)
+    edited = replace(rig, skins=tuple(skins))
+    assert apart(take_clips(replace(rig, clips=()), from_=edited), edited, "walk") < CLOSE

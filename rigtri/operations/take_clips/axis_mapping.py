@@ -178,7 +178,17 @@ class Counterparts:
             if float(np.abs(turn - upright).max()) <= SAME_TURN:
                 return upright
         nearest = nearest_axis_turn(turn[np.newaxis])
-        return nearest if float(np.abs(turn - nearest).max()) <= SAME_TURN else upright
+        if float(np.abs(turn - nearest).max()) > SAME_TURN:
+            return upright
+        # Spaces of bind poses are free: that the world lies must show in it, too.
+        if self._stands(nearest) or _most_apart(*self._directions, nearest) <= MOST_DEGREES:
+            return nearest
+        return upright
+
+    def _stands(self, turn: Floats) -> bool:
+        """Whether a rotation, (3, 3), takes EDITED's up to RIG's."""
+        up = transform_directions(np.array(self.other.rules.up), from_frame(turn, np.zeros(3)))
+        return bool(np.abs(up - np.array(self.rig.rules.up)).max() <= SAME_TURN)
 
     @cached_property
     def _turned_bare(self) -> Floats:
@@ -193,10 +203,8 @@ class Counterparts:
             return upright
         off = [_most_apart(ours, theirs, turn) for turn in AXIS_TURNS]
         turn = AXIS_TURNS[int(np.argmin(off))]
-        up = transform_directions(np.array(self.other.rules.up), from_frame(turn, np.zeros(3)))
-        stands = np.abs(up - np.array(self.rig.rules.up)).max() <= SAME_TURN
         with_axes = np.abs(turn - self._bare_axes).max() <= SAME_TURN
-        return turn if min(off) <= MOST_DEGREES and (with_axes or not stands) else upright
+        return turn if min(off) <= MOST_DEGREES and (with_axes or not self._stands(turn)) else upright
 
     @cached_property
     def _directions(self) -> tuple[Floats, Floats]:
