@@ -36,17 +36,12 @@ from rigtri.maths.similarity_fit import (
     upright_turn,
 )
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, length
+from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, most_apart, placings
 from rigtri.operations.take_clips.node_matching import pairs
-
-# Of the size; shorter bones have no direction and no length that counts.
-SHORT = 1e-2
-# Degrees. One skeleton after a DCC is off by 0.1 at most (joints that move a little against their parents),
-# other characters with the same names by up to 157. At 5, the end of a limb is a tenth of its length beside.
-MOST_DEGREES = 5.0
 
 
 def _moved(exact: Floats, rounded: Floats) -> float:
@@ -60,57 +55,6 @@ def _median(ours: Floats, theirs: Floats) -> float | None:
     """The median of ratios of what has a size, (k,); None where nothing has."""
     fit = np.isfinite(ours) & np.isfinite(theirs) & (ours > 0) & (theirs > 0)
     return float(np.median(ours[fit] / theirs[fit])) if fit.any() else None
-
-
-def _most_apart(ours: Floats, theirs: Floats, turn: Floats) -> float:
-    """The largest angle, in degrees, between directions, (k, 3), and others that are turned by (3, 3)."""
-    seen = transform_directions(theirs, from_frame(turn, np.zeros(3)))
-    return float(np.degrees(angle(ours, seen)).max(initial=0.0))
-
-
-def bind_poses(rig: Rig) -> dict[int, Floats]:
-    """Where joints stand in their skins' bind poses, (4, 4) each."""
-    found: dict[int, Floats] = {}
-    for skin in rig.skins:
-        if skin.stored:
-            for joint, matrix in zip(skin.joints.tolist(), skin.bind, strict=True):
-                if np.isfinite(matrix).all():
-                    found.setdefault(joint, matrix)
-    return found
-
-
-def placed(rig: Rig) -> Floats:
-    """How the world sees bind poses turned, a rotation, (3, 3).
-
-    As what stands above the topmost joints turns them, or not at all, whichever these are nearer to at rest:
-    some programs bind below that node, others in the world. What is posed below the topmost tells nothing.
-    """
-    return _placings(rig)[0]
-
-
-def _placings(rig: Rig) -> tuple[Floats, Floats]:
-    """How the world sees bind poses turned, (3, 3), and how it would if nobody had turned the body.
-
-    Of what stands above the topmost joints, the smallest of the 24 rotations that sets its up axis upright
-    belongs to the axes of the file; all else, such as a turn about up, may be where the body was put.
-    """
-    binds = bind_poses(rig)
-    tops = [n for n in binds if not binds.keys() & set(rig.path_to_root(n)[1:])]
-    tops = [n for n in tops if np.isfinite(rig.world[n]).all() and rig.parents[n] >= 0]
-    if not tops:
-        return np.eye(3), np.eye(3)
-    above = from_frame(nearest_rotation(rig.world[rig.parents[tops[0]]]), np.zeros(3))
-    up = np.array(rig.rules.up)
-    lies = upright_turn(np.rint(transform_directions(up, inverse(above))), up)
-    bound = from_frame(nearest_rotation([binds[n] for n in tops]), np.zeros(3))
-    rest = nearest_rotation(rig.world[tops])
-    # Traces of how far each candidate is from what is seen: the larger, the nearer.
-    near = [
-        float((multiply(bound, turn)[:, :3, :3] * rest).ravel().cumsum()[-1]) for turn in (np.eye(4), above)
-    ]
-    if near[1] > near[0]:
-        return np.asarray(above[:3, :3]), lies
-    return np.eye(3), np.asarray(multiply(inverse(above), from_frame(lies, np.zeros(3)))[:3, :3])
 
 
 class Counterparts:
@@ -172,7 +116,7 @@ class Counterparts:
             return self._turned_bare
         between = from_frame(self._bind_turn, np.zeros(3))
         upright = upright_turn(self.other.rules.up, self.rig.rules.up)
-        for theirs, ours in product(_placings(self.other), _placings(self.rig)):
+        for theirs, ours in product(placings(self.other), placings(self.rig)):
             seen = multiply(inverse(from_frame(theirs, np.zeros(3))), between)
             turn = np.asarray(multiply(seen, from_frame(ours, np.zeros(3)))[:3, :3])
             if float(np.abs(turn - upright).max()) <= SAME_TURN:
@@ -181,7 +125,7 @@ class Counterparts:
         if float(np.abs(turn - nearest).max()) > SAME_TURN:
             return upright
         # Spaces of bind poses are free: that the world lies must show in it, too.
-        if self._stands(nearest) or _most_apart(*self._directions, nearest) <= MOST_DEGREES:
+        if self._stands(nearest) or most_apart(*self._directions, nearest) <= MOST_DEGREES:
             return nearest
         return upright
 
@@ -199,9 +143,9 @@ class Counterparts:
         """
         upright = upright_turn(self.other.rules.up, self.rig.rules.up)
         ours, theirs = self._directions
-        if not len(ours) or _most_apart(ours, theirs, upright) <= MOST_DEGREES:
+        if not len(ours) or most_apart(ours, theirs, upright) <= MOST_DEGREES:
             return upright
-        off = [_most_apart(ours, theirs, turn) for turn in AXIS_TURNS]
+        off = [most_apart(ours, theirs, turn) for turn in AXIS_TURNS]
         turn = AXIS_TURNS[int(np.argmin(off))]
         with_axes = np.abs(turn - self._bare_axes).max() <= SAME_TURN
         return turn if min(off) <= MOST_DEGREES and (with_axes or not self._stands(turn)) else upright
@@ -226,7 +170,7 @@ class Counterparts:
         ours, theirs = self._long(
             self.rig.local[bones, 3, :3], self.other.local[[self.of[n] for n in bones], 3, :3]
         )
-        off = [_most_apart(ours, theirs, turn) for turn in AXIS_TURNS] if len(ours) else [0.0]
+        off = [most_apart(ours, theirs, turn) for turn in AXIS_TURNS] if len(ours) else [0.0]
         best = int(np.argmin(off))
         return np.asarray(AXIS_TURNS[best if off[best] <= MOST_DEGREES < off[0] else 0])
 

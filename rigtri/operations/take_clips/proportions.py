@@ -24,7 +24,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, cross, dot, length, normalise
 from rigtri.model.animation import Path, key_values
 from rigtri.model.rig import Rig
-from rigtri.operations.take_clips.axis_mapping import MOST_DEGREES, SHORT, Counterparts, bind_poses, placed
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, bind_poses, placed
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report
 

@@ -20,7 +20,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.metadata import ADDED, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
-from rigtri.operations.take_clips.axis_mapping import bind_poses
+from rigtri.operations.take_clips.bind_space import bind_poses
 from rigtri.operations.take_clips.ik_switches import (
     drop_switched_off_ik_keys,
     hold_switched_on_ik,

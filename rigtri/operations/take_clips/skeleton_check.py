@@ -19,7 +19,8 @@ from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
-from rigtri.operations.take_clips.axis_mapping import MOST_DEGREES, SHORT, Counterparts
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions, keys, varying
 from rigtri.operations.take_clips.retargeting import rest_parts

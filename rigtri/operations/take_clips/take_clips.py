@@ -22,7 +22,8 @@ from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.take_clips import TakeClipsOptions as TakeClipsOptions
 from rigtri.operations.take_clips.armature_motion import put_back
-from rigtri.operations.take_clips.axis_mapping import SHORT, Counterparts
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.bind_space import SHORT
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.clip_matching import ClipNames, Taken
 from rigtri.operations.take_clips.generated_names import span
