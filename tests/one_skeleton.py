@@ -35,9 +35,12 @@ COMMANDS = {
     "limit-weights": ("--normalise",),
     "set-rest": ("--pose", "tpose"),
     "add-root": (),
-    "root-motion": (),
-    "conform": ("--to", "mixamo"),
+    "root-motion": ("--yaw",),
+    "conform unreal": ("--to", "unreal"),
+    "conform godot": ("--to", "godot"),
 }
+# What a file has to have first.
+FIRST = {"root-motion": ("add-root",)}
 SUFFIXES = (".glb", ".gltf", ".vrm", ".usd", ".usda", ".usdc", ".usdz")
 
 
@@ -47,6 +50,12 @@ def cell(command: str, path: Path, folder: Path) -> str:
     for each in (out, again, report):
         each.parent.mkdir(exist_ok=True, parents=True)
     words = (*COMMANDS[command], "--allow-external-paths", "--overwrite")
+    command = command.partition(" ")[0]
+    for first in FIRST.get(command, ()):
+        ready = folder / "ready" / path.name
+        ready.parent.mkdir(exist_ok=True)
+        if run(first, path, "-o", ready, "--allow-external-paths", "--overwrite").exit_code == 0:
+            path = ready
     ran = run(command, path, "-o", out, *words, "--report", report.with_suffix(".json"))
     if ran.exit_code:
         return f"({ran.exit_code})"

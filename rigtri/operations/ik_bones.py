@@ -18,6 +18,7 @@ from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import (
     Timeline,
     as_float32,
+    keys_and_between,
     put_tracks,
     steps_only,
     timelines,
@@ -87,7 +88,9 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
     if left_out:
         report.warn("no-bones", f"{listed(left_out, 8)} left out: nothing here is surely what they follow")
     for timeline in timelines(rig) if followers else ():
-        rig = put_tracks(rig, timeline, _tracks(rig, timeline, followers, root))
+        # Keys that follow already stay to the bit: the rounding of what they were made of is in them.
+        if not _follow(rig, timeline, followers):
+            rig = put_tracks(rig, timeline, _tracks(rig, timeline, followers, root))
     return rig
 
 
@@ -122,6 +125,17 @@ def _seen(world: Floats, parent: Floats) -> Floats:
     above[..., :3, :3] = orthonormal_axes(np.broadcast_to(parent, world.shape))
     turned = multiply(own, inverse(above))
     return np.concatenate([local[..., 3, :3], from_axes(orthonormal_axes(turned))], axis=-1)
+
+
+def _follow(rig: Rig, timeline: Timeline, followers: Sequence[_Follower]) -> bool:
+    """Whether joints are where their leaders are, at all keys of these and between them."""
+    nodes, _, leaders = np.array(followers).T
+    times = keys_and_between(times_and_jumps(timeline, None, rig.rules.per_second))
+    world = worlds(rig, locals_at(rig, timeline.clip, times))
+    one, other = world[:, nodes], world[:, leaders]
+    turned = angle_between(*(from_axes(orthonormal_axes(each)) for each in (one, other)))
+    off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * size_of(rig) * turned
+    return bool(off.max() <= 2.0 * _WITHIN * size_of(rig))
 
 
 def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:
