@@ -111,7 +111,7 @@ def slow(*values: Any) -> Any:
 
 
 def every_other(*choices: Sequence[Any], of: int = 2) -> list[Any]:
-    """One in ``of`` combinations of some choices, which has each choice; with --slow all of them."""
+    """One in ``of`` combinations of some choices; with --slow all of them."""
     places = product(*(range(len(some)) for some in choices))
     return [
         values if sum(place) % of == 0 else slow(*values)

@@ -541,7 +541,7 @@ def test_a_full_standard_output_is_reported_in_one_line(
 
 
 @POSIX
-@pytest.mark.parametrize(("name", "machine"), CASES)
+@pytest.mark.parametrize(("name", "machine"), [*CASES[:-2], slow("--help", False)])
 def test_a_closed_standard_output_is_no_success(
     name: str, machine: bool, samples: Path, tmp_path: Path
 ) -> None:

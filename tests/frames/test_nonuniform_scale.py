@@ -97,7 +97,7 @@ def test_a_split_moves_nothing_and_a_second_run_changes_no_byte(
     assert again.read_bytes() == out.read_bytes()
 
 
-@pytest.mark.parametrize(("case", "suffix"), every_other(list(CASES), SUFFIXES))
+@pytest.mark.parametrize(("case", "suffix"), every_other(list(CASES), SUFFIXES, of=4))
 def test_every_joint_of_a_split_aims_along_its_axis(case: str, suffix: str, tmp_path: Path) -> None:
     source, out = made(tmp_path, CASES[case], suffix), tmp_path / f"out{suffix}"
     oriented(source, out)

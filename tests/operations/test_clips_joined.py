@@ -11,6 +11,7 @@ import pytest
 from baked_files import keyed_file, rigged_file
 from baked_rigs import control, rigged, size
 from engines import blender_edit
+from places import slow
 from program import cli
 from rigs import chain
 from taken_clips import split
@@ -203,11 +204,11 @@ def test_numbers_choose_clips_of_edited() -> None:
     "words",
     [
         ["bake", "IN", "--clip", "#9"],
-        ["pose", "IN", "--at", "#9@0"],
-        ["snap", "IN", "--all-limbs", "--to", "fk", "--at", "#9@0"],
-        ["take-clips", "IN", "--from", "IN", "--clip", "#9"],
+        slow(["pose", "IN", "--at", "#9@0"]),
+        slow(["snap", "IN", "--all-limbs", "--to", "fk", "--at", "#9@0"]),
+        slow(["take-clips", "IN", "--from", "IN", "--clip", "#9"]),
         ["take-clips", "IN", "--from", "IN", "--as", "walk=#9"],
-        ["bake", "IN", "--rig", "IN", "--as", "walk=#9"],
+        slow(["bake", "IN", "--rig", "IN", "--as", "walk=#9"]),
     ],
     ids=lambda words: f"{words[0]} {words[-2]}",
 )

@@ -286,7 +286,7 @@ def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: R
 
 @pytest.mark.parametrize(
     ("what", "kind"),
-    [("limbs", "limb"), ("twists", "twist"), ("constraints", "constraint"), ("rivets", "rivet")],
+    [("limbs", "limb"), slow("twists", "twist"), ("constraints", "constraint"), slow("rivets", "rivet")],
 )
 def test_only_what_is_requested_is_mirrored(what: Any, kind: str, samples: Path) -> None:
     report = Report()

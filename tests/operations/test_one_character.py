@@ -81,9 +81,8 @@ def built(rig: Rig) -> list[list[str]]:
 def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
     suffix: str, samples: Path, tmp_path: Path
 ) -> None:
-    source, out, again = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "again"))
-    pair(samples, tmp_path, suffix)
-    cli("add-controls", source, "-o", out, "--whole-character", code=0)
+    out = tmp_path / f"out.{suffix}"
+    cli("add-controls", pair(samples, tmp_path, suffix), "-o", out, "--whole-character", code=0)
     rig = read(out).rig
     one, other = built(rig)
     assert len(one) == len(other)
@@ -93,9 +92,16 @@ def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
     for node in rig.nodes_of("control") if suffix == "usda" else ():
         joint = rig.known(rig.metadata[node]["joint"])
         assert [node in rig.below(top) for top in tops] == [joint in rig.below(top) for top in tops]
-    cli("add-controls", out, "-o", again, "--whole-character", code=0)
+
+
+@pytest.mark.parametrize("suffix", [slow("usda"), "gltf"])
+def test_both_characters_are_built_and_built_again(suffix: str, samples: Path, tmp_path: Path) -> None:
+    source, out, again = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "again"))
+    cli("auto", pair(samples, tmp_path, suffix), "-o", out, code=0)
+    assert all(built(read(out).rig))
+    for first, second in ((source, out), (out, again)):
+        cli("add-controls", first, "-o", second, "--whole-character", "--overwrite", code=0)
     assert again.read_bytes() == out.read_bytes()
-    cli("auto", source, "-o", tmp_path / f"auto.{suffix}", code=0)
 
 
 @pytest.mark.parametrize("suffix", [slow("usda"), "gltf"])

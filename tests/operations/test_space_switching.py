@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import SAMPLES
+from places import SAMPLES, slow
 from program import cli
 from rigs import rig_of
 
@@ -126,7 +126,7 @@ def test_a_second_run_changes_nothing_and_keeps_the_keys_of_other_clips() -> Non
     assert not plain.nodes_of("constraintWeight")
 
 
-@pytest.mark.parametrize("suffix", ["glb", "usda"])
+@pytest.mark.parametrize("suffix", ["glb", slow("usda")])
 def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp_path: Path) -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / f"biped.{suffix}"), limbs="auto", root_control=True)
     rig = rigtri.bake(rig, to="controls", clip=("walk",))

@@ -297,7 +297,7 @@ def test_the_axes_by_default_are_those_of_orient_joints_and_make_sense(name: str
         assert np.abs(axes[0] - axes[1]).max() < 1e-5
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_limbs_that_have_twist_joints_of_rigtri_keep_them(suffix: str, tmp_path: Path) -> None:
     one, built, again = (tmp_path / f"{name}{suffix}" for name in ("one", "built", "again"))
     bone = ["--joint", "upper_arm_L", "--to", "forearm_L", "--count", "1", "--split-weights"]

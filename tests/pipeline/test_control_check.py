@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_parts
-from places import SAMPLES, asset_files
+from places import SAMPLES, asset_files, slow
 from program import cli
 
 import rigtri
@@ -107,7 +107,7 @@ def test_auto_leaves_no_output_and_marks_its_spec_where_a_control_does_nothing(
     assert "hand_L_ik_ctl" in why
 
 
-@pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "mirrored_pair.glb", "flat_ik.glb"])
+@pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda"), slow("mirrored_pair.glb"), "flat_ik.glb"])
 def test_each_twist_joint_that_auto_adds_has_weight(name: str, tmp_path: Path) -> None:
     out = tmp_path / f"out.{name}"
     cli("auto", SAMPLES / name, "-o", out, code=0)

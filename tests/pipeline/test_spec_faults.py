@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -294,13 +295,13 @@ def test_defaults_that_mean_nothing_are_refused(line: str, extended: bool, tmp_p
     assert (place[0], more) == (2, [])
     assert WRONG[line] in text
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(YAML(typ="safe", pure=True).load(head), schema())
+        schema().validate(YAML(typ="safe", pure=True).load(head))
 
 
 def test_what_defaults_need_not_list_they_may_leave_out(tmp_path: Path) -> None:
     text = "defaults:\n  constrain: {space: local, optional: true}\nsteps: [{do: orient-joints}]\n"
     load(write(tmp_path, text))
-    jsonschema.validate(YAML(typ="safe", pure=True).load(text), schema())
+    schema().validate(YAML(typ="safe", pure=True).load(text))
 
 
 # Files belong to the spec that names them
@@ -341,8 +342,10 @@ def test_a_path_in_a_variable_is_seen_from_who_gives_it(
 # Schema and build agree
 
 
+@cache
 def schema() -> Any:
-    return json.loads((ROOT / "schemas" / "spec.schema.json").read_text())
+    """What editors hold a spec against."""
+    return jsonschema.Draft202012Validator(json.loads((ROOT / "schemas" / "spec.schema.json").read_text()))
 
 
 def right(path: Path) -> Spec | None:
@@ -370,7 +373,7 @@ def right(path: Path) -> Spec | None:
 def test_the_schema_takes_what_a_build_takes(text: str, fits: bool, tmp_path: Path) -> None:
     assert (right(write(tmp_path, text)) is not None) is fits
     plain = YAML(typ="safe", pure=True).load(text)
-    assert jsonschema.Draft202012Validator(schema()).is_valid(plain) is fits
+    assert schema().is_valid(plain) is fits
 
 
 def test_a_value_that_a_variable_gives_is_reported_with_the_variable(tmp_path: Path) -> None:

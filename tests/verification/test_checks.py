@@ -47,7 +47,9 @@ CASES = [(rule, k, make) for rule, makes in BROKEN.items() for k, make in enumer
 
 @pytest.mark.parametrize(("rule", "make"), [c[::2] for c in CASES], ids=[f"{c[0]}-{c[1]}" for c in CASES])
 def test_the_smallest_broken_file_gives_just_that_finding(rule: str, make: Make, tmp_path: Path) -> None:
-    findings = check(make(tmp_path))
+    """And an error, where the reader refuses the file."""
+    path = make(tmp_path)
+    findings = check(path)
     assert rule in ids(findings)
     wanted = {rule} if RULES[rule].severity != "info" else set()
     assert serious(findings) - wanted == ALONG.get(rule, set()) & serious(findings)
@@ -56,14 +58,10 @@ def test_the_smallest_broken_file_gives_just_that_finding(rule: str, make: Make,
     assert first.message
     assert first.remedy
     assert first.severity == RULES[rule].severity
-
-
-@pytest.mark.parametrize("make", [c[2] for c in CASES], ids=[f"{c[0]}-{c[1]}" for c in CASES])
-def test_what_the_reader_refuses_the_check_calls_an_error(make: Make, tmp_path: Path) -> None:
-    path = make(tmp_path)
+    refused = refusal(path)
     # No skeleton at all is no fault of a file.
-    if refusal(path) and "no skeleton" not in refusal(path):
-        assert "error" in {finding.severity for finding in check(path)}
+    if refused and "no skeleton" not in refused:
+        assert "error" in {finding.severity for finding in findings}
 
 
 def test_a_vertex_that_is_no_number_is_named_with_its_place(tmp_path: Path) -> None:

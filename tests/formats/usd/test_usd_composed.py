@@ -120,9 +120,9 @@ def baked_alone(built: Path) -> int:
     return _nodes(cli("bake", built / "hero.usda", "--to", "joints", "--dry-run", code=0).output)
 
 
-# Of references alone, and of payloads, which are read as references are, others stand for them.
+# Of references alone, wherever they are, and of payloads, which are read as they are, others stand for them.
 @pytest.mark.parametrize(
-    "text", [slow(text) if text in ("once", "twice", "payload") else text for text in SHOTS]
+    "text", [slow(text) if text in ("once", "twice", "payload", "deep") else text for text in SHOTS]
 )
 def test_a_composed_rig_bakes_as_the_rig_that_it_refers_to(text: str, built: Path, baked_alone: int) -> None:
     """Into the shot's own layer, for each reference by itself."""

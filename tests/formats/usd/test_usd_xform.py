@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import SAMPLES
+from places import SAMPLES, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom
 from usd_files import MESH, animation, error_of, read, save, scene, skeleton, turned, write
@@ -168,7 +168,7 @@ def driven(folder: Path, stack: str) -> Path:
     return folder / "in.usda"
 
 
-@pytest.mark.parametrize("stack", ["euler", "split", "scale", "transform"])
+@pytest.mark.parametrize("stack", ["euler", slow("split"), "scale", slow("transform")])
 def test_drivers_of_any_ops_are_evaluated_as_usd_plays_them(stack: str, tmp_path: Path) -> None:
     source, ruled, baked = driven(tmp_path, stack), tmp_path / "ruled.usda", tmp_path / "baked.usda"
     root = ("--root", "/rig")
