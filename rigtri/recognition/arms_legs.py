@@ -266,8 +266,6 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
 
 def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, ...]]:
     """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
-    if by_names and draft.limbs_alone and body.form == "biped":
-        return 1.0, ()  # of limbs only front and hind legs differ by it
     plane = draft.shape.plane
     assert plane is not None
     ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses)

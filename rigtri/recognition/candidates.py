@@ -22,7 +22,7 @@ class Draft:
     reading: what names say, None where nothing. words: what single words of names say of limbs.
     certain: bones of a humanoid map, bones: those found so far, both by their names. controls: joints that
     are known to be none of the body. segments: joints that are parts of the bones above them, and none of
-    the tree. limbs_alone: nobody asks for more than sure arms and legs. up, facing, left: unit directions of
+    the tree. up, facing, left: unit directions of
     the world, zero where unknown. hips, chest: where legs and arms hang, −1 where unknown. four: whether it
     stands on four legs. remarks: sentences for users.
     """
@@ -34,7 +34,6 @@ class Draft:
     words: Mapping[int, LimbWords] = field(default_factory=dict)
     controls: frozenset[int] = frozenset()
     segments: frozenset[int] = frozenset()
-    limbs_alone: bool = False
     up: Vector = field(default_factory=Vector)
     facing: Vector = field(default_factory=Vector)
     left: Vector = field(default_factory=Vector)

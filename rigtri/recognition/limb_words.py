@@ -21,7 +21,7 @@ from rigtri.text import is_number
 Level = Literal["before", "upper", "lower", "end", "after"]
 Place = Literal["front", "hind", ""]
 LEVELS: tuple[Level, ...] = ("before", "upper", "lower", "end", "after")
-_NAMES = 4096
+_NAMES = 1 << 15
 # Words that riggers write as two.
 _TWO = {("fore", "arm"): "forearm", ("horse", "link"): "horselink"}
 # What a name counts against a limb that says another place of its joint.

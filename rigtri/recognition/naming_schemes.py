@@ -29,7 +29,7 @@ from rigtri.text import is_number
 # The environment variable that names folders with schemes of one's own, apart by os.pathsep.
 FOLDERS = "RIGTRI_SCHEMES"
 # Names that are kept, read: those of a few characters, not of all files of a batch.
-_NAMES = 4096
+_NAMES = 1 << 15
 # Ours that fit anything are asked last.
 _LAST = ("bones", "joints")
 # Words that only say whose convention it is, or that a joint is one.

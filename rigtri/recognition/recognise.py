@@ -31,7 +31,6 @@ from rigtri.recognition.shape_analysis import shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
 # What is known of each rig, as several operations of a run ask. Drafts would keep their rigs alive.
-_limbs: WeakKeyDictionary[Rig, tuple[Chain, ...]] = WeakKeyDictionary()
 _layouts: WeakKeyDictionary[Rig, Layout] = WeakKeyDictionary()
 _NAMED_ROLES: tuple[Role, ...] = ("control", "end", "twist", "attachment", "helper")
 # A joint beside a bone by less than this part of it stands along it.
@@ -59,29 +58,18 @@ def _recognised(rig: Rig, own: Sequence[Scheme]) -> Layout:
 
 
 def sure_limbs(rig: Rig) -> tuple[Chain, ...]:
-    """The sure arms and legs of all characters, as `recognise` has them, without a look at the rest."""
-    if rig not in _limbs:
-        known = _layouts.get(rig)
-        chains = (
-            known.chains
-            if known is not None
-            else (chain for draft in _drafts(rig, limbs_alone=True) for chain in draft.chains)
-        )
-        _limbs[rig] = tuple(chain for chain in chains if chain.kind in BENDS and chain.is_sure)
-    return _limbs[rig]
+    """The sure arms and legs of all characters."""
+    return tuple(chain for chain in recognise(rig).chains if chain.kind in BENDS and chain.is_sure)
 
 
-def _drafts(rig: Rig, own: Sequence[Scheme] = (), *, limbs_alone: bool = False) -> list[Draft]:
-    """What is known of each character before a look at each joint: the chains alone.
-
-    limbs_alone: nobody asks for more than sure arms and legs; others may be missing.
-    """
+def _drafts(rig: Rig, own: Sequence[Scheme] = ()) -> list[Draft]:
+    """What is known of each character before a look at each joint: the chains alone."""
     nodes, poses = joints_of(rig), Poses(rig)
     groups = groups_of(Tree(rig, nodes, poses.rest)) if nodes else []
-    return [_draft(rig, group, poses, own, limbs_alone) for group in groups]
+    return [_draft(rig, group, poses, own) for group in groups]
 
 
-def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], limbs_alone: bool) -> Draft:
+def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) -> Draft:
     inside = frozenset(nodes)
     certain = {bone: node for bone, node in rig.humanoid.items() if node in inside}
     deform = [True] * len(nodes) if certain else deforming([rig.names[node] for node in nodes])
@@ -92,15 +80,13 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme], 
     reading = None if certain else read_names(tree_of(body, poses, "rest"), body, schemes(own))
     words = limb_names(rig, body, reading)
     shape = shape_of(body, poses, words)
-    draft = Draft(shape, poses, reading, certain, words, controls, segments, limbs_alone)
+    draft = Draft(shape, poses, reading, certain, words, controls, segments)
     if not (reading is not None and reading.limbs) and not certain and lay_hand(draft):
         return draft
     found = doubted(draft, find_limbs(draft))
     if not draft.known_bones and not any(each.confidence >= UNLIKELY for each in found):
         return draft
     _add_limbs(draft, found)
-    if limbs_alone:
-        return draft
     lay_trunk(draft, found)
     lay_ends(draft, found)
     lay_others(draft, found)

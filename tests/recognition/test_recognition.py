@@ -503,7 +503,7 @@ def test_a_name_is_read_whatever_stands_between_its_words() -> None:
 
 def test_a_rig_is_looked_at_once_and_what_is_known_goes_with_it() -> None:
     rig = rig_with(MAN)
-    assert sure_limbs(rig) is sure_limbs(rig)
+    assert recognise(rig) is recognise(rig)
     assert len(sure_limbs(rig)) == 4
     gone = ref(rig)
     del rig

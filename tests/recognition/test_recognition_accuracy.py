@@ -18,7 +18,7 @@ from recognition_bodies.truth import files, nameless, truth_of
 
 from rigtri import read
 from rigtri.recognition.layout import Chain, Layout
-from rigtri.recognition.recognise import recognise, sure_limbs
+from rigtri.recognition.recognise import recognise
 
 
 def limbs(findings: Iterable[Finding]) -> list[Finding]:
@@ -70,14 +70,6 @@ def test_limbs_of_every_kind_of_body_are_right_and_none_is_surely_wrong(which: i
 @pytest.mark.slow
 def test_limbs_of_bodies_that_nobody_has_looked_at_are_right(tmp_path: Path) -> None:
     check(varied_bodies(tmp_path, 25), named=0.95, unnamed=0.85)
-
-
-@pytest.mark.slow
-def test_limbs_requested_alone_are_those_of_the_whole_layout(tmp_path: Path) -> None:
-    for one in (*files_here(), *made(tmp_path)):
-        for rig in (one.rig, nameless(one.rig)):
-            chains = [chain for chain in recognise(rig).chains if chain.kind in ("arm", "leg")]
-            assert sure_limbs(rig) == tuple(chain for chain in chains if chain.is_sure), one.name
 
 
 def biped() -> Case:
