@@ -171,3 +171,16 @@ def test_bind_poses_in_a_space_of_their_own_lay_nobody_down() -> None:
     skins = (replace(skin, inverse_bind=turned @ skin.inverse_bind) for skin in rig.skins)
     edited = replace(rig, skins=tuple(skins))
     assert apart(take_clips(replace(rig, clips=()), from_=edited), edited, "walk") < CLOSE
+
+
+def test_a_body_beside_a_turned_armature_goes_round_with_it() -> None:
+    """Before, it faced right and stood where RIG's does."""
+    rig = rig_of()
+    hips, translation = rig.find("hips"), rig.translation.copy()
+    translation[hips] += [0.3, 0.0, 0.2]
+    walk = rig.clip("walk")
+    moved = tuple(t for t in walk.tracks if (t.node, t.path) != (hips, "translation"))
+    beside = replace(rig, translation=translation, clips=(replace(walk, tracks=moved),))
+    ours = bound_in_the_world(beside)
+    edited = bound_in_the_world(with_rotation(beside, 0, turn(Y, 90.0)))
+    assert apart(take_clips(ours, from_=edited), edited, "walk") < CLOSE

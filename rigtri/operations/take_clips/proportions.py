@@ -164,8 +164,19 @@ class Proportions:
             return rested if both.of[node] not in self._varying and self.body != 1.0 else None
         ours, theirs = _bound_place(both.rig, node), _bound_place(both.other, both.of[node])
         if ours is not None and theirs is not None:
-            return ours, theirs
+            return None if self.body == 1.0 and self._put_elsewhere(node, ours, theirs) else (ours, theirs)
         return rested if self._rest_alike and self.body != 1.0 else None
+
+    def _put_elsewhere(self, node: int, ours: Floats, theirs: Floats) -> bool:
+        """Whether a joint is bound at places, (3,), that are one, seen from the node above it."""
+        both, above = self.both, self.both.line(node)[2]
+        if above < 0:
+            return False
+        worlds = both.rig.world[above], both.other.world[both.of[above]]  # one of these was moved
+        units = [float(length(world[0, :3])) for world in worlds]
+        size = units[1] * float(length(both.space[0, :3]))
+        a, b = (transform_points(p, inverse(w)) for p, w in zip((ours, theirs), worlds, strict=True))
+        return float(length(a * units[0] - b * size)) <= OTHER_SHAPE * both.size
 
     @cached_property
     def _varying(self) -> set[int]:
