@@ -95,6 +95,20 @@ class Command(click.Command):
             if ctx.params.get("quiet") and ctx.params.get("verbose"):
                 raise click.UsageError("give -q or -v, not both", ctx)
             return left
+        except click.NoSuchOption as error:
+            # What a word begins with, or is in capitals, is likelier than what it is like.
+            word, known = error.option_name.lower(), [flag for each in self.params for flag in each.opts]
+            longer = [f"'{flag}'" for flag in known if flag.lower().startswith(word)]
+            if not longer:
+                raise
+            asked = f"No such option '{error.option_name}'. Did you mean {' or '.join(longer)}?"
+            raise click.UsageError(asked, ctx) from None
+        except click.BadOptionUsage as error:
+            option = next((each for each in self.params if error.option_name in each.opts), None)
+            if option is not None and option.nargs > 1:
+                told = f"{error.message.rstrip('.')}: {option.metavar}"
+                raise click.BadOptionUsage(error.option_name, told, ctx) from None
+            raise
         except click.MissingParameter as error:
             others = self.make_parser(ctx).parse_args(words)[1]
             if others and error.param is not None and isinstance(error.param, click.Option):

@@ -50,6 +50,9 @@ def test_colours_have_names_and_black_is_one(tmp_path: Path) -> None:
         (("orient-joints", "--aim", "q"), 2, "--aim: 'q' is not a valid axis: use x, y, z"),
         (("add-controls", "--below", "head", "--shape", "sfere"), 2, "--shape: 'sfere' .* mean 'sphere'"),
         (("orient-joints", "-q", "-v"), 2, "give -q or -v, not both"),
+        (("add-controls", "--whole"), 2, "Did you mean '--whole-character'?"),
+        (("batch", "-o", "out"), 2, "No such option '-o'. Did you mean '-O'?"),
+        (("add-polevector", "-o", "x.glb", "--limb", "a"), 2, "requires 3 arguments: ROOT MIDDLE END"),
         (("strip", "-o", ""), 2, "the name of the file is empty"),
         (("export-blender", "-o", "x.txt"), 2, "x.txt is not a valid script name: use the suffix .py"),
         (

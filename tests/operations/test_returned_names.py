@@ -90,7 +90,7 @@ def test_joints_without_names_are_the_reason_why_no_control_finds_its_joint(samp
     hips = plain.labels[plain.find("hips")]
     rig = rigtri.add_controls(replace(plain, names=("",) * len(plain)), below=hips)
     named = tuple(name or f"Bone_{k}" for k, name in enumerate(rig.names))
-    with pytest.raises(GeometryError, match=r"have no names, and --rig finds joints by these.*take-clips RIG"):
+    with pytest.raises(GeometryError, match=r"no names, and --rig finds joints by these.*take-clips RIG"):
         rigtri.as_described(replace(rig, names=named), rig, report=Report())
 
 
