@@ -1,0 +1,139 @@
+"""USD edits beside OpenUSD's own export of the same layer: processor time and peak memory, as new processes.
+
+    python benchmarks/usdcat.py FOLDER
+
+makes four layers in the folder (a small crate, a large mesh, a long animation, a text) and prints the table
+of results.md: `orient-joints`, verified, beside what `usdcat --out` does (`Sdf.Layer.Export` in Python).
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdSkel, Vt
+
+RUNS = 3
+EXPORT = "import sys; from pxr import Sdf; Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])"
+IMPORTS = "import numpy; from pxr import Usd, UsdGeom, UsdSkel"
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What to make: joints in limbs of six, random points with four influences, samples of every joint."""
+
+    name: str
+    joints: int
+    points: int
+    samples: int
+
+
+LAYERS = (
+    Layer("small.usdc", 60, 8_000, 30),
+    Layer("mesh.usdc", 60, 600_000, 0),
+    Layer("anim.usdc", 100, 2_000, 15_000),
+    Layer("text.usda", 60, 100_000, 60),
+)
+
+
+def make(path: Path, what: Layer) -> None:
+    """Write one of the layers."""
+    random = np.random.default_rng(1)
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    stage.SetDefaultPrim(UsdSkel.Root.Define(stage, "/Hero").GetPrim())
+    skeleton = UsdSkel.Skeleton.Define(stage, "/Hero/Skel")
+    parents = [-1 if j == 0 else j - 1 if j % 6 else max(0, j - 6) for j in range(what.joints)]
+    names: list[str] = []
+    for j, parent in enumerate(parents):
+        names.append(f"{names[parent]}/j{j}" if parent >= 0 else f"j{j}")
+    local = np.tile(np.eye(4), (what.joints, 1, 1))
+    local[1:, 3, :3] = 0.1 * random.normal(size=(what.joints - 1, 3))
+    world = local.copy()
+    for j, parent in enumerate(parents[1:], 1):
+        world[j] = local[j] @ world[parent]
+    skeleton.CreateJointsAttr(names)
+    skeleton.CreateRestTransformsAttr(Vt.Matrix4dArray.FromNumpy(local))
+    skeleton.CreateBindTransformsAttr(Vt.Matrix4dArray.FromNumpy(world))
+    _mesh(stage, what, random)
+    if what.samples:
+        _animate(stage, names, local[:, 3, :3], what.samples, random)
+    stage.Save()
+
+
+def _mesh(stage: Usd.Stage, what: Layer, random: np.random.Generator) -> None:
+    mesh, count = UsdGeom.Mesh.Define(stage, "/Hero/Mesh"), what.points // 3
+    points = random.normal(size=(what.points, 3)).astype("f4")
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(count, 3, "i4")))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.arange(3 * count, dtype="i4")))
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets(["/Hero/Skel"])
+    joints = random.integers(0, what.joints, size=4 * what.points).astype("i4")
+    weights = random.random((what.points, 4)).astype("f4")
+    weights /= weights.sum(1, keepdims=True)
+    binding.CreateJointIndicesPrimvar(False, 4).Set(Vt.IntArray.FromNumpy(joints))
+    binding.CreateJointWeightsPrimvar(False, 4).Set(Vt.FloatArray.FromNumpy(weights.ravel()))
+
+
+def _animate(
+    stage: Usd.Stage, names: list[str], places: np.ndarray, samples: int, random: np.random.Generator
+) -> None:
+    animation = UsdSkel.Animation.Define(stage, "/Hero/Anim")
+    binding = UsdSkel.BindingAPI.Apply(stage.GetPrimAtPath("/Hero/Skel"))
+    binding.CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+    animation.CreateJointsAttr(names)
+    rotations, translations = animation.CreateRotationsAttr(), animation.CreateTranslationsAttr()
+    animation.CreateScalesAttr(Vt.Vec3hArray.FromNumpy(np.ones((len(names), 3), "f2")))
+    for time in range(samples):
+        turns = (0.1 * random.normal(size=(len(names), 4))).astype("f4")
+        turns[:, 3] = 1
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+        moved = (places + 0.001 * random.normal(size=places.shape)).astype("f4")
+        rotations.Set(Vt.QuatfArray.FromNumpy(turns), time)
+        translations.Set(Vt.Vec3fArray.FromNumpy(moved), time)
+    stage.SetEndTimeCode(samples - 1)
+
+
+def cost(*words: str) -> tuple[float, float]:
+    """The least processor time of some runs, in seconds, and the peak memory, in MB."""
+    found = []
+    for _ in range(RUNS):
+        process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
+        _, status, used = os.wait4(process.pid, 0)
+        if status:
+            raise SystemExit(f"failed: {' '.join(words)}")
+        found.append((used.ru_utime + used.ru_stime, used.ru_maxrss / 1000))
+    return min(seconds for seconds, _ in found), max(memory for _, memory in found)
+
+
+def main() -> None:
+    folder = Path(sys.argv[1])
+    print("| layer | MB | export, s | rigtri, s | ratio | export, MB | rigtri, MB | ratio |")
+    print("|---|---|---|---|---|---|---|---|")
+    for what in LAYERS:
+        path = folder / what.name
+        if not path.exists():
+            make(path, what)
+        with tempfile.TemporaryDirectory() as place:
+            out = str(Path(place, what.name))
+            one = cost(sys.executable, "-c", EXPORT, str(path), out)
+            rigtri = (str(Path(sys.executable).with_name("rigtri")), "orient-joints", str(path), "-o", out)
+            two = cost(*rigtri, "--overwrite", "-q", "--aim", "x", "--up", "y")
+        size = path.stat().st_size / 1e6
+        print(
+            f"| {what.name} | {size:.1f} | {one[0]:.2f} | {two[0]:.2f} | {two[0] / one[0]:.1f} "
+            f"| {one[1]:.0f} | {two[1]:.0f} | {two[1] / one[1]:.1f} |",
+            flush=True,
+        )
+    print(f"\nimports alone (numpy, pxr): {cost(sys.executable, '-c', IMPORTS)[0]:.2f} s")
+
+
+if __name__ == "__main__":
+    main()
