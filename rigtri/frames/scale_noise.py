@@ -29,8 +29,9 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 
-# Scale components that differ by no more (share of the largest) may be noise of an exporter.
-NOISE = 1e-4
+# Scale components that differ by no more (share of the largest) may be noise of an exporter: each is off by
+# 1e-4 at most from a uniform scale between them.
+NOISE = 2e-4
 # Keys that differ from the scale at rest by no more than this are uniform multiples of it.
 SAME_RATIO = 4 * ROUNDING
 

@@ -201,7 +201,7 @@ def test_what_is_not_rotated_below_noise_of_a_scale_stays_to_the_last_bits(tmp_p
 @pytest.mark.parametrize(
     ("rest", "keys"),
     [
-        (FROZEN | {"elbow": (1.0002, 1, 1)}, {}),  # more than noise
+        (FROZEN | {"elbow": (1.0003, 1, 1)}, {}),  # more than noise
         (FROZEN, {"elbow": [(1.00003, 1, 1), (1, 1.00003, 1), ONE, ONE, ONE]}),  # another in a clip
     ],
 )
@@ -213,6 +213,16 @@ def test_a_scale_that_is_meant_or_that_clips_change_is_no_noise(rest: Any, keys:
     assert read(out).rig.scale[NAMES.index("elbow")].max() > 1.00001
     assert (read(out).rig.scale[NAMES.index("wrist")] == 1.0).all()
     assert verify(read(source), read(out)).deviation < 1e-5
+
+
+def test_components_that_are_each_off_by_no_more_than_noise_become_uniform(tmp_path: Path) -> None:
+    """The largest and the smallest are 1.8e-4 apart, each 0.9e-4 off."""
+    out = tmp_path / "out.glb"
+    outcome = oriented(
+        noisy(tmp_path, rest={"elbow": (1.00009, 1, 0.99991)}, keys={}), out, "snap", AxisStyle()
+    )
+    assert "nonuniform-scale" not in [notice.code for notice in outcome.report.warnings]
+    np.testing.assert_allclose(read(out).rig.scale[NAMES.index("elbow")], 1.0, rtol=3e-7)
 
 
 def test_keys_that_say_the_same_noise_become_uniform_too(tmp_path: Path) -> None:
