@@ -22,11 +22,11 @@ from rigtri.maths.matrices import (
     transform_directions,
     transform_points,
 )
-from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, rotate, twist_angle
+from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, quadruple, rotate, twist_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
-from rigtri.model.metadata import Quaternion, Triple, TwistRecord
+from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
 
 
@@ -99,14 +99,9 @@ def with_stored_rest(rig: Rig, before: Rig) -> Rig:
     for node, record in rig.records(TwistRecord).items():
         was = twist_of(before, node, record)
         if any((rig.local[k] != before.local[k]).any() for k in (node, *was.path)):
-            kept = replace(record, rest=_quaternion(was.rest), standing=_quaternion(was.standing))
+            kept = replace(record, rest=quadruple(was.rest), standing=quadruple(was.standing))
             metadata[node] = kept.to_dict()
     return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
-
-
-def _quaternion(values: Floats) -> Quaternion:
-    x, y, z, w = values.tolist()
-    return x, y, z, w
 
 
 def driver_path(rig: Rig, driver: int, below: int) -> tuple[int, ...]:

@@ -28,8 +28,9 @@ from typing import Any
 import numpy as np
 
 from rigtri.maths.matrices import rotate_after, rotate_before
-from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, rotate
+from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, quadruple, rotate
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import triple
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.constraints import Constraint, constraint_record, constraints_of
 from rigtri.model.metadata import (
@@ -169,8 +170,7 @@ def _seen(vector: Triple, own: Floats) -> Triple:
     """A vector of a node's axes, seen from its new ones; the very numbers where it keeps its frame."""
     if not (own != IDENTITY).any():
         return vector
-    x, y, z = rotate(conjugate(own), np.array(vector, dtype=np.float64)).tolist()
-    return x, y, z
+    return triple(rotate(conjugate(own), np.array(vector, dtype=np.float64)))
 
 
 def _reoriented_reader(rig: Rig, reader: PoseReaderRecord, delta: Floats) -> PoseReaderRecord:
@@ -217,8 +217,7 @@ def _rotation_seen(rotation: Quaternion | None, own: Floats, above: Floats) -> Q
     """A rotation of a node relative to another, in the new axes of both; the very numbers where they stay."""
     if rotation is None or not ((own != IDENTITY).any() or (above != IDENTITY).any()):
         return rotation
-    x, y, z, w = multiply(conjugate(above), multiply(np.array(rotation), own)).tolist()
-    return x, y, z, w
+    return quadruple(multiply(conjugate(above), multiply(np.array(rotation), own)))
 
 
 def _of(delta: Floats, node: int) -> Floats:

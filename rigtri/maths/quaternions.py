@@ -75,6 +75,12 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     return result
 
 
+def quadruple(q: Floats) -> tuple[float, float, float, float]:
+    """A quaternion, (4,), as four plain numbers."""
+    x, y, z, w = q.tolist()
+    return x, y, z, w
+
+
 def conjugate(q: ArrayLike) -> Floats:
     """The inverse rotations, (..., 4), for unit quaternions.
 

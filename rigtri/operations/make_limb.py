@@ -370,7 +370,6 @@ def _limb_record(
     style, end = options.style, options.end_aim
     # Seen from the root joint, so that it holds wherever the limb goes.
     seen = np.array([dot(shape.hinge, axis) for axis in shape.axes[0]])
-    x, y, z = np.where(np.abs(seen) < _NOISE, 0.0, seen).tolist()
     return replace(
         record,
         chain=tuple(map(rig.address, joints)),
@@ -378,7 +377,7 @@ def _limb_record(
         aim=style.aim,
         up=style.up,
         up_from="world" if style.world else style.up_from,
-        hinge=(x, y, z),
+        hinge=triple(np.where(np.abs(seen) < _NOISE, 0.0, seen)),
         lengths=tuple(length(shape.points[1:] - shape.points[:-1]).tolist()),
         planar=options.planar,
         source=shape.source,

@@ -15,10 +15,11 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.euler import from_angles, to_angles
-from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, slerp
+from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, quadruple, slerp
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import triple
 from rigtri.model.animation import PATHS, Interpolation, Path, Track, key_values
-from rigtri.model.metadata import CHANNELS, OutputRecord, PoseReaderRecord, Quaternion, Triple
+from rigtri.model.metadata import CHANNELS, OutputRecord, PoseReaderRecord
 from rigtri.model.rig import Rig
 
 _DEGREE = np.pi / 180.0
@@ -51,9 +52,9 @@ def joint_output(rig: Rig, target: str, name: str, changes: str, readers: Iterab
     return OutputRecord(
         target=target,
         joint=rig.address(node),
-        translation=_triple(moved) if moved.any() else None,
-        rotation=_quaternion(from_angles(angles * _DEGREE, "xyz")) if angles.any() else None,
-        scale=_triple(sizes) if (sizes != 1).any() else None,
+        translation=triple(moved) if moved.any() else None,
+        rotation=quadruple(from_angles(angles * _DEGREE, "xyz")) if angles.any() else None,
+        scale=triple(sizes) if (sizes != 1).any() else None,
     )
 
 
@@ -149,13 +150,3 @@ def joint_tracks(
         for path, values in zip(PATHS, (moved, turned, grown), strict=True):
             if path in paths:
                 yield Track(node, path, way, times, values)
-
-
-def _triple(values: Floats) -> Triple:
-    x, y, z = values.tolist()
-    return x, y, z
-
-
-def _quaternion(values: Floats) -> Quaternion:
-    x, y, z, w = values.tolist()
-    return x, y, z, w

@@ -11,19 +11,17 @@ from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.evaluation.pose_readers import PoseReader, same_poses
 from rigtri.evaluation.timelines import Timeline, merged_weights, put_tracks
 from rigtri.frames.skeleton import reference, skeleton
-from rigtri.maths.quaternions import between, rotate
+from rigtri.maths.quaternions import between, quadruple, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import normalise
+from rigtri.maths.vectors import normalise, triple
 from rigtri.model.animation import Track
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import (
     OutputRecord,
     PoseReaderRecord,
     PoseWeightRecord,
-    Quaternion,
     TargetRecord,
-    Triple,
 )
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import corrective_joints, replaced_keys
@@ -217,14 +215,14 @@ class _Builder:
             name=self.name,
             driver=rig.address(self.driver),
             frame=rig.address(self.frame) if self.frame >= 0 else "",
-            axis=_triple(self.axis),
+            axis=triple(self.axis),
             reader=options.reader,
             signed=options.signed,
             inner=options.inner if cone else None,
             outer=options.outer if cone else None,
             kernel=options.kernel if rbf else None,
             mode=options.mode if rbf else None,
-            rest=_quaternion(self.seen.resting) if rbf else None,
+            rest=quadruple(self.seen.resting) if rbf else None,
             targets=tuple(map(self._target, self.goals)),
             outputs=tuple(outputs),
             within=options.within,
@@ -255,8 +253,8 @@ class _Builder:
             away = between(rotate(self.seen.resting, self.axis), direction)
             rotation = product(away, self.seen.resting)
         if self.options.reader == "rbf":
-            return TargetRecord(name=goal.name, rotation=_quaternion(rotation))
-        return TargetRecord(name=goal.name, direction=_triple(direction))
+            return TargetRecord(name=goal.name, rotation=quadruple(rotation))
+        return TargetRecord(name=goal.name, direction=triple(direction))
 
     def _nodes(self) -> dict[str, int]:
         """The nodes that targets name, by address."""
@@ -352,13 +350,3 @@ def along_bone(rig: Rig, joint: int) -> Floats:
     rules = Rules(limb_child=limb_children(tree, with_recognised(rig, ())))
     direction = aim_targets(tree, reference(tree, "nodes"), [joint], rules)[joint].direction
     return np.array([1.0, 0.0, 0.0]) if direction is None else direction
-
-
-def _triple(values: Floats) -> Triple:
-    x, y, z = map(float, values)
-    return x, y, z
-
-
-def _quaternion(values: Floats) -> Quaternion:
-    x, y, z, w = map(float, values)
-    return x, y, z, w

@@ -11,6 +11,7 @@ from rigtri.frames.mirroring import mirrored_axes
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.triangle import bend_sine
+from rigtri.maths.vectors import triple
 from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -109,8 +110,7 @@ def _bends(
     if pole is None or bend_sine(*places) >= NO_PLANE:
         return {}
     away = rig.world[pole, 3, :3] - rig.world[rig.find(record.chain[1]), 3, :3]
-    x, y, z = options.across.directions(away).tolist()
-    return {there.chain[1]: (x, y, z)}
+    return {there.chain[1]: triple(options.across.directions(away))}
 
 
 def _edited(rig: Rig, control: int, found: int, options: MirrorOptions) -> Rig:

@@ -16,7 +16,7 @@ from rigtri.errors import FileError, GeometryError, UsageError
 from rigtri.frames.mirroring import side_of, twin_of
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import dot, length
+from rigtri.maths.vectors import dot, length, triple
 from rigtri.model.joint_names import Side, twin
 from rigtri.model.metadata import (
     ConstraintRecord,
@@ -184,8 +184,7 @@ def direction(rig: Rig, here: int, there: int, own: Iterable[float], options: Mi
     found = np.array([dot(seen, row) for row in twins])
     # What is an axis up to rounding is that axis.
     whole = np.rint(found)
-    x, y, z = (np.where(np.abs(found - whole) < ALIKE, whole, found) + 0.0).tolist()
-    return x, y, z
+    return triple(np.where(np.abs(found - whole) < ALIKE, whole, found) + 0.0)
 
 
 def alike(one: Any, other_one: Any, size: float) -> bool:

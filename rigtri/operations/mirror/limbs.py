@@ -12,6 +12,7 @@ from rigtri.frames.mirroring import mirrored_axes, twin_of
 from rigtri.maths.matrices import determinant, nearest_rotation
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import triple
 from rigtri.model.joint_names import twin
 from rigtri.model.metadata import LimbRecord, Triple
 from rigtri.model.rig import Rig
@@ -135,8 +136,7 @@ def _end_aim(rig: Rig, end: str | Triple | None, options: MirrorOptions) -> str 
         return next(iter(_locators(rig, [end])), None)
     if end is None:
         return None
-    x, y, z = options.across.points(np.array(end, dtype=np.float64)).tolist()
-    return x, y, z
+    return triple(options.across.points(np.array(end, dtype=np.float64)))
 
 
 def _style(record: LimbRecord, options: MirrorOptions) -> dict[str, Any]:

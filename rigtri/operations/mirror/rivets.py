@@ -9,7 +9,7 @@ import numpy as np
 from rigtri.evaluation.skinning import SkinnedPoints
 from rigtri.frames.mirroring import side_of
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
+from rigtri.maths.vectors import length, triple
 from rigtri.model.joint_names import side as side_in_name
 from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
@@ -51,11 +51,10 @@ def _rivet(rig: Rig, record: RivetRecord, options: MirrorOptions, report: Report
         raise NotMirroredError(f"'{rig.title(mesh)}' has no twin")
     name = twin_name(record.name, f"{record.name}{SUFFIX[side]}")
     known = find(rig, RivetRecord, name=name)
-    x, y, z = mirrored.tolist()
     twin_options = replace(
         options_of(record),
         mesh=rig.path(there) if rig.names[there] else rig.labels[there],
-        at=((x, y, z),),
+        at=(triple(mirrored),),
         name=(name,),
     )
     built_report = Report()
