@@ -155,21 +155,17 @@ class Solver:
             step.run(posed)
         return posed
 
-    def solved(
-        self, sampled: Mapping[int, Parts], block: int = BLOCK, *, steps: Sequence[Step] | None = None
-    ) -> dict[int, Parts]:
-        """What becomes of the nodes that are moved, (1 or f, ·) each; by some of the steps, or all.
+    def solved(self, sampled: Mapping[int, Parts], block: int = BLOCK) -> dict[int, Parts]:
+        """What becomes of the nodes that are moved, (1 or f, ·) each.
 
         So many frames at a time that memory does not grow with their number, but for what goes in and
         comes out; the block changes no bit.
         """
-        steps = self.steps if steps is None else steps
-        nodes = sorted({node for step in steps for node in step.sets})
         count = frames(sampled)
         found = []
         for rows in blocks(count, block):
-            parts = self.run(cut(sampled, rows), steps).parts
-            found.append({node: parts[node] for node in nodes})
+            parts = self.run(cut(sampled, rows)).parts
+            found.append({node: parts[node] for node in self.sets})
         return joined(found, count, block)
 
     @cached_property

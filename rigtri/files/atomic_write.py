@@ -18,9 +18,9 @@ from rigtri.text import is_number
 PAUSE = 0.02
 
 
-def temp_path(path: Path, process: int | None = None) -> Path:
+def temp_path(path: Path) -> Path:
     """The part that becomes ``path``: hidden, in its folder, with its suffix, and whose it is."""
-    return path.with_name(f".{path.stem}.part-{process or os.getpid()}{path.suffix}")
+    return path.with_name(f".{path.stem}.part-{os.getpid()}{path.suffix}")
 
 
 @contextmanager
