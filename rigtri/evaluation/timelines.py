@@ -6,9 +6,10 @@ tuples, and what drives prims, skeletons and morphs together gives one pose.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import cached_property
 
 import numpy as np
 
@@ -43,7 +44,12 @@ class Timeline:
 
     def track(self, node: int, path: Path) -> Track | None:
         """What drives a property; None where nothing does."""
-        return next((t for t in self.clip.tracks if (t.node, t.path) == (node, path)), None)
+        return self._driving.get((node, path))
+
+    @cached_property
+    def _driving(self) -> Mapping[tuple[int, Path], Track]:
+        """By what it drives; of several tracks the first."""
+        return {(track.node, track.path): track for track in reversed(self.clip.tracks)}
 
 
 def timelines(rig: Rig) -> list[Timeline]:
@@ -139,28 +145,27 @@ def put_tracks(rig: Rig, timeline: Timeline, tracks: Iterable[Track]) -> Rig:
     """
     tracks = list(tracks)
     rig = rig.with_parts(track.node for track in tracks if track.path != "weights")
-    clips = list(rig.clips)
+    made = {k: list(rig.clips[k].tracks) for k in timeline.members}
+    places: dict[tuple[int, Path], tuple[int, int]] = {}
+    for k in timeline.members:
+        for at, known in enumerate(() if _is_default(rig.clips[k]) else made[k]):
+            places.setdefault((known.node, known.path), (k, at))
+    changed, first = set(), timeline.members[0]
     for track in tracks:
-        home, at = _place(clips, timeline, track)
-        now = list(clips[home].tracks)
+        home, at = places.get((track.node, track.path), (first, -1))
         if at < 0:
-            now.append(track)
-        elif _same_curve(now[at], track):
+            if not _is_default(rig.clips[first]):
+                places[track.node, track.path] = first, len(made[first])
+            made[first].append(track)
+        elif _same_curve(made[home][at], track):
             continue
         else:
-            now[at] = replace(track, key=now[at].key)
-        clips[home] = replace(clips[home], tracks=tuple(now))
-    unchanged = all(now is was for now, was in zip(clips, rig.clips, strict=True))
-    return rig if unchanged else replace(rig, clips=tuple(clips))
-
-
-def _place(clips: Sequence[Clip], timeline: Timeline, track: Track) -> tuple[int, int]:
-    """The clip, and the place in it, of what drives the same; −1 and the first clip where nothing does."""
-    for k in timeline.members:
-        for at, known in enumerate(clips[k].tracks):
-            if (known.node, known.path) == (track.node, track.path) and not _is_default(clips[k]):
-                return k, at
-    return timeline.members[0], -1
+            made[home][at] = replace(track, key=made[home][at].key)
+        changed.add(home)
+    if not changed:
+        return rig
+    clips = (replace(c, tracks=tuple(made[k])) if k in changed else c for k, c in enumerate(rig.clips))
+    return replace(rig, clips=tuple(clips))
 
 
 def _same_curve(was: Track, now: Track) -> bool:
