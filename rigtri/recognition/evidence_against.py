@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -31,6 +32,10 @@ _CLEAR = 0.966
 _NEXT = 0.6
 # A first bone that is so long a part of the next one is a clavicle of none but very broad shoulders.
 _BROAD = 0.8
+# Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
+_DIGITS, _PHALANGES = 5, 3
+# How Blender numbers the further parts of a bone that was split.
+_PART = re.compile(r"(.+)\.\d{3}")
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -58,6 +63,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _upside_down(draft, each, found)
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
+        or (not by_name and (_arm_as_leg(draft, each, found) or _split_bone(draft, each)))
         or (not by_name and _rival(draft, each))
         or ""
     )
@@ -188,6 +194,29 @@ def _no_trunk(draft: Draft, each: Found) -> str:
     names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
     known = any(_TRUNK.intersection(roles_in_name(name)) for name in names if name)
     return "" if known else "nothing else of a body is named"
+
+
+def _arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """What looks like legs in a body that has none: its arms, where hair passes for arms."""
+    mine, body, tree = each.pair, draft.shape.body, draft.tree
+    arms = body.arms if body is not None and body.form == "biped" else None
+    if each.kind != "leg" or mine is None or arms is None or arms is mine or arms.fingers >= 2:
+        return ""
+    fingers = [k for k in tree.below[each.joints[-1]] if len(tree.paths[k]) >= _PHALANGES]
+    if len(fingers) >= _DIGITS:
+        return "it ends in a hand, and the arms do not"
+    if mine.at[0] == 1 and any(_rival(draft, k) for k in found if k.pair is arms):
+        return "it may be an arm below its clavicle, for the arms are not sure"
+    return ""
+
+
+def _split_bone(draft: Draft, each: Found) -> str:
+    """A limb that begins at what its name calls a further part of the joint above: ``shoulder.001``."""
+    tree, start = draft.tree, each.joints[0]
+    whole, part = _PART.fullmatch(tree.rig.names[start]), tree.above[start]
+    if whole is None or part < 0 or tree.rig.names[part] != whole[1]:
+        return ""
+    return f"{_title(draft, part)} may be the first part of its upper bone"
 
 
 def _has_fingers(draft: Draft, arm: Found) -> bool:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from recognition_bodies.measure import measure
+from recognition_bodies.population import crowd, population
 from recognition_bodies.skeletons import FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.truth import nameless
 
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.pipeline.rigspec.spec_init import left_out, starter, unsure
@@ -187,3 +190,19 @@ def test_of_very_many_joints_without_names_a_remark_reports_that_their_shape_is_
         rig_with(line("root", "", (0, 0, 0)) + [(n, a or "root", p) for n, a, p in hair])
     ).remarks
     assert "of more than 3000 only names are read" in remark
+
+
+@pytest.mark.parametrize("number", [2, 6])
+def test_arms_of_a_body_without_legs_are_no_sure_legs_beside_hair(number: int) -> None:
+    """With hands, which the strands of hair have not; and below clavicles, where the strands are not sure."""
+    case = crowd(618, number, 180)
+    rig = nameless(case.rig)
+    found = measure(rig, case.truth, recognise(rig), named=False)
+    assert [each for each in found if each.outcome == "surely wrong"] == []
+
+
+def test_a_limb_that_begins_at_the_further_part_of_a_split_bone_is_not_sure() -> None:
+    """``lShoulder`` is the upper arm here, and ``lShoulder.001`` its second half."""
+    case = next(case for case in population(402) if case.name == "person 34")
+    found = measure(case.rig, case.truth, recognise(case.rig), named=True)
+    assert [each for each in found if each.outcome == "surely wrong"] == []

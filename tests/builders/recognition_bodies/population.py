@@ -65,9 +65,14 @@ def population(which: int) -> Iterator[Case]:
             name = f"{kind} {k}"
             yield _case(name, random, [make(random)], 2 * k + which)
     for k in range(10):
-        random = np.random.default_rng([which, number + k])
-        bodies = [_partial(random, person(random)) for _ in range(int(random.integers(2, 5)))]
-        yield _case(f"crowd {k}", random, bodies, 2 * k + which)
+        yield crowd(which, k, number)
+
+
+def crowd(which: int, k: int, first: int) -> Case:
+    """Partial people side by side. first: how many cases come before the crowds of a set."""
+    random = np.random.default_rng([which, first + k])
+    bodies = [_partial(random, person(random)) for _ in range(int(random.integers(2, 5)))]
+    return _case(f"crowd {k}", random, bodies, 2 * k + which)
 
 
 def _case(name: str, random: Random, bodies: list[Skeleton], style: int) -> Case:
