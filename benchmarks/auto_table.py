@@ -26,7 +26,7 @@ SUFFIXES = (".glb", ".gltf", ".vrm", ".usda", ".usdc", ".usdz", ".usd")
 OPTIONS = ReadOptions(allow_external_paths=True, lenient=True)
 HEAD = """# What `auto` builds
 
-`rigtri auto` with the presets below on the samples and on real characters. Each output was read again, and
+`rigtri auto` with each preset on the samples and on real characters. Each output was read again, and
 each of its controls moved: all that is counted here does what it is for, or the reason is given why nothing
 was built.
 
@@ -51,7 +51,8 @@ def main() -> None:
                 made = built(path, Path(folder, f"out{path.suffix}"), preset)
             found.setdefault(made, []).append(preset)
         for made, presets in found.items():
-            lines.append(f"| {path.name} | {made} | {', '.join(presets)} |")
+            which = "all" if presets == [*PRESETS] else ", ".join(presets)
+            lines.append(f"| {path.name} | {made} | {which} |")
             print(lines[-1], flush=True)
     text = HEAD + "\n".join(lines) + "\n"
     if given.write:
@@ -77,7 +78,7 @@ def reason(text: str) -> str:
     for words, short in (
         ("no character was recognised", "no character"),
         ("is not sure", "a limb is not sure"),
-        ("parallel to the world", "joints stay parallel to the world"),
+        ("No joint of this file may have axes of its own", "joints stay parallel to the world"),
         ("plain Xform", "Xforms without --root"),
         ("no joints", "no joints"),
         ("no skeleton", "no skeleton"),
