@@ -191,7 +191,8 @@ def _covering(fault: Fault, contexts: Path) -> Iterator[list[str]]:
     data.read()
     for file in data.measured_files():
         if file.endswith(f"/{fault.file}"):
-            tests = sorted({name for name in data.contexts_by_lineno(file).get(fault.line, []) if name})
+            found = data.contexts_by_lineno(file).get(fault.line, [])
+            tests = sorted({name.partition("|")[0] for name in found if name})  # TEST|run, TEST|setup
             few = random.Random(0).sample(tests, min(12, len(tests)))
             yield few
             yield [name for name in tests if name not in few]

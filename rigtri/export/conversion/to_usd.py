@@ -100,12 +100,7 @@ class _Partners:
     def found(self) -> Converted:
         node, shown = np.full(len(self.rig), -1), np.full(len(self.rig), -1)
         for k, place in self.written.nodes.items():
-            there = (
-                self.prims.get(place[0], -1)
-                if len(place) == 1
-                else self.joints.get((place[0], place[-1]), -1)
-            )
-            node[k] = shown[k] = there
+            node[k] = shown[k] = self._there(place)
         lenses = {*self.scene.cameras, *self.scene.lights}
         for k, paths in self.written.primitives.items():
             if k in lenses and paths:
@@ -124,7 +119,7 @@ class _Partners:
     def _there(self, place: tuple[str, ...]) -> int:
         if len(place) == 1:
             return self.prims.get(place[0], -1)
-        return self.joints.get((place[0], place[1]), -1)
+        return self.joints.get((place[0], place[-1]), -1)
 
     def _meshes(self, there: Mapping[str, Mesh]) -> tuple[list[tuple[Mesh, Mesh]], list[str]]:
         pairs, lost = [], []
