@@ -20,6 +20,7 @@ import rigtri
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
+from rigtri.export.conversion.usd_values import dictionary
 
 TOLERANCE = 1e-5
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
@@ -102,6 +103,11 @@ def test_joints_and_skins_share_a_skeleton_where_their_bind_poses_agree(stage: A
     coats = [p for p in stage.Traverse() if p.IsA(UsdGeom.Mesh) and p.GetParent().GetName() == "coat"]
     geom = UsdSkel.BindingAPI(coats[0]).GetGeomBindTransformAttr().Get()
     np.testing.assert_allclose(np.array(geom), np.diag([2.0, 2.0, 2.0, 1.0]), atol=1e-6)
+
+
+def test_whole_numbers_that_usd_has_no_int_for_are_kept_as_json() -> None:
+    least, beyond = -(2**31), 2**31
+    assert dictionary({"least": least, "beyond": beyond}) == {"least": least, "beyond": {"json": str(beyond)}}
 
 
 def test_names_and_extras_are_kept(stage: Any) -> None:

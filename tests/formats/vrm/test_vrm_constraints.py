@@ -20,6 +20,7 @@ from places import slow
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.gltf.document import GltfDocument
+from rigtri.formats.vrm.bindings import line
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
@@ -69,6 +70,10 @@ def stored(seed: int, *, cardinal: tuple[str, ...] = ()) -> dict[str, object]:
         if name not in ("plate", "badge", "body")
     }
     return {"rigtri": "frames", "v": 1, "joints": joints}
+
+
+def test_the_line_above_a_node_ends_with_the_root() -> None:
+    assert list(line(3, [-1, 0, 1, 1])) == [3, 1, 0]
 
 
 @pytest.mark.parametrize("seed", [0, 1, *map(slow, range(2, 6))])

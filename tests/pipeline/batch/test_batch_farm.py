@@ -112,6 +112,13 @@ def test_parts_are_chunks_that_the_farm_may_choose() -> None:
     assert (str(parse("3-5/9")), str(parse("2/9")), str(parse("2-2/9"))) == ("3-5/9", "2/9", "2/9")
 
 
+def test_words_that_a_farm_would_evaluate_are_values_of_parameters() -> None:
+    job = openjd.template(["batch", "a {{b}}.glb"], 1)
+    (action,) = (step["script"]["actions"]["onRun"] for step in job["steps"])
+    assert action["args"][:2] == ["batch", "{{Param.Word2}}"]
+    assert {p["name"]: p["default"] for p in job["parameterDefinitions"]}["Word2"] == "a {{b}}.glb"
+
+
 def test_what_a_job_cannot_mean_is_refused(here: Path) -> None:
     for words in (("--shard", "1/2"), ("--dry-run",), ("--json",), ("--dask", "tcp://a:1")):
         told = batch("-O", "out", "--emit-openjd", "job", *words)
