@@ -106,6 +106,7 @@ class _Builder:
         self.moved = moved_controls(rig)
         self.axes = ControlAxes(self.tree, options, self.moved)
         self.bones = {node: bone for bone, node in rig.humanoid.items()}
+        self.limb_sides: dict[int, Side] = {limb.start: limb.side for limb in self.limbs}
         self.sides: dict[int, Side] = {}
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
@@ -363,14 +364,15 @@ class _Builder:
         return parent
 
     def _side(self, joint: int) -> Side:
-        """The side that a VRM bone or a name says, of the joint or the nearest above that says one."""
+        """The side that a VRM bone, a name or the limb says, of the joint or the nearest above it."""
         path, node = list[int](), joint
         while node >= 0 and node not in self.sides:
             path.append(node)
             node = self.tree.above.get(node, -1)
         found: Side = self.sides.get(node, "")
         for node in reversed(path):
-            found = side(self.bones.get(node, "")) or side(self.tree.rig.names[node]) or found
+            known = side(self.bones.get(node, "")) or side(self.tree.rig.names[node])
+            found = known or self.limb_sides.get(node, "") or found
             self.sides[node] = found
         return found
 

@@ -9,10 +9,11 @@ import pytest
 from places import SAMPLES
 from posed_bodies import Pose, PosedBody, posed_body, poses
 
-from rigtri import add_polevector, make_limb, orient_joints, read
+from rigtri import add_controls, add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 
@@ -253,6 +254,15 @@ def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
 def test_a_pole_of_nameless_joints_is_called_after_its_limb() -> None:
     names = add_polevector(posed_body(Pose("none", elbow=15.0)).rig, limbs="auto").names
     assert {"left_arm_pole", "right_leg_pole"} <= set(names)
+
+
+def test_controls_of_nameless_joints_have_the_sides_of_their_limbs() -> None:
+    rig = add_controls(posed_body(Pose("none", elbow=15.0)).rig, whole_character=True)
+    controls = rig.records(ControlRecord).values()
+    sides = {record.chain: record.side for record in controls if record.kind == "ik"}
+    assert sorted(sides.values()) == ["left", "left", "right", "right"]
+    for chain, side in sides.items():
+        assert {record.side for record in controls if record.joint in chain} == {side}
 
 
 def test_hands_close_where_the_nodes_are_turned_away_from_the_bind_pose() -> None:

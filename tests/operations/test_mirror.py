@@ -302,3 +302,11 @@ def test_sides_that_lie_about_no_plane_are_a_warning_and_strict_refuses(
 
     with pytest.raises(GeometryError, match="lie about no xy plane"):
         edit(samples / "biped.glb", tmp_path / "out.glb", step, strict=True)
+
+
+def test_built_nodes_with_sides_in_their_names_give_no_sides_to_nameless_joints() -> None:
+    rig = add_polevector(posed_body(Pose("none", elbow=15.0)).rig, limbs="auto")
+    assert "left_arm_pole" in rig.names
+    for mirrored in (mirror, asymmetry):
+        with pytest.raises(GeometryError, match="rename-joints names them"):
+            mirrored(rig)

@@ -94,6 +94,17 @@ def side(rig: Rig, node: int) -> Side:
     return sides.pop() if len(sides) == 1 else side_of(rig, node)
 
 
+def refuse_without_sides(rig: Rig, joints: Iterable[int]) -> None:
+    """GeometryError where no joint has a side: what is built on joints is on a side with them alone."""
+    records = ((node, rig.record(node)) for node in rig.metadata)
+    free = (node for node, record in records if record is None or not joints_of(record))
+    if not any(side_of(rig, node) for node in (*joints, *free)):
+        raise GeometryError(
+            "no joint in this file says left or right, by its name or its VRM bone; rigtri rename-joints "
+            "names them as they are recognised"
+        )
+
+
 def other(rig: Rig, node: int, deep: int = 0) -> int | None:
     """The twin of a node, itself where it is on neither side; None where there is none.
 

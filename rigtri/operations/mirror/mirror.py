@@ -24,7 +24,7 @@ from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, chosen, select
 from rigtri.operations.mirror.constraints import mirror_constraints
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
-from rigtri.operations.mirror.counterparts import side
+from rigtri.operations.mirror.counterparts import refuse_without_sides
 from rigtri.operations.mirror.limbs import mirror_limbs
 from rigtri.operations.mirror.pose_readers import mirror_readers
 from rigtri.operations.mirror.rivets import mirror_rivets
@@ -45,10 +45,7 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     (``not-mirrored``). Raises GeometryError where nothing here has a side, NameNotFoundError, UsageError.
     """
     tree = skeleton(rig, options.root)
-    if not any(side_of(rig, joint) for joint in tree.joints) and not any(
-        side(rig, node) for node in rig.metadata
-    ):
-        raise GeometryError("no joint in this file says left or right, by its name or its VRM bone")
+    refuse_without_sides(rig, tree.joints)
     parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
     warn_plane(options.plane, options.plane_at, parted, report)
     options = replace(options, across=parted.across)

@@ -18,7 +18,7 @@ from rigtri.model.joint_names import twin
 from rigtri.model.metadata import OffsetRecord, PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
-from rigtri.operations.mirror.counterparts import other, side
+from rigtri.operations.mirror.counterparts import other, refuse_without_sides, side
 from rigtri.operations.mirror.pose_readers import reader_twin
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
@@ -81,6 +81,7 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
     """
     options = options or MirrorOptions()
     tree = skeleton(rig, options.root)
+    refuse_without_sides(rig, tree.joints)
     ref = reference(tree, options.pose)
     parted = parting(tree, ref, options.plane, options.from_side, options.plane_at)
     options = replace(options, across=parted.across)
