@@ -24,7 +24,7 @@ from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
-from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Record, references
+from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Place, Record, references, with_references
 from rigtri.model.node_names import NodeNames
 from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.skin import Skin
@@ -154,6 +154,19 @@ class Rig(NodeNames):
     def named_by(self, stored: Any) -> set[int]:
         """The nodes that stored metadata is about; of each address that there is one node for."""
         return {node for name in references(stored) if (node := self.known(name)) is not None}
+
+    def with_addresses(self) -> Rig:
+        """This rig with metadata that call nodes by their `address`, as operations look them up.
+
+        A name that was enough when it was stored has company in a file that was edited since.
+        """
+
+        def address(_: Place, name: str) -> str:
+            node = self.known(name)
+            return name if node is None else self.address(node)
+
+        found = {node: with_references(stored, address) for node, stored in self.metadata.items()}
+        return replace(self, metadata=found) if found != self.metadata else self
 
     def nodes_of(self, *types: str) -> list[int]:
         """The nodes with metadata of these types."""

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from baked_files import keyed_file, rigged_file
+from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, slow
 from program import cli
 from second_opinions import khronos_errors, usd_errors, validator
@@ -145,6 +146,28 @@ def test_every_pose_looks_as_before(made: Made) -> None:
 @cases()
 def test_a_second_run_changes_no_byte(made: Made, tmp_path: Path) -> None:
     assert made.again(made.result, tmp_path).read_bytes() == made.result.read_bytes()
+
+
+def _with_namesakes(source: Path, out: Path) -> Path:
+    """The file with one more node of each joint's name, as a scene has that another program wrote."""
+    rig = read(SAMPLES / f"biped{source.suffix}").rig
+    names = [rig.names[node] for node in rig.is_joint.nonzero()[0].tolist()]
+    if source.suffix == ".usda":
+        # Below a prim of their own: two roots of one name are no USD.
+        prims = "".join(f'    def Xform "{name}"\n    {{\n    }}\n' for name in names)
+        out.write_text(f'{source.read_text()}\ndef Xform "dressing"\n{{\n{prims}}}\n')
+    else:
+        gltf, binary = glb_parts(source)
+        gltf["scenes"][0]["nodes"] += range(len(gltf["nodes"]), len(gltf["nodes"]) + len(names))
+        gltf["nodes"] += [{"name": name} for name in names]
+        out.write_bytes(glb_bytes(gltf, binary))
+    return out
+
+
+@cases(lambda case: case.strips, suffixes=(".glb", slow(".usda")))
+def test_what_was_built_is_found_again_beside_nodes_of_the_same_names(made: Made, tmp_path: Path) -> None:
+    crowded = _with_namesakes(made.result, tmp_path / f"crowded{made.result.suffix}")
+    assert made.again(crowded, tmp_path).read_bytes() == crowded.read_bytes()
 
 
 @cases(suffixes=ONE_FORMAT)

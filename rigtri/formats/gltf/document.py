@@ -298,7 +298,7 @@ class GltfDocument:
             ),
         )
         self._freeze(rig, ordered, fixed)
-        return rig
+        return rig.with_addresses()
 
     def _notes(self, extras: Sequence[object]) -> dict[int, dict[str, Any]]:
         """What rigtri has stored, by node; what another version has stored is reported and left alone."""

@@ -61,10 +61,9 @@ class _Meaning:
         # One prim is what all references mean.
         path = paths[0] if len(paths) == 1 else _at(paths, number)
         found = self.finder.at(path, name)
-        rig = self.finder.rig
         if found is None:
-            return name if rig.known(name) is not None else self.finder.nearest(self.node, name)
-        return name if rig.known(name) == found else rig.address(found)
+            found = self.finder.rig.known(name)
+        return self.finder.nearest(self.node, name) if found is None else self.finder.rig.address(found)
 
 
 class _Finder:
