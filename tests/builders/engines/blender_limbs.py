@@ -1,7 +1,7 @@
 """Blender's own IK with poles over the frames of limbs: ``python blender_limbs.py JOBS.json`` with ``bpy``.
 
-JOBS is a list of [file, output.json]. A file is a list of limbs: ``rest``, where root, middle, end and
-pole are at rest, and ``frames``, where root, target and pole are in each. An output has, of each limb,
+JOBS is a list of [file, output.json]. A file is a list of limbs: ``rest``, where root, middle and end
+are at rest, and ``frames``, where root, target and pole are in each. An output has, of each limb,
 the places of the middle and the end joint in all frames.
 """
 
@@ -23,8 +23,12 @@ def empty(name):
 
 
 def armature(rest):
-    """Two bones, x of the upper one to the side of the pole, so that the pole angle is zero."""
-    root, middle, end, pole = (Vector(rest[word]) for word in ("root", "middle", "end", "pole"))
+    """Two bones, x of the upper one to the side that they bend to, so that the pole angle is zero.
+
+    Blender holds the upper bone's x at that angle to the pole. A limb whose pole is not on the side that it
+    bends to at rest would keep that turn in all frames, and its middle never come to the pole's plane.
+    """
+    root, middle, end = (Vector(rest[word]) for word in ("root", "middle", "end"))
     rig = bpy.data.objects.new("limb", bpy.data.armatures.new("limb"))
     bpy.context.collection.objects.link(rig)
     bpy.context.view_layer.objects.active = rig
@@ -33,7 +37,7 @@ def armature(rest):
     upper.head, upper.tail, lower.head, lower.tail = root, middle, middle, end
     lower.parent, lower.use_connect = upper, True
     along = (middle - root).normalized()
-    side = pole - root
+    side = middle - end
     upper.align_roll((side - side.dot(along) * along).normalized().cross(along))
     bpy.ops.object.mode_set(mode="POSE")
     return rig
