@@ -72,16 +72,41 @@ def text_of(path: Path | str, what: str = "", most: int = MOST_BYTES) -> str:
 
 
 def json_of(path: Path | str, what: str = "") -> Any:
-    """The values of a JSON file; FileError where it cannot be read."""
+    """The values of a JSON file; FileError where it cannot be read, or an object has a name twice."""
     try:
-        return json.loads(text_of(path, what))
+        return json.loads(text_of(path, what), object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path} is not valid JSON: {error}") from error
 
 
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"the name '{twice}' is there twice in one object")
+    return found
+
+
 def rows_of(path: Path | str, what: str = "") -> list[dict[str, str]]:
-    """The rows of a CSV file by the names of its columns; FileError where it cannot be read."""
+    """The rows of a CSV file by the names of its columns; FileError where it cannot be read.
+
+    Nor can one whose row has more cells than its header, or whose header has a name twice.
+    """
     try:
-        return [dict(row) for row in csv.DictReader(text_of(path, what).splitlines(), strict=True)]
+        table = csv.DictReader(text_of(path, what).splitlines(), strict=True)
+        columns = [column for column in table.fieldnames or () if column]
+        twice = next((column for column in columns if columns.count(column) > 1), None)
+        if twice is not None:
+            raise FileError(f"{path} has two columns '{twice}'; give each column one name")
+        rows = []
+        for number, row in enumerate(table, 1):
+            if None in row and any(row[None]):
+                raise FileError(
+                    f"{path}, row {number}: it has more cells than the header has columns; name them or "
+                    "take them out"
+                )
+            rows.append({column: cell for column, cell in row.items() if column is not None})
+        return rows
     except csv.Error as error:
         raise FileError(f"{path} is not valid CSV: {error}") from error

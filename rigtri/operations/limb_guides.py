@@ -132,6 +132,13 @@ def _readable(keywords: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
+def _number(cell: Any) -> float:
+    """A cell as a number; ValueError for what Python takes for one and no table means: 1_0, ٣."""
+    if isinstance(cell, str) and ("_" in cell or not cell.isascii()):
+        raise ValueError
+    return float(cell)
+
+
 def _of_rows(rows: Sequence[Any]) -> dict[str, dict[str, Any]]:
     """Guides of a table: a row for each joint, in order, and other options where the first row has some.
 
@@ -145,7 +152,7 @@ def _of_rows(rows: Sequence[Any]) -> dict[str, dict[str, Any]]:
             )
         about = guides.setdefault(str(row["name"]), {"points": []})
         try:
-            about["points"].append([float(row[axis]) for axis in _COORDINATES])
+            about["points"].append([_number(row[axis]) for axis in _COORDINATES])
         except (KeyError, TypeError, ValueError):
             raise UsageError(
                 f"--guides, row {number}, {row['name']}: x, y and z are not three numbers"

@@ -512,3 +512,24 @@ def test_nodes_that_are_no_guides_are_refused_by_name(rig: Rig, words: str) -> N
 def test_what_is_no_guide_is_refused_by_name(guides: Any, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         rigtri.make_limb(EMPTY, guides=guides)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("more.csv", "name,x,y,z\narm,0,0,0,left\n", "row 1: it has more cells than the header"),
+        ("columns.csv", "name,x,x,z\narm,0,0,0\n", "two columns 'x'"),
+        ("digits.csv", "name,x,y,z\narm,1_0,0,0\n", "row 1, arm: x, y and z are not three numbers"),
+        ("arabic.csv", "name,x,y,z\narm,٣,0,0\n", "row 1, arm: x, y and z are not three numbers"),
+        ("twice.json", '{"arm": [[0, 0, 0]], "arm": [[0, 1, 0]]}', "'arm' is there twice"),
+    ],
+)
+def test_guides_that_say_more_than_is_read_are_refused(
+    name: str, content: str, words: str, samples: Path, tmp_path: Path
+) -> None:
+    guides = tmp_path / name
+    guides.write_text(content, "utf-8")
+    out = tmp_path / "out.glb"
+    told = cli("make-limb", samples / "biped.glb", "-o", out, "--guides", guides).stderr
+    assert words in told
+    assert not out.exists()

@@ -125,6 +125,8 @@ def _curves(timeline: Timeline, words: Sequence[str], curves: Any) -> WeightKeys
         column = _number_of(words, word, f"{where}: '{word}'")
         weights[:, column] = _numbers(f"{where}: '{word}'", values, len(times))
         check_weight(word, float(weights[:, column].min()))
+    if not weights.any():
+        raise UsageError(f"{where}: every weight is 0, so that no driver ever counts; give one more than 0")
     return WeightKeys(timeline, as_float32(times), weights, way)
 
 
