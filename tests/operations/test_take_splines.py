@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 from rigs import chain
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.animation import Path as TrackPath
 from rigtri.model.rig import Rig
+from rigtri.operations.take_clips import clip_comparison
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -119,3 +121,30 @@ def test_two_keys_within_a_hundredth_of_a_frame_are_one_after_blender() -> None:
         theirs = playing(RIG, Track(1, "translation", "LINEAR", frames, sample(one, frames)))
         (now,) = take_clips(ours, from_=theirs).clips[0].tracks
         assert np.array_equal(now.values, values) != edited
+
+
+@pytest.mark.parametrize("ways", [("LINEAR", "LINEAR"), ("CUBICSPLINE", "LINEAR"), ("LINEAR", "CUBICSPLINE")])
+def test_keys_taken_out_of_all_tracks_are_an_edit_and_its_motion_is_played(ways: tuple[str, str]) -> None:
+    """No track shows the frames any more. Before, EDITED had no changes, for all its keys are RIG's."""
+    values = np.stack([0 * KNOTS, 1 + 0.3 * np.sin(9 * KNOTS), 0 * KNOTS], axis=1)
+    had, few = (
+        spline(1, "translation", values, 0 * values)
+        if way == "CUBICSPLINE"
+        else Track(1, "translation", "LINEAR", KNOTS, values)
+        for way in ways
+    )
+    few = replace(few, times=few.times[::4], values=few.values[::4])
+    (now,) = take_clips(playing(RIG, had), from_=playing(RIG, few)).clips[0].tracks
+    times = np.linspace(0.0, float(few.times[-1]), 50)
+    assert np.abs(sample(now, times) - sample(few, times)).max() <= 1e-5
+
+
+def test_a_clip_is_played_at_the_rigs_keys_too_where_edited_has_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever else took them for the same."""
+    monkeypatch.setattr(clip_comparison, "lacking", lambda was, now, *_: np.zeros(len(now.times), dtype=bool))
+    had = Track(1, "rotation", "LINEAR", KNOTS, TURNS)
+    with pytest.raises(GeometryError, match="would not play as in EDITED"):
+        take_clips(
+            playing(RIG, had),
+            from_=playing(RIG, replace(had, times=had.times[::4], values=had.values[::4])),
+        )

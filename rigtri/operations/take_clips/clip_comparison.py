@@ -24,6 +24,7 @@ from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.time_ranges import Clock, Pair, Ranges, ranges
 from rigtri.operations.take_clips.track_comparison import (
+    BY_HAND,
     MISSED,
     differing,
     lacking,
@@ -165,7 +166,8 @@ class Comparison:
         """
         bound = self.tolerances.of(theirs)
         changed = differing(was, now, bound)
-        changed |= lacking(was, now, self.frames, bound, self.tolerances.unit_of(theirs))
+        unit = self.tolerances.unit_of(theirs)
+        changed |= lacking(was, now, self.frames, bound, unit, self.by_hand)
         far = self.same_knots(was, now, bound) if changed.any() else None
         return changed, None if far is not None and _beyond(was, now)[changed].any() else far
 
@@ -176,7 +178,12 @@ class Comparison:
 
     def same_knots(self, was: Track, now: Track, bound: Floats) -> float | None:
         """See `rigtri.operations.take_clips.track_comparison.same_knots`."""
-        return same_knots(was, now, bound, dropped=self._dropped)
+        return same_knots(was, now, bound, dropped=self._dropped, by_hand=self.by_hand)
+
+    @property
+    def by_hand(self) -> float:
+        """How far apart, by the clock, keys are that no DCC has sampled."""
+        return BY_HAND * self.both.rig.rules.per_second
 
     @cached_property
     def _dropped(self) -> bool:

@@ -2,7 +2,7 @@
 
 What was taken was worked out track by track, by rules for axes, places and rests. None of these is believed
 here: both files are played, each by its own tracks and rests, and at EDITED's keys each joint is compared,
-seen from the joint above, or from the world. So a rule that does not hold for a clip is an error that
+seen from the joint above, or from the world; where EDITED's keys are far apart, at the result's, too. So a rule that does not hold for a clip is an error that
 names the clip, and never another motion.
 
 Source: docs/take-clips.md.
@@ -27,7 +27,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions
-from rigtri.operations.take_clips.track_comparison import without_near_keys
+from rigtri.operations.take_clips.track_comparison import MISSED, without_near_keys
 from rigtri.report import Report
 
 # Degrees; beside what the comparison of tracks lets pass. Float32 and a DCC leave a thousandth of it, and
@@ -63,7 +63,7 @@ class MotionCheck:
         self.seen, self.bodies, self.both, self.rig = seen, bodies, seen.both, rig
         self.left = frozenset(left)
         frames = seen.transfer.frames
-        self.times = thinned(frames, _LOOKS)
+        self.times = np.union1d(thinned(frames, _LOOKS), thinned(self._unseen(clip), _LOOKS))
         gap = _BESIDE * float(np.diff(frames).min(initial=np.inf)) if len(frames) > 1 else 0.0
         looks = np.concatenate([self.times, self.times - gap, self.times + gap])
         edited = self.both.other
@@ -80,6 +80,21 @@ class MotionCheck:
             for off in self._of(joint):
                 (wrong if self._is_taken(joint, off.path) else unkeyed).append(off)
         return wrong, unkeyed
+
+    def _unseen(self, clip: Clip) -> Floats:
+        """The times of EDITED, (k,), at which the result has keys and EDITED none as near as frames are."""
+        clock, frames = self.seen.clock, self.seen.transfer.frames
+        times = sorted_unique(np.concatenate([*(track.times for track in clip.tracks), np.zeros(0)]))
+        times = (times - clock.shift) / clock.factor
+        return np.asarray(times[self._between_far_keys(frames, times)])
+
+    def _between_far_keys(self, keys: Floats, times: Floats) -> Booleans:
+        """Which times, (k,), lie between keys of EDITED that no DCC has sampled."""
+        if len(keys) < 2:
+            return np.zeros(len(times), bool)
+        gaps = np.diff(keys)[np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)]
+        far = gaps * self.seen.clock.factor > self.seen.by_hand + MISSED
+        return np.asarray(far & (times > keys[0]) & (times < keys[-1]))
 
     # --- one joint
 
@@ -168,13 +183,20 @@ class MotionCheck:
         return line[: line.index(above)] if above >= 0 else line
 
     def _frames(self, joint: int, above: int) -> Booleans:
-        """The times, (f,), at which EDITED has keys of what carries a joint; all, where it has none."""
+        """The times, (f,), at which EDITED has keys of what carries a joint; all, where it has none.
+
+        And those between keys that are far apart, unless the joint's motion was worked out at the keys alone.
+        """
         path = self.both.other.path_to_root(self.both.of[joint])
         tracks = [t for node in path for t in self.seen.transfer.driven.get(node, {}).values()]
         if not tracks:
             return np.ones(len(self.times), bool)
         keys = sorted_unique(np.concatenate([track.times for track in tracks]))
-        return np.asarray(np.isin(self.times, keys))
+        far = self._between_far_keys(keys, self.times)
+        line = [n for n in self._line(joint, above) if n in self.both.of]
+        if far.any() and any(self.seen.transfer.of(node).sampled for node in line):
+            far = np.zeros(len(self.times), bool)
+        return np.asarray(np.isin(self.times, keys) | far)
 
     def _is_taken(self, joint: int, path: str) -> bool:
         """Whether a property of a joint comes from keys of EDITED, or RIG has none that would stay."""

@@ -25,7 +25,7 @@ _ONE_KEY, _FRAME = 1e-2, 1.0 / 24.0
 # Gaps between keys this much longer than a frame were made by hand.
 _GAP = 1.5
 # Seconds between keys that no DCC has sampled: none shows fewer than ten frames in a second.
-_BY_HAND = 0.1
+BY_HAND = 0.1
 # Exporters leave out all keys between the first and the last where no number moves by more than this,
 # in EDITED's units: Blender's does, unless it is set to keep them.
 _STILL = 1e-4
@@ -97,7 +97,7 @@ def reinterpolated(was: Track, now: Track) -> bool:
     if was.interpolation == now.interpolation or not 1 < len(was.times) == len(now.times):
         return False
     return bool(
-        np.abs(was.times - now.times).max() <= MISSED and float(np.median(np.diff(now.times))) > _BY_HAND
+        np.abs(was.times - now.times).max() <= MISSED and float(np.median(np.diff(now.times))) > BY_HAND
     )
 
 
@@ -108,23 +108,33 @@ def _straight(track: Track, times: Floats) -> Floats:
     return unit(np.stack(columns, axis=-1))
 
 
-def lacking(was: Track, now: Track, frames: Floats, bound: Floats, unit_of: float = 1.0) -> Booleans:
+def lacking(
+    was: Track,
+    now: Track,
+    frames: Floats,
+    bound: Floats,
+    unit_of: float = 1.0,
+    by_hand: float = BY_HAND,
+) -> Booleans:
     """The keys, (k,), beside which keys were taken out: farther apart than frames, where the other has some.
 
     frames: all times of the edited clip. bound: (k,). unit_of: how large a number of the edited file is here.
+    by_hand: `BY_HAND` in the unit of times. Keys taken out of all tracks leave no frames that show it.
     """
     found = np.zeros(len(now.times), dtype=bool)
-    if len(was.times) < 2 or "CUBICSPLINE" in (now.interpolation, was.interpolation):
+    if len(was.times) < 2:
         return found
+    wide = by_hand + MISSED
+    if "CUBICSPLINE" not in (now.interpolation, was.interpolation) and len(frames) > 1:
+        wide = min(wide, _GAP * float(np.median(np.diff(frames))))
     left = np.zeros(len(was.times), dtype=np.int64)
     inside = np.ones(len(was.times), dtype=bool)
     if len(now.times) > 1:
-        frame = float(np.median(np.diff(frames)))
         left = np.clip(np.searchsorted(now.times, was.times, side="right") - 1, 0, len(now.times) - 2)
         within = (was.times >= now.times[0]) & (was.times <= now.times[-1])
-        inside = within & (np.diff(now.times)[left] > _GAP * frame) & ~np.isin(was.times, now.times)
+        inside = within & (np.diff(now.times)[left] > wide) & ~np.isin(was.times, now.times)
     times, ours = was.times[inside], key_values(was)[inside]
-    if not len(times) or _left_out(was, now, frames, unit_of):
+    if not len(times) or _left_out(was, now, frames, unit_of, by_hand):
         return found
     their_values = [sample(now, times + missed) for missed in (0.0, -MISSED, MISSED)]
     far = np.min([differences(was.path, ours, each) for each in their_values], axis=0)
@@ -134,12 +144,12 @@ def lacking(was: Track, now: Track, frames: Floats, bound: Floats, unit_of: floa
     return found
 
 
-def _left_out(was: Track, now: Track, frames: Floats, unit_of: float) -> bool:
+def _left_out(was: Track, now: Track, frames: Floats, unit_of: float, by_hand: float) -> bool:
     """Whether an exporter has left out keys of what hardly moves: what it saw at its frames is one value."""
     if len(now.times) > 2:
         return False
     seen = frames[(frames >= now.times[0]) & (frames <= now.times[-1])]
-    if len(seen) <= 2:
+    if len(seen) <= 2 or float(np.median(np.diff(seen))) > by_hand + MISSED:
         seen = was.times
     values = sample(was, seen)
     if was.path == "rotation":
@@ -181,14 +191,17 @@ def tangents_dropped(pairs: Iterable[tuple[Track, Track]]) -> bool:
     return bent > 1
 
 
-def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) -> float | None:
+def same_knots(
+    was: Track, now: Track, bound: Floats, *, dropped: bool = False, by_hand: float = BY_HAND
+) -> float | None:
     """Of a spline that a DCC has replaced by a key a frame: how far it is off between its own keys.
 
-    dropped: it may as well have replaced the tangents alone. None where it is off at its keys too, or farther
+    dropped: it may as well have replaced the tangents alone. by_hand: see `lacking`. None where it is off at its keys too, or farther
     between them than curves through the same keys go.
     """
     if reinterpolated(was, now):
         return None
+    keys = now.times
     if dropped and now.interpolation == "CUBICSPLINE" and len(now.times) > 2:
         shares = (0.25, 0.5, 0.75)
         between = [now.times[:-1] + share * np.diff(now.times) for share in shares]
@@ -201,6 +214,8 @@ def same_knots(was: Track, now: Track, bound: Floats, *, dropped: bool = False) 
     at = np.clip(np.searchsorted(now.times, knots), 1, len(now.times) - 2)
     # A key between two frames: the frames give it no nearer than the curve bends at either.
     on_frame = np.abs(_nearest(now.times, knots)[:, 0] - knots) <= MISSED
+    segment = np.clip(np.searchsorted(keys, knots, side="right") - 1, 0, len(keys) - 2)
+    on_frame |= np.diff(keys)[segment] > by_hand + MISSED  # no frames: the curve itself is EDITED's
     bends = _bends(now)
     bend = np.where(on_frame, 0.0, np.maximum(bends[at - 1], bends[at]))
     near = np.interp(knots, now.times, bound)
