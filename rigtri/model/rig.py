@@ -161,9 +161,14 @@ class Rig(NodeNames):
         A name that was enough when it was stored has company in a file that was edited since.
         """
 
+        return self._with_references_of(self, range(len(self)))
+
+    def _with_references_of(self, before: Rig, place: Sequence[int]) -> Rig:
+        """This rig with metadata that mean the nodes that they meant before; place: which those are now."""
+
         def address(_: Place, name: str) -> str:
-            node = self.known(name)
-            return name if node is None else self.address(node)
+            node = before.known(name)
+            return name if node is None else self.address(place[node])
 
         found = {node: with_references(stored, address) for node, stored in self.metadata.items()}
         return replace(self, metadata=found) if found != self.metadata else self
@@ -318,7 +323,9 @@ class Rig(NodeNames):
         grown = self.with_nodes(names, self.parents[places].tolist(), *rest)
         parents = grown.parents.copy()
         parents[places] = new
-        return replace(grown, parents=parents).reordered(np.insert(np.arange(count), places, new).tolist())
+        order = np.insert(np.arange(count), places, new)
+        moved = replace(grown, parents=parents).reordered(order.tolist())
+        return moved._with_references_of(self, np.argsort(order)[:count].tolist())
 
     def reordered(self, order: Sequence[int]) -> Rig:
         """This rig with its nodes in another order: the k-th is what was ``order[k]``.

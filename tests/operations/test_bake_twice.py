@@ -10,6 +10,7 @@ import pytest
 from baked_rigs import WHOLE, control
 from places import SAMPLES, slow
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation import sampling
 from rigtri.evaluation.key_reduction import is_reduction_of
 from rigtri.evaluation.shared_key_times import with_shared_times
@@ -179,3 +180,17 @@ def test_thinned_values_are_some_of_the_values_and_lines_between_them() -> None:
     arc = np.stack([from_axis_angle([0.0, 0.0, 1.0], angle) for angle in times / 10])
     assert is_reduction_of(times, turns, -arc, 0.02, 1e-6)
     assert not is_reduction_of(times, turns, arc, 0.005, 1e-6)
+
+
+def test_a_bake_to_controls_is_refused_where_only_controls_have_the_motion() -> None:
+    rig = add_controls(read(SAMPLES / "biped.glb").rig, options=WHOLE)
+    node = rig.find("forearm_L_ctl")
+    turned = multiply(rig.rotation[node], from_axis_angle([0, 0, 1], np.array([0.0, 0.5])))
+    track = Track(node, "rotation", "LINEAR", np.array([0.0, 1.0]), turned)
+    rig = replace(rig, clips=(*rig.clips, Clip("waves", (track,))))
+    with pytest.raises(GeometryError, match="'waves' as its own keys do not"):
+        bake(rig, options=BakeOptions(to="controls"))
+    bake(rig, options=BakeOptions(to="controls", clip=("walk",)))
+    bake(bake(rig), options=BakeOptions(to="controls"))
+    lost = bake(rig, options=BakeOptions(to="controls", discard_motion=True))
+    assert not any(len(track.times) > 1 for track in lost.clip("waves").tracks)

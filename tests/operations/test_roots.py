@@ -20,6 +20,7 @@ from rigtri.formats import read
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Track
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
@@ -274,3 +275,16 @@ def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
     taken = replace(rig, names=tuple("ik_foot_l" if name == "toe_L_end" else name for name in rig.names))
     with pytest.raises(UsageError, match="Another node is called ik_foot_l"):
         rigtri.add_root(taken, profile="unreal")
+
+
+def test_controls_of_joints_that_are_known_by_their_paths_find_them_below_the_root() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    rig = replace(rig, names=tuple("hand" if name.startswith("hand_") else name for name in rig.names))
+    built = rigtri.add_controls(rig, whole_character=True)
+    rooted = rigtri.add_root(built)
+    before, after = (
+        sorted(each.title(each.find(one.joint)) for one in each.records(ControlRecord).values())
+        for each in (built, rooted)
+    )
+    assert before == after
+    assert sum(title.startswith("hand (") for title in after) == 4

@@ -162,7 +162,7 @@ NODES = re.compile(
     r"GLOB|NAME|CHILD|A B C|START END|ROOT MIDDLE END|(JOINT|NODE)(\[?=.*)?|TARGET (NODE NAME|JOINT CHANGES)"
 )
 # Options whose names are no nodes', although they are called so.
-OF_OTHERS = {"skin", "clip", "name", "names", "mesh"}
+OF_OTHERS = {"skin", "clip", "name", "names", "mesh", "guide-nodes"}
 
 
 def asks(name: str, option: str, rig: Rig) -> bool:

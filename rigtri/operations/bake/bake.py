@@ -54,6 +54,7 @@ from rigtri.operations.bake.dependents import (
     rivets_of_constraints,
 )
 from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks
+from rigtri.operations.bake.unbaked import UNBAKED, refuse_unbaked_clip
 from rigtri.operations.bake.warnings import (
     fidelity,
     refuse_overstretch,
@@ -131,7 +132,11 @@ class _Baker:
             if not timelines(self.rig):
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
-            for timeline in self._shown(chosen_timelines(self.rig, self.options.clip)):
+            chosen = chosen_timelines(self.rig, self.options.clip)
+            if not self.options.discard_motion:
+                for timeline in chosen:
+                    refuse_unbaked_clip(self.rig, timeline, self.size, max(self.options.between, UNBAKED))
+            for timeline in self._shown(chosen):
                 self._to_controls(timeline)
             self._warn()
             return self.rig

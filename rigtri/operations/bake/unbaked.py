@@ -13,7 +13,7 @@ from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
-from rigtri.evaluation.timelines import timelines
+from rigtri.evaluation.timelines import Timeline, timelines
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
@@ -31,12 +31,17 @@ def refuse_unbaked(rig: Rig) -> None:
     size = size_of(rig)
     posed = moved_at_rest(rig, size)
     if posed:
-        _refuse(rig, posed, {}, "at rest", size)
+        _refuse(rig, posed, {}, "at rest", size, UNBAKED)
     for timeline in timelines(rig):
-        driven = controls_with_keys(rig, timeline)
-        if driven:
-            sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
-            _refuse(rig, driven, sampled, f"in clip '{timeline.name}'", size)
+        refuse_unbaked_clip(rig, timeline, size)
+
+
+def refuse_unbaked_clip(rig: Rig, timeline: Timeline, size: float, bound: float = UNBAKED) -> None:
+    """The same of one clip, for joints that are off by more than ``bound``, as a share of the size."""
+    driven = controls_with_keys(rig, timeline)
+    if driven:
+        sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+        _refuse(rig, driven, sampled, f"in clip '{timeline.name}'", size, bound)
 
 
 def _times(rig: Rig, clip: Clip) -> Floats:
@@ -49,13 +54,15 @@ def _times(rig: Rig, clip: Clip) -> Floats:
     return found
 
 
-def _refuse(rig: Rig, driven: frozenset[int], sampled: Mapping[int, Parts], where: str, size: float) -> None:
+def _refuse(
+    rig: Rig, driven: frozenset[int], sampled: Mapping[int, Parts], where: str, size: float, bound: float
+) -> None:
     solver, own = Solver(rig, driven), PoseCache(rig, sampled)
     posed = solver.run(sampled)
     kept = set(solver.sets) - rig.own
     found = {node: _apart(own, posed, node, size) for node in _joints(rig, kept)}
     worst = max(found, key=lambda node: found[node], default=-1)
-    if worst >= 0 and found[worst] > UNBAKED:
+    if worst >= 0 and found[worst] > bound:
         raise GeometryError(
             f"Controls move '{rig.title(worst)}' {where} as its own keys do not ({found[worst]:.2g} of the "
             "size): that motion would be lost. Take it to the joints with rigtri bake --to joints first, or "

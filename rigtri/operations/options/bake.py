@@ -30,6 +30,7 @@ class BakeOptions(OneCharacter):
 
     fps: None is as many samples as ``between`` needs. tolerance: how far keys that are left out may be
     off, as a share of the rig's size. soft, stretch: of all limbs, instead of their controls' values.
+    discard_motion: whether controls may lose motion that joints do not have.
     """
 
     to: Direction = option(
@@ -65,9 +66,17 @@ class BakeOptions(OneCharacter):
     stretch: bool | None = option(
         None, help="IK limbs grow to reach their target. [as stored, or not]", rare=True
     )
+    discard_motion: bool = option(
+        False,
+        help="With --to controls: also discard motion that only controls have: what was not baked to joints.",
+        group="what",
+        rare=True,
+    )
     tolerance: Tolerance = option(1e-5, where="shared")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be."""
         if self.rig_ is None:
             refuse(given, ["as_"], "names clips of another file: give that file with --rig")
+        if self.to != "controls":
+            refuse(given, ["discard_motion"], "is about what --to controls replaces")
