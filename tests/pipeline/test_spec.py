@@ -690,3 +690,9 @@ def test_a_build_reports_the_kind_of_what_does_not_fit(tmp_path: Path) -> None:
     line = ["build", str(SAMPLES / "biped.glb"), "--spec", str(spec), "-o", str(tmp_path / "o.glb"), "--json"]
     told = cli(*line).json["error"]
     assert (told["kind"], told["exit_code"]) == ("name not found", 4)
+
+
+def test_the_page_on_specs_names_every_operation() -> None:
+    text = (ROOT / "docs" / "specs.md").read_text("utf-8")
+    (listed,) = re.findall(r"^`do` names an operation: (.*?)\. Its options", text, re.M | re.S)
+    assert set(re.findall(r"`([a-z-]+)`", listed)) == set(OPERATIONS)
