@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from rigtri.model.animation import Clip
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 
@@ -109,7 +110,8 @@ class Scene:
 
     primitives, cameras, lights, extras: by node. hidden: nodes that are not shown. omitted: those that are
     left out. up: ``Y`` or ``Z``; unit: the metres of one length unit. per_second: the time units of
-    clips in a second.
+    clips in a second. played: clips by name as the source's own library plays them, as far as the other
+    format can say it, and where that is less also as they are.
     """
 
     rig: Rig
@@ -124,6 +126,7 @@ class Scene:
     up: Literal["Y", "Z"] = "Y"
     unit: float = 1.0
     per_second: float = 1.0
+    played: dict[str, tuple[Clip, Clip | None]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
 
     def lose(self, what: str) -> None:

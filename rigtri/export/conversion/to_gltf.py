@@ -95,9 +95,11 @@ class ToGltf:
                 lost.append(f"mesh {primitives[0].mesh.name}")
             pairs += [(one.mesh, other) for one, other in zip(primitives, there, strict=False)]
         known = {clip.name: clip for clip in after.clips}
-        clips = [(clip, known[clip.name]) for clip in before.clips if clip.name in known]
+        moved = self.scene.played
+        clips = [(moved.get(c.name, (c, None))[0], known[c.name]) for c in before.clips if c.name in known]
+        sources = [moved.get(clip.name, (clip, None))[1] for clip, _ in clips]
         lost += [f"clip {clip.name}" for clip in before.clips if clip.name not in known]
-        return Converted(before, self._in_stage(after), node, node.copy(), pairs, clips, lost=lost)  # type: ignore[arg-type]
+        return Converted(before, self._in_stage(after), node, node.copy(), pairs, clips, sources, lost)  # type: ignore[arg-type]
 
     def _in_stage(self, rig: Rig) -> Rig:
         """The file's rig without the root that turns and scales it."""

@@ -10,6 +10,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light
+from rigtri.export.conversion.usd_motion import PrimMotion
 from rigtri.export.conversion.usd_surfaces import Faces, materials_of, read_faces
 from rigtri.export.conversion.usd_values import json_value
 from rigtri.formats.document import ReadOptions
@@ -52,6 +53,7 @@ class _Reader:
         self.stage = self.source.stage
         self.scene = Scene(document.rig, name)
         self.looks = Looks(self.scene)
+        self.motion = PrimMotion()
 
     def read(self) -> Scene:
         scene, stage = self.scene, self.stage
@@ -180,7 +182,7 @@ class _Reader:
         """What the stage plays, as one clip, and each animation that it does not play as one of its own."""
         rig = self.scene.rig
         playing = [clip for clip in rig.clips if clip.key[0] in ("samples", "xforms") and not clip.idle]  # type: ignore[index]
-        tracks = [track for clip in playing for track in clip.tracks]
+        tracks = [track for clip in playing for track in self._followed(clip)]
         found: dict[str, list[Track]] = {}
         if tracks:
             bound = next((clip for clip in playing if clip.key[0] == "samples"), playing[0])  # type: ignore[index]
@@ -196,9 +198,29 @@ class _Reader:
             start = min(0.0, *(float(track.times[0]) for track in some))
             if start < 0:
                 self.scene.lose(f"that clip '{name}' begins {-start:g} time codes before 0: it begins at 0")
-            kept = (self._in_seconds(track, rig, start) for track in some)
+            kept = [self._in_seconds(track, rig, start) for track in some]
             clips.append(Clip(name, tuple(track for track in kept if track is not None)))
+        if clips and tracks:
+            self._say_how_it_is_played(clips[0])
         return [clip for clip in clips if clip.tracks]
+
+    def _followed(self, clip: Clip) -> list[Track]:
+        """The tracks of a clip, those of prims as USD moves them."""
+        if clip.key[0] != "xforms":  # type: ignore[index]
+            return list(clip.tracks)
+        labels = self.scene.rig.labels
+        prims = {track.node: self.stage.GetPrimAtPath(labels[track.node]) for track in clip.tracks}
+        return self.motion.follow(prims, clip.tracks)
+
+    def _say_how_it_is_played(self, clip: Clip) -> None:
+        motion = self.motion
+        if motion.sheared:
+            names = sorted(f"<{self.scene.rig.labels[node]}>" for node in motion.sheared)
+            self.scene.lose(f"the shear that matrices of {and_more(names, 3)} go through between samples")
+        if motion.codes:
+            meant = motion.played(clip.name, clip.tracks, upright=True)
+            source = motion.played(clip.name, clip.tracks, upright=False) if motion.sheared else None
+            self.scene.played[clip.name] = meant, source
 
     def _loose(self) -> list[tuple[str, str]]:
         """SkelAnimations that nothing plays, each with the Skeleton that has all of its joints."""
@@ -230,6 +252,7 @@ class _Reader:
         for k in range(len(times) - 2, -1, -1):
             if times[k] >= times[k + 1]:  # a step, whose samples are nearer than float32 can say
                 times[k] = np.nextafter(times[k + 1], np.float32(-np.inf))
+        self.motion.note(track, times.astype(np.float64))
         values = track.values
         if track.path != "weights" and (values == values[0]).all():
             rest = {"translation": rig.translation, "rotation": rig.rotation, "scale": rig.scale}[track.path]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +25,15 @@ from rigtri.verification.compare.verdict import Comparison, Motion
 _BLOCK = 1 << 22
 # Times of two formats are one where they are so near, as a share: float32's rounding, in other units.
 SAME_TIME = 3e-7
+
+
+@dataclass(frozen=True, eq=False)
+class PlayedClip(Clip):
+    """A clip of which a format itself says where nodes are. places: from seconds, (f,), the local matrices,
+    (f, 4, 4), by node; its tracks hold for all others, and where a matrix is none of numbers.
+    """
+
+    places: Callable[[Floats], Mapping[int, Floats]] = lambda seconds: {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,10 +133,12 @@ def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block:
     times = between_keys(key_times(clip))
     for start in range(0, len(times), block):
         some = times[start : start + block]
-        moved = [
-            worlds(rig, motion.locals_at(some))
-            for rig, motion in zip((pair.before, pair.after), motions, strict=True)
-        ]
+        local = [motion.locals_at(some) for motion in motions]
+        if isinstance(clip, PlayedClip):
+            for node, matrices in clip.places(some).items():
+                known = np.isfinite(matrices).all(axis=(1, 2))
+                local[0][known, node] = matrices[known]
+        moved = [worlds(rig, each) for rig, each in zip((pair.before, pair.after), local, strict=True)]
         found.add(SampledPoses(moved[0], moved[1], (clip, other), some), clip.name)
 
 

@@ -1,0 +1,124 @@
+"""How prims move between the samples of their ops, asked of USD itself.
+
+USD interpolates ops: the three angles of an Euler rotation, the sixteen numbers of a matrix. glTF goes in
+straight lines and along arcs. So prims whose ops do otherwise get as many keys as follow them.
+
+Source: UsdGeomXformable (GetLocalTransformation); UsdAttribute (interpolation).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pxr import UsdGeom
+
+from rigtri.evaluation.adaptive_sampling import adaptive_key_times
+from rigtri.evaluation.sampling import sorted_unique
+from rigtri.formats.usd.reading.xform_hierarchy import read_transform
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import SKEW, compose, decompose, skew
+from rigtri.maths.quaternions import angle_between, slerp
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import PATHS, Track
+from rigtri.verification.compare.across import SAME_TIME, PlayedClip
+
+# How far keys may be off between two of them: radians, and shares of where the prim goes. Prims below each
+# other add up, so it is a part of what a conversion may be off.
+WITHIN = 4e-6
+_PARTS = (3, 7)  # where rotation and scale begin among ten numbers
+
+
+@dataclass(eq=False)
+class PrimMotion:
+    """Where prims are at any time. prims: by node; codes: by node, pairs of seconds and time codes of keys.
+
+    sheared: nodes whose ops go through shear, which no translation, rotation and scale show.
+    """
+
+    prims: dict[int, Any] = field(default_factory=dict)
+    codes: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)
+    sheared: set[int] = field(default_factory=set)
+
+    def follow(self, prims: Mapping[int, Any], tracks: Sequence[Track]) -> list[Track]:
+        """The tracks of prims, by node, with keys between the samples where ops go other ways than tracks."""
+        found: list[Track] = []
+        for node, prim in prims.items():
+            mine = [track for track in tracks if track.node == node]
+            if mine[0].interpolation != "STEP":
+                self.prims[node] = prim
+                if read_transform(prim, node, mine[0].interpolation) is None:
+                    mine = self._sampled(prim, mine)
+            found += mine
+        return found
+
+    def _sampled(self, prim: Any, tracks: list[Track]) -> list[Track]:
+        first = tracks[0]
+
+        def parts(times: Floats) -> Floats:
+            return np.concatenate(decompose(_locals(prim, times)), axis=1)
+
+        times = sorted_unique(np.concatenate([track.times for track in tracks]))
+        size = max(1e-9, float(np.abs(np.nan_to_num(parts(times))[:, : _PARTS[0]]).max()))
+
+        def error(found: Floats, left: Floats, right: Floats, share: Floats, at: Floats) -> Floats:
+            if (skew(_locals(prim, at)) > SKEW).any():
+                self.sheared.add(first.node)
+            one, two = _PARTS
+            line = left + (right - left) * share[:, np.newaxis]
+            off = np.abs(found - line)
+            turned = angle_between(found[:, one:two], slerp(left[:, one:two], right[:, one:two], share))
+            large = np.maximum(1.0, np.abs(found[:, two:]).max(axis=1))
+            far = np.maximum(off[:, :one].max(axis=1) / size, off[:, two:].max(axis=1) / large)
+            return np.asarray(np.maximum(far, turned))
+
+        if len(times) > 1:
+            times = adaptive_key_times(parts, error, times, within=WITHIN)
+        values = np.split(parts(times), _PARTS, axis=1)
+        if not all(np.isfinite(each).all() for each in values):
+            return tracks
+        return [
+            Track(first.node, path, first.interpolation, times, each)
+            for path, each in zip(PATHS, values, strict=True)
+        ]
+
+    def played(self, name: str, tracks: Sequence[Track], *, upright: bool) -> PlayedClip:
+        """The clip with the prims where USD has them; upright: without the shear that glTF cannot say."""
+
+        def places(seconds: Floats) -> dict[int, Floats]:
+            found = {}
+            for node, (known, codes) in self.codes.items():
+                # Keys are float32 in glTF, so a time is where it is between two of them.
+                local = _locals(self.prims[node], np.interp(seconds, known, codes))
+                local = compose(*decompose(local)) if upright and node in self.sheared else local
+                local[_in_a_step(seconds, known)] = np.nan
+                found[node] = local
+            return found
+
+        return PlayedClip(name, tuple(tracks), places=places)
+
+    def note(self, track: Track, seconds: Floats) -> None:
+        """Keep which time codes are which seconds."""
+        if track.node in self.prims:
+            known, codes = self.codes.get(track.node, (np.zeros(0), np.zeros(0)))
+            _, rows = np.unique(np.concatenate([codes, track.times]), return_index=True)
+            every = np.concatenate([known, seconds])[rows], np.concatenate([codes, track.times])[rows]
+            self.codes[track.node] = every
+
+
+def _in_a_step(seconds: Floats, keys: Floats) -> Booleans:
+    """Which times, (f,), are between two keys that stand for a step, which takes USD no time."""
+    if len(keys) < 2:
+        return np.zeros(len(seconds), dtype=bool)
+    right = np.clip(np.searchsorted(keys, seconds), 1, len(keys) - 1)
+    start, end = keys[right - 1], keys[right]
+    short = end - start <= SAME_TIME * np.maximum(np.abs(end), 1e-3)
+    return np.asarray(short & (seconds > start) & (seconds < end))
+
+
+def _locals(prim: Any, times: Floats) -> Floats:
+    """The matrices of a prim, (f, 4, 4), at time codes."""
+    place: Callable[[float], Any] = UsdGeom.Xformable(prim).GetLocalTransformation
+    return np.array([place(time) for time in times.tolist()], dtype=np.float64)

@@ -1,0 +1,62 @@
+"""Prims move in glTF as USD itself moves them between samples, and what cannot is measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pxr import Gf, Usd, UsdGeom
+
+import rigtri
+from rigtri.evaluation.sampling import Motion, worlds
+
+
+def _stage(path: Path) -> tuple[Any, Any]:
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.Xform.Define(stage, "/set")
+    moved = UsdGeom.Xform.Define(stage, "/set/moved")
+    mesh = UsdGeom.Mesh.Define(stage, "/set/moved/blade")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0.3)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    return stage, moved
+
+
+def _turned(axis: tuple[float, ...], angle: float) -> Any:
+    return Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(*axis), angle))
+
+
+@pytest.mark.parametrize("ops", ["euler", "matrix"])
+def test_prims_go_the_way_of_their_ops_between_samples(ops: str, tmp_path: Path) -> None:
+    stage, moved = _stage(tmp_path / "in.usda")
+    op = moved.AddRotateXYZOp() if ops == "euler" else moved.AddTransformOp()
+    op.Set((0, 0, 0) if ops == "euler" else Gf.Matrix4d(1.0), 0)
+    op.Set((0, 720, 90) if ops == "euler" else _turned((0, 1, 0), 60.0), 24)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-5
+    rig = rigtri.read(tmp_path / "out.glb")
+    for code in (3.0, 7.1, 17.3):
+        there = worlds(rig, Motion(rig, rig.clips[0]).locals_at(np.array([code / 24.0])))
+        cache = UsdGeom.XformCache(Usd.TimeCode(code))
+        matrix = np.array(cache.GetLocalToWorldTransform(moved.GetPrim()))
+        assert np.abs(there[0, rig.find("moved")] - matrix).max() < 1e-5
+
+
+def test_shear_between_samples_is_told_and_measured(tmp_path: Path) -> None:
+    stage, moved = _stage(tmp_path / "in.usda")
+    op = moved.AddTransformOp()
+    op.Set(Gf.Matrix4d(1.0), 0)
+    op.Set(_turned((1, 1, 1), 60.0), 24)
+    stage.Save()
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    assert any("the shear that matrices of </set/moved>" in n.text for n in outcome.report.warnings)
+    assert outcome.verification is not None
+    assert outcome.verification.deviation < 1e-5
+    assert outcome.verification.motion is not None
+    assert 1e-3 < outcome.verification.motion.deviation < 0.2
