@@ -18,6 +18,8 @@ def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.joints:
         return "there is a root of this name already; nothing was changed"
+    if report.joints[0]["status"] == "kept":
+        return f"'{report.joints[0]['joint']}' is the root already; its name stays"
     return f"'{report.joints[0]['joint']}' stands on the ground, above the joints of the character"
 
 

@@ -21,11 +21,14 @@ from rigtri.operations.ik_bones import with_ik_bones
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_root import AddRootOptions as AddRootOptions
+from rigtri.operations.prune_joints import weighted_joints
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
 # The lowest joint stands on the ground of the scene if it is no higher than this share of the height.
 _ON_GROUND = 0.15
+# So much of the height of a body's start a joint may be above the ground to be its root.
+_LOW = 0.25
 
 
 @operation(AddRootOptions)
@@ -36,9 +39,26 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     is the root already. In USD the paths of all joints below it begin with it. GeometryError where no body is
     known, UsageError for a name that is taken.
     """
-    top = rig.find(options.above) if options.above is not None else _top(rig)
+    start = rig.find(options.above) if options.above is not None else _start(rig)
+    if (root := root_above(rig, start)) >= 0 and rig.names[root] != options.name:
+        report.joints.append(joint_record(rig, root, "kept", reason="is the root already"))
+        return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)
+    joints = [node for node in rig.path_to_root(start) if rig.is_joint[node]]
+    top = start if options.above is not None else joints[-1]
     rig, root = _rooted(rig, top, options, report)
     return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)
+
+
+def root_above(rig: Rig, start: int) -> int:
+    """The joint above the first of a body that is its root, whatever its name; -1 where there is none.
+
+    A root moves no point of the body itself, and stands near the ground.
+    """
+    weighted, up = weighted_joints(rig), np.array(rig.rules.up)
+    low = float(dot(_ground(rig, start), up))
+    most = low + _LOW * (float(dot(rig.world[start, 3, :3], up)) - low)
+    above = [node for node in rig.path_to_root(start)[1:] if rig.is_joint[node] and not weighted[node]]
+    return next((node for node in above if float(dot(rig.world[node, 3, :3], up)) <= most), -1)
 
 
 def _rooted(rig: Rig, top: int, options: AddRootOptions, report: Report) -> tuple[Rig, int]:
@@ -75,8 +95,8 @@ def _joined(skins: Sequence[Skin], rig: Rig, top: int, root: int, world: Floats)
     return tuple(found)
 
 
-def _top(rig: Rig) -> int:
-    """The topmost joint of the body."""
+def _start(rig: Rig) -> int:
+    """The first joint of the body: its hips, where they are known."""
     layout = recognise(rig)
     if len(layout.characters) != 1:
         count = len(layout.characters)
@@ -84,8 +104,7 @@ def _top(rig: Rig) -> int:
         raise GeometryError(f"{found}: name the joint below the root with --above")
     (body,) = layout.characters
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
-    start = body.hips if body.hips >= 0 else min(joints)
-    return [node for node in rig.path_to_root(start) if rig.is_joint[node]][-1]
+    return body.hips if body.hips >= 0 else min(joints)
 
 
 def _with_root(rig: Rig, top: int, name: str, report: Report) -> Rig:

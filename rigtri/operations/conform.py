@@ -18,6 +18,7 @@ from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
+from rigtri.operations.add_root import root_above
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
 from rigtri.operations.ik_bones import IK_BONES
@@ -87,13 +88,14 @@ def steps_of(options: ConformOptions) -> Steps:
     facing = {} if options.facing is None else {"facing": options.facing}
     pose, axes, root, profile = skeleton_of(options.to)
     preset, frames = ("blender", axes) if axes == "godot" else (axes, pose)
+    rooted: Steps = (("add-root", {"name": root}), ("orient-joints", {"joints": [root], "world": True}))
     # How it rests before its axes, which are those at rest; and names before all that is recognised: a second
     # run reads the same names, and finds the same body.
     return (
         ("freeze", {}),
         ("rename-joints", {"to": options.to}),
         ("set-rest", {"pose": pose, "straight_fingers": True, **facing}),
-        *([("add-root", {"name": root})] if root else []),
+        *(rooted if root else ()),
         ("orient-joints", {"preset": preset, "standard_pose": frames, "pose": "nodes", **facing}),
         # They stand as hands and feet do in the end.
         *([("add-root", {"name": root, "profile": profile})] if root and profile else []),
@@ -116,9 +118,9 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     for name, values in steps:
         known = len(report.joints)
         try:
-            if name == "rename-joints" and (aside := set_aside(rig, options.to)):
+            if name == "rename-joints" and (aside := _aside(rig, options)):
                 values = {**values, "name": aside}
-            if name == "orient-joints" and (ours := _ik_bones(rig, options)):
+            if name == "orient-joints" and "preset" in values and (ours := _ik_bones(rig, options)):
                 values = {**values, "exclude": ours}
             rig = function_of(name)(rig, report=report, **values)
         except (UsageError, GeometryError) as error:
@@ -130,6 +132,16 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     _warn_misplaced(rig, report)
     _warn_other_axes(rig, dict(steps)["orient-joints"], report)
     return rig
+
+
+def _aside(rig: Rig, options: ConformOptions) -> dict[str, str]:
+    """New names, by address, of joints that are no bones: the root's, and where bones will have theirs."""
+    found, name = set_aside(rig, options.to), skeleton_of(options.to).root
+    for body in recognise(rig).characters if name else ():
+        root = root_above(rig, body.hips) if body.hips >= 0 else -1
+        if root >= 0 and rig.names[root] != name:
+            found[rig.address(root)] = name
+    return found
 
 
 def _ik_bones(rig: Rig, options: ConformOptions) -> list[str]:

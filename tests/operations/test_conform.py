@@ -275,3 +275,18 @@ def test_the_steps_are_a_spec_that_builds_the_same(tmp_path: Path) -> None:
     before, after = rigtri.read(out), rigtri.read(built)
     assert before.names == after.names
     assert np.allclose(before.world, after.world, atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_root_of_another_name_is_the_root(suffix: str) -> None:
+    """It gets the name of the skeleton and the axes of the world, and none is added above it."""
+    rooted = rigtri.add_root(rigtri.read(SAMPLES / f"biped{suffix}"), name="mixamorig_Root")
+    turned = rigtri.orient_joints(rooted, joints=["mixamorig_Root"], preset="blender", aim="z", up="x")
+    assert rigtri.add_root(turned).names == turned.names
+    for target, name in (("unreal", "root"), ("godot", "Root")):
+        turned = rigtri.conform(turned, to=target)
+        root = turned.find(name)
+        assert not turned.is_joint[turned.path_to_root(root)[1:]].any()
+        assert int(turned.parents[recognise(turned).characters[0].hips]) == root
+        axes = turned.world[root, :3, :3]
+        assert np.allclose(axes / length(axes)[:, np.newaxis], np.eye(3), atol=1e-6)
