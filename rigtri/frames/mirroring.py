@@ -97,7 +97,10 @@ def side_of(rig: Rig, node: int) -> Side:
 
 
 def twin_of(rig: Rig, node: int) -> int | None:
-    """The node of the other side: of the mirrored VRM bone, else of the one mirrored name."""
+    """The node of the other side: of the mirrored VRM bone, else of the mirrored name, of the same character.
+
+    Of several of that name it is the one that has most nodes above it in common with this one.
+    """
     bone = _bone(rig, node)
     for one, other in _BONE.items():
         if bone.startswith(one):
@@ -108,6 +111,10 @@ def twin_of(rig: Rig, node: int) -> int | None:
         return None
     alike = [k for k, known in enumerate(rig.names) if known == other_name]
     same_kind = [k for k in alike if rig.is_joint[k] == rig.is_joint[node]]
+    if len(same_kind) > 1:
+        above = set(rig.path_to_root(node))
+        common = [len(above.intersection(rig.path_to_root(k))) for k in same_kind]
+        same_kind = [k for k, count in zip(same_kind, common, strict=True) if count == max(common)]
     return same_kind[0] if len(same_kind) == 1 else None
 
 

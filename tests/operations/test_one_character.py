@@ -143,3 +143,14 @@ def test_several_characters_are_conformed_one_at_a_time(tmp_path: Path) -> None:
     cli("conform", path, "-o", tmp_path / "out.gltf", "--to", "unity", "--character", "B", code=0)
     names = read(tmp_path / "out.gltf").rig.names
     assert names.count("LeftHand") == names.count("hand_L") == 1
+
+
+@pytest.mark.parametrize("suffix", ["gltf", slow("usda")])
+def test_each_character_is_mirrored_about_its_own_plane(suffix: str, samples: Path, tmp_path: Path) -> None:
+    two, out, again = pair(samples, tmp_path, suffix), tmp_path / f"o.{suffix}", tmp_path / f"again.{suffix}"
+    ran = cli("mirror", two, "-o", out, code=0)
+    alone = cli("mirror", samples / f"biped.{suffix}", "-o", tmp_path / f"one.{suffix}", code=0)
+    counts = [int(each.stderr.split(" joints re-oriented")[0].split()[-1]) for each in (ran, alone)]
+    assert counts[0] == 2 * counts[1] > 0
+    cli("mirror", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.mirror import WHAT, What
 from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
+from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
 
 
@@ -44,6 +46,18 @@ def mirror(rig: Rig, *, options: MirrorOptions, report: Report) -> Rig:
     ``report.joints``, ``report.added`` and ``report.limbs``; what cannot be mirrored is a warning
     (``not-mirrored``). Raises GeometryError where nothing here has a side, NameNotFoundError, UsageError.
     """
+    known = list(zip(rig.keys, rig.labels, strict=True))
+    several = [] if options.selection.named else bodies(rig)
+    sided = [[known[k] for k in nodes] for nodes in several if any(side_of(rig, k) for k in nodes)]
+    for nodes in sided:  # each about its own plane; nodes may have come between those of the next
+        places = {both: k for k, both in enumerate(zip(rig.keys, rig.labels, strict=True))}
+        alone = frozenset(places[both] for both in nodes)
+        rig = within(rig, alone, partial(_one, options=options, report=report))
+    return rig if sided else _one(rig, options, report)
+
+
+def _one(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
+    """The rig with one character mirrored."""
     tree = skeleton(rig, options.root)
     refuse_without_sides(rig, tree.joints)
     parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
