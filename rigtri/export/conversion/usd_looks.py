@@ -16,6 +16,7 @@ from pxr import Ar, UsdGeom, UsdLux, UsdShade
 from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
 from rigtri.export.conversion.usd_lenses import CANDELA, FAR, TENTHS
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
+from rigtri.export.conversion.usd_values import rest_value
 from rigtri.maths.trigonometry import arc_tangent
 
 _WRAPS = {"clamp": "clamp", "mirror": "mirror", "repeat": "repeat", "black": "clamp"}
@@ -98,7 +99,7 @@ class Looks:
     @staticmethod
     def _value(surface: Any, name: str, otherwise: Any) -> Any:
         given = surface.GetInput(name)
-        value = given.Get() if given and not given.HasConnectedSource() else None
+        value = rest_value(given.GetAttr()) if given and not given.HasConnectedSource() else None
         if given and given.HasConnectedSource() and otherwise == (0.18,) * 3:
             return (1.0, 1.0, 1.0)  # a primvar, which glTF multiplies
         return otherwise if value is None else tuple(value)
@@ -106,7 +107,7 @@ class Looks:
     @staticmethod
     def _number(surface: Any, name: str, otherwise: float) -> float:
         given = surface.GetInput(name)
-        value = given.Get() if given and not given.HasConnectedSource() else None
+        value = rest_value(given.GetAttr()) if given and not given.HasConnectedSource() else None
         return otherwise if value is None else float(value)
 
     def _texture(
@@ -116,7 +117,7 @@ class Looks:
         node = _source(surface, name)
         if node is None or node.GetShaderId() != "UsdUVTexture":
             return None
-        asset = node.GetInput("file").Get() if node.GetInput("file") else None
+        asset = rest_value(node.GetInput("file").GetAttr()) if node.GetInput("file") else None
         image = self._image(asset) if asset is not None else None
         if image is None:
             return None
@@ -176,11 +177,11 @@ def read_camera(prim: Any, unit: float) -> Camera:
     """A Camera; unit: of the stage in metres, in which near and far are."""
     camera = UsdGeom.Camera(prim)
     wide, high = (
-        float(a.Get()) for a in (camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr())
+        float(rest_value(a)) for a in (camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr())
     )
-    near, far = camera.GetClippingRangeAttr().Get()
-    flat = camera.GetProjectionAttr().Get() == UsdGeom.Tokens.orthographic
-    focal = float(camera.GetFocalLengthAttr().Get())
+    near, far = rest_value(camera.GetClippingRangeAttr())
+    flat = rest_value(camera.GetProjectionAttr()) == UsdGeom.Tokens.orthographic
+    focal = float(rest_value(camera.GetFocalLengthAttr()))
     angle = 2.0 * float(arc_tangent(np.array(high / 2.0), np.array(focal)))
     height = high / TENTHS * unit if flat else angle
     name = prim.GetDisplayName() or prim.GetName()
@@ -195,21 +196,23 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
         scene.lose(f"light '{name}' of type {prim.GetTypeName()}")
         return None
     api = UsdLux.LightAPI(prim)
-    exposure = float(api.GetExposureAttr().Get() or 0.0)
+    exposure = float(rest_value(api.GetExposureAttr()) or 0.0)
     if exposure:
         scene.lose(f"exposure of light '{name}'")
-    red, green, blue = map(float, api.GetColorAttr().Get())
+    red, green, blue = map(float, rest_value(api.GetColorAttr()))
     # glTF's colours end at 1; what is brighter is intensity.
     most = max(red, green, blue, 1.0)
-    intensity, colour = float(api.GetIntensityAttr().Get()) * most, (red / most, green / most, blue / most)
+    intensity = float(rest_value(api.GetIntensityAttr())) * most
+    colour = red / most, green / most, blue / most
     if prim.IsA(UsdLux.DistantLight):
         return Light(name, "directional", colour, intensity)
-    if not api.GetNormalizeAttr().Get():
-        radius = float(UsdLux.SphereLight(prim).GetRadiusAttr().Get())
+    if not rest_value(api.GetNormalizeAttr()):
+        radius = float(rest_value(UsdLux.SphereLight(prim).GetRadiusAttr()))
         intensity *= 4.0 * 3.141592653589793 * radius * radius
-    cone = UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr().Get() if prim.HasAPI(UsdLux.ShapingAPI) else None
+    shaping = UsdLux.ShapingAPI(prim)
+    cone = rest_value(shaping.GetShapingConeAngleAttr()) if prim.HasAPI(UsdLux.ShapingAPI) else None
     if cone is None or cone >= 90.0:
         return Light(name, "point", colour, intensity / CANDELA)
-    soft = float(UsdLux.ShapingAPI(prim).GetShapingConeSoftnessAttr().Get() or 0.0)
+    soft = float(rest_value(shaping.GetShapingConeSoftnessAttr()) or 0.0)
     outer = float(cone) / DEGREES
     return Light(name, "spot", colour, intensity / CANDELA, outer * (1.0 - min(soft, 1.0)), outer)

@@ -12,7 +12,8 @@ from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light
 from rigtri.export.conversion.usd_motion import PrimMotion
 from rigtri.export.conversion.usd_surfaces import Faces, materials_of, read_faces
-from rigtri.export.conversion.usd_values import json_value
+from rigtri.export.conversion.usd_unread import Unread
+from rigtri.export.conversion.usd_values import json_value, rest_value
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of
@@ -67,8 +68,20 @@ class _Reader:
         for node, key in enumerate(scene.rig.keys):
             if key[0] == "prim" and node not in scene.omitted:  # type: ignore[index]
                 self._prim(node, stage.GetPrimAtPath(scene.rig.labels[node]))
+        self._unread()
         scene.rig = replace(scene.rig, names=self._names(), clips=tuple(self._clips()))
         return scene
+
+    def _unread(self) -> None:
+        """Tell what is authored and not read, but for what is told as a whole."""
+        omitted = {self.scene.rig.labels[node] for node in self.scene.omitted}
+        unread = Unread()
+        unread.add(
+            self.source.instances.prims(),
+            lambda prim: any(str(path) in omitted for path in prim.GetPath().GetPrefixes()),
+        )
+        for what in unread.told():
+            self.scene.lose(what)
 
     def _omit(self) -> None:
         """Leave out rigtri's own rig, guides and what is not there for everybody."""
@@ -83,6 +96,10 @@ class _Reader:
             prim = self.stage.GetPrimAtPath(rig.labels[node]) if key[0] == "prim" else None  # type: ignore[index]
             if prim and (prim.IsAbstract() or not prim.IsDefined() or not prim.IsActive()):
                 scene.omitted.add(node)
+            elif prim and prim.IsA(UsdGeom.PointInstancer) and node not in scene.omitted:
+                # What is below it is shown where it has instances, and nowhere else.
+                scene.omitted.update([node, *rig.below(node)])
+                scene.lose(f"PointInstancer <{prim.GetPath()}> with its prototypes")
             elif prim and prim.IsA(UsdGeom.Gprim) and node not in scene.omitted:
                 if UsdGeom.Imageable(prim).ComputePurpose() in ("guide", "proxy"):
                     scene.omitted.add(node)
@@ -105,7 +122,9 @@ class _Reader:
         extras = prim.GetCustomDataByKey("extras")
         if extras and not prim.IsA(UsdSkel.Skeleton):
             scene.extras[node] = json_value(extras)
-        if UsdGeom.Imageable(prim).ComputeVisibility() == UsdGeom.Tokens.invisible:
+        above = [self.stage.GetPrimAtPath(path) for path in prim.GetPath().GetPrefixes()]
+        shown = [UsdGeom.Imageable(one) for one in above if one.IsA(UsdGeom.Imageable)]
+        if any(rest_value(one.GetVisibilityAttr()) == UsdGeom.Tokens.invisible for one in shown):
             scene.hidden.add(node)
 
     def _mesh(self, mesh: Mesh) -> None:

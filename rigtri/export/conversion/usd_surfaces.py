@@ -115,9 +115,11 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
             # The colour of a whole mesh is its material's, where it has one.
             if spread != "constant":
                 found["COLOR_0"] = np.array(value, dtype=np.float64), spread
+            elif _bound(prim) is None:
+                lose("displayColor of whole meshes without a material")
         elif name == "tangents" and kind == "float4[]":
             found["TANGENT"] = np.array(value, dtype=np.float64), spread
-        elif name != "displayOpacity":
+        else:
             lose(f"primvar {name} of meshes")
     return found, coordinates
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Vt
+from pxr import Gf, Usd, Vt
 
 from rigtri.maths.trigonometry import Floats
 
@@ -54,6 +54,14 @@ def matrix(value: Floats) -> Any:
 def matrices(values: Floats) -> Any:
     """(n, 4, 4) as an array of matrix4d."""
     return Vt.Matrix4dArray([matrix(row) for row in values])
+
+
+def rest_value(attribute: Any) -> Any:
+    """An attribute's value at rest: the default, else the first sample; the schema's where there is none."""
+    source = attribute.GetResolveInfo(Usd.TimeCode.Default()).GetSource()
+    unsaid = source in (Usd.ResolveInfoSourceNone, Usd.ResolveInfoSourceFallback)
+    sampled = unsaid and attribute.GetNumTimeSamples()
+    return attribute.Get(Usd.TimeCode.EarliestTime()) if sampled else attribute.Get()
 
 
 def dictionary(value: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,0 +1,121 @@
+"""What a stage says that a conversion does not read: all that is authored, without what is known to be read.
+
+So what nobody has thought of is listed by itself. Source: schemas of UsdGeom, UsdSkel, UsdShade, UsdLux.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from pxr import UsdGeom, UsdLux
+
+from rigtri.text import and_more
+
+# What is read of prims of each type, by name or by what its name begins with; ``""`` of prims of any type.
+_LENS = "horizontalAperture verticalAperture focalLength clippingRange projection"
+_LIGHT = "inputs:intensity inputs:color inputs:exposure inputs:normalize"
+_FACES = "faceVertexCounts faceVertexIndices orientation subdivisionScheme doubleSided subsetFamily:"
+_COAT = "inputs:clearcoat inputs:clearcoatRoughness inputs:ior"
+_BINDING = "material:binding material:binding:"
+_SAMPLER = "inputs:wrapS inputs:wrapT inputs:sourceColorSpace"
+_CHANNELS = "inputs:metallic inputs:roughness inputs:normal inputs:occlusion"
+_OPACITY = "inputs:opacity inputs:opacityThreshold"
+_READ = {
+    "": f"xformOp: xformOpOrder visibility purpose extent extentsHint {_BINDING} skel: primvars: rigtri:",
+    "Mesh": f"points normals {_FACES}",
+    "Skeleton": "joints jointNames bindTransforms restTransforms",
+    "SkelAnimation": "joints translations rotations scales blendShapes blendShapeWeights",
+    "BlendShape": "offsets normalOffsets pointIndices inbetweens:",
+    "Camera": _LENS,
+    "SphereLight": f"{_LIGHT} inputs:radius treatAsPoint inputs:shaping:cone:",
+    "DistantLight": _LIGHT,
+    "GeomSubset": "indices elementType familyName",
+    "Material": "outputs:surface",
+    "UsdPreviewSurface": f"info: outputs: inputs:diffuseColor inputs:emissiveColor {_COAT} "
+    f"{_CHANNELS} {_OPACITY}",
+    "UsdUVTexture": f"info: outputs: inputs:file inputs:st inputs:scale {_SAMPLER}",
+    "UsdTransform2d": "info: outputs: inputs:in inputs:rotation inputs:scale inputs:translation",
+    "UsdPrimvarReader_float2": "info: outputs: inputs:varname",
+    "UsdPrimvarReader_float3": "info: outputs: inputs:varname",
+    "Xform": "",
+    "SkelRoot": "",
+    "Scope": "",
+}
+# What is converted with its samples, or told where it is read; nobody draws an extent.
+_MOVES = ("xformOp:", "translations", "rotations", "scales", "blendShapeWeights", "points", "extent")
+_METADATA = ("kind", "assetInfo", "documentation", "comment")
+_OWN_DATA = ("extras", "unlit", "rigtri")
+# The bias that a normal map in eight bits must have; glTF takes it for granted.
+_NORMAL_BIAS = (-1.0, -1.0, -1.0)
+
+
+class Unread:
+    """What is found, by what it is: the paths of its prims."""
+
+    def __init__(self) -> None:
+        self._found: dict[str, list[str]] = {}
+
+    def add(self, prims: Iterable[Any], left_out: Callable[[Any], bool]) -> None:
+        """Look at all that is authored on prims; left_out: those that are told as a whole."""
+        for prim in prims:
+            if prim.IsPseudoRoot() or not prim.IsDefined() or prim.IsAbstract() or left_out(prim):
+                continue
+            kind = _kind(prim)
+            if kind and kind not in _READ:
+                if not prim.IsA(UsdGeom.Gprim) and not prim.HasAPI(UsdLux.LightAPI):
+                    self._note(f"prims of type {kind}", prim)
+                continue
+            self._properties(prim, kind)
+            self._metadata(prim)
+
+    def told(self) -> list[str]:
+        """One line for each of what is not read."""
+        return [f"{what} ({and_more(paths, 3)})" for what, paths in sorted(self._found.items())]
+
+    def _note(self, what: str, prim: Any) -> None:
+        self._found.setdefault(what, []).append(f"<{prim.GetPath()}>")
+
+    def _properties(self, prim: Any, kind: str) -> None:
+        read = [*_READ[""].split(), *_READ[kind].split()]
+        for given in prim.GetAuthoredProperties():
+            name = given.GetName()
+            attribute = prim.GetAttribute(name)
+            if not any(name == one or (one[-1] == ":" and name.startswith(one)) for one in read):
+                if not attribute or _says_something(prim, attribute):
+                    self._note(name, prim)
+            elif attribute and attribute.ValueMightBeTimeVarying() and not name.startswith(_MOVES):
+                self._note(f"animation of {name}", prim)
+
+    def _metadata(self, prim: Any) -> None:
+        for key in _METADATA:
+            if prim.HasAuthoredMetadata(key) and prim.GetMetadata(key):
+                self._note(key, prim)
+        data = prim.GetCustomData() if prim.HasAuthoredMetadata("customData") else {}
+        for key in data:
+            if prim.HasAuthoredCustomDataKey(key) and not key.startswith(_OWN_DATA):
+                self._note(f"customData {key}", prim)
+        for name in prim.GetVariantSets().GetNames():
+            self._note(f"other variants of {name}", prim)
+
+
+def _kind(prim: Any) -> str:
+    """The type of a prim, of a shader what it is a shader of."""
+    kind = str(prim.GetTypeName())
+    if kind != "Shader":
+        return kind
+    given = prim.GetAttribute("info:id")
+    return str(given.Get()) if given and given.Get() else kind
+
+
+def _says_something(prim: Any, attribute: Any) -> bool:
+    """Whether an attribute has a value that is another than what it has where nothing is said."""
+    if not (attribute.HasAuthoredValue() or attribute.HasAuthoredConnections()):
+        return False
+    value, name = attribute.Get(), attribute.GetName()
+    if attribute.GetNumTimeSamples():
+        return True
+    if name == "inputs:bias" and value is not None:
+        return tuple(value)[:3] != _NORMAL_BIAS and any(value)
+    usual = prim.GetPrimDefinition().GetAttributeFallbackValue(name)
+    return bool(attribute.HasAuthoredConnections() or usual is None or value != usual)

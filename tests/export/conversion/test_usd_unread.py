@@ -1,0 +1,54 @@
+"""What is authored on a stage is converted, or told by name; nothing is drawn that USD does not draw."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from gltf_files import glb_json
+from pxr import Sdf, Usd, UsdGeom, UsdLux
+
+import rigtri
+
+
+def _stage(path: Path) -> None:
+    stage = Usd.Stage.CreateNew(str(path))
+    camera = UsdGeom.Camera.Define(stage, "/set/zoom")
+    camera.CreateFocalLengthAttr().Set(35.0, 0)
+    camera.CreateFocalLengthAttr().Set(70.0, 24)
+    camera.CreateFStopAttr(2.8)
+    camera.CreateStereoRoleAttr("mono")  # as it is where nothing is said
+    UsdLux.SphereLight.Define(stage, "/set/flick").CreateIntensityAttr().Set(10.0, 0)
+    stage.GetPrimAtPath("/set/flick").CreateAttribute("anything", Sdf.ValueTypeNames.Float).Set(1.0)
+    stage.DefinePrim("/set", "Xform").SetCustomDataByKey("dept", "layout")
+    UsdGeom.PointInstancer.Define(stage, "/set/scatter").CreateProtoIndicesAttr([0])
+    for place in ("/set/scatter/leaf", "/set/blink"):
+        mesh = UsdGeom.Mesh.Define(stage, place)
+        mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+        mesh.CreateFaceVertexCountsAttr([3])
+        mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    UsdGeom.Imageable(mesh).CreateVisibilityAttr().Set("invisible", 0)
+    UsdGeom.Imageable(mesh).CreateVisibilityAttr().Set("inherited", 12)
+    stage.DefinePrim("/physics", "PhysicsScene")
+    stage.Save()
+
+
+def test_what_is_not_read_is_told_and_samples_stand_in_for_defaults(tmp_path: Path) -> None:
+    _stage(tmp_path / "in.usda")
+    outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
+    told = {n.text.removeprefix("not converted: ") for n in outcome.report.warnings if n.code == "lost"}
+    assert told == {
+        "PointInstancer </set/scatter> with its prototypes",
+        "animation of focalLength (</set/zoom>)",
+        "animation of visibility (</set/blink>)",
+        "anything (</set/flick>)",
+        "customData dept (</set>)",
+        "fStop (</set/zoom>)",
+        "prims of type PhysicsScene (</physics>)",
+    }
+    gltf = glb_json(tmp_path / "out.glb")
+    assert [node["name"] for node in gltf["nodes"] if "mesh" in node] == ["blink"]
+    assert next(n for n in gltf["nodes"] if n["name"] == "blink")["extensions"]
+    assert gltf["cameras"][0]["perspective"]["yfov"] == pytest.approx(0.43012, abs=1e-4)
+    (light,) = gltf["extensions"]["KHR_lights_punctual"]["lights"]
+    assert light["intensity"] == pytest.approx(10.0 * 3.14159 * 0.25, 1e-3)
