@@ -16,6 +16,8 @@ from vrm_files import vrm_0
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
@@ -115,3 +117,16 @@ def test_real_files_play_as_before(path: Path, tmp_path: Path) -> None:
     assert ran.exit_code == 0, ran.stderr
     cli("set-rest", out, "-o", again, "--pose", "tpose", *trust, code=0)
     assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("pose", ["bind", "tpose"])
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_hips_that_rest_leaning_without_a_root_stand_as_they_were_bound(suffix: str, pose: str) -> None:
+    rig = rigtri.read(SAMPLES / f"biped{suffix}")
+    hips, rotation, translation = rig.find("hips"), rig.rotation.copy(), rig.translation.copy()
+    rotation[hips] = product(from_axis_angle(np.array([1.0, 0, 0]), 0.4), rotation[hips])
+    translation[hips] += 0.1
+    leaning = replace(rig, rotation=rotation, translation=translation, source=None)
+    stands = rigtri.set_rest(leaning, pose=pose)
+    assert np.allclose(stands.world[hips], rig.world[hips], atol=1e-5)
+    assert np.allclose(places(stands, 0), places(leaning, 0), atol=1e-5)
