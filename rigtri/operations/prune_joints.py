@@ -11,7 +11,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.prune_joints import PruneJointsOptions as PruneJointsOptions
 from rigtri.operations.without_nodes import staying, without_nodes
-from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -33,12 +33,12 @@ def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
     """The nodes that go: joints, and what hangs below them and shows nothing."""
     needed = weighted_joints(rig) | (rig.attachment >= 0)
     needed[sorted(named_nodes(rig))] = True
-    if not options.sockets and (rig.is_joint & ~needed).any():
+    ends = rig.at_or_below(rig.is_joint) & ~rig.is_joint
+    if not options.sockets and ((rig.is_joint | ends) & ~needed).any():
         needed[sorted(_sockets(rig))] = True
     for glob in options.exclude:
         needed[rig.match(glob)] = True
     chosen = {node for glob in options.joints for node in rig.match(glob)}
-    ends = rig.at_or_below(rig.is_joint) & ~rig.is_joint
     for node in range(len(rig) - 1, -1, -1):
         mine = rig.is_joint[node] or ends[node]
         needed[node] |= not mine or (bool(chosen) and rig.is_joint[node] and node not in chosen)
@@ -46,7 +46,8 @@ def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
     gone = set[int]()
     for node in np.flatnonzero(~needed).tolist():
         # A bare node goes with the joint above it, or where it is asked for.
-        if rig.is_joint[node] or options.ends or int(rig.parents[node]) in gone:
+        asked = options.ends and (options.sockets or _is_end(rig, node))
+        if rig.is_joint[node] or asked or int(rig.parents[node]) in gone:
             gone.add(node)
     return {node for node in gone if all(child in gone for child in rig.below(node))}
 
@@ -67,6 +68,14 @@ def named_nodes(rig: Rig) -> set[int]:
         found |= {constraint.node, constraint.source} - {-1}
 
     return found.union(*map(rig.named_by, rig.metadata.values()))
+
+
+def _is_end(rig: Rig, node: int) -> bool:
+    """Whether a bare node ends a chain of joints, by its name or as the next of its parent's numbers."""
+    name, above = rig.names[node], parse_name(rig.names[rig.parents[node]])
+    parsed = parse_name(name)
+    again = (parsed.side, parsed.plain) == (above.side, above.plain) and parsed.plain != ""
+    return not name or again or "end" in roles_in_name(name)
 
 
 def _sockets(rig: Rig) -> set[int]:

@@ -36,6 +36,18 @@ def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path)
         assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
 
 
+def test_sockets_stay_in_every_run_and_ends_go() -> None:
+    """Also a socket whose name says nothing: no end of a chain is called so."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    for name in ("wpn", "weapon_socket", "forearm_L_end"):
+        rig = rigtri.add_socket(rig, name=name, on="hand_L")
+    once = rigtri.prune_joints(rig, ends=True)
+    assert {"wpn", "weapon_socket"} <= set(once.names)
+    assert "forearm_L_end" not in once.names
+    assert rigtri.prune_joints(once, ends=True).names == once.names
+    assert not {"wpn", "weapon_socket"} & set(rigtri.prune_joints(once, ends=True, sockets=True).names)
+
+
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_path: Path) -> None:
     out = tmp_path / f"out{suffix}"

@@ -13,12 +13,12 @@ class PruneJointsOptions:
 
     sockets: bool = option(
         False,
-        help="Also joints that are there to hold something, as weapon slots, and hold nothing.",
+        help="Also joints that are there to hold something, as weapon slots, and hold nothing (with --ends nodes).",
         group="what",
     )
     ends: bool = option(
         False,
-        help="Also nodes below joints that show nothing, as the leaves *_end of exporters.",
+        help="Also nodes below joints that end a chain by their names, as the leaves *_end of exporters.",
         group="what",
     )
     joints: Nodes = option((), help="Only these joints.")
