@@ -84,4 +84,4 @@ def _words(table: Mapping[str, Any]) -> dict[str, Any]:
     for finger in FINGERS:
         parts = [bone for bone in SIDED if bone.startswith(finger)]
         own |= dict(zip(parts, own.pop(finger, ()), strict=False))
-    return own if "sided" in own else base | own
+    return base | own

@@ -168,3 +168,10 @@ def test_real_files_look_as_before_and_come_back(path: Path, tmp_path: Path) -> 
     assert verify(read(path), read(back)).deviation == 0
     if path.suffix == ".glb":
         assert glb_json(back)["nodes"] == glb_json(path)["nodes"]
+
+
+def test_bones_that_a_scheme_does_not_write_are_called_as_in_what_it_is_like(tmp_path: Path) -> None:
+    scheme = tmp_path / "studio.toml"
+    scheme.write_text('title = "S"\nlike = "unreal"\n[write]\nsided = "{name}_{S}"\nUpperArm = "armtop"\n', "utf-8")
+    out = rigtri.rename_joints(rigtri.read(SAMPLES / "biped.glb"), to=str(scheme))
+    assert {"pelvis", "armtop_L", "lowerarm_L", "thigh_R"} <= set(out.names)
