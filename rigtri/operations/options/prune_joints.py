@@ -13,7 +13,7 @@ class PruneJointsOptions:
 
     sockets: bool = option(
         False,
-        help="Also joints that are there to hold something, as weapon slots, and hold nothing (with --ends nodes).",
+        help="Also sockets, which are there to hold something, as weapon slots, and hold nothing.",
         group="what",
     )
     ends: bool = option(
