@@ -184,3 +184,52 @@ def test_a_body_beside_a_turned_armature_goes_round_with_it() -> None:
     ours = bound_in_the_world(beside)
     edited = bound_in_the_world(with_rotation(beside, 0, turn(Y, 90.0)))
     assert apart(take_clips(ours, from_=edited), edited, "walk") < CLOSE
+
+
+def laid_down(rig: Rig) -> Rig:
+    """The rig in a world with another up, as its bind pose is; nothing stands above the joints."""
+    hips, walk = rig.find("hips"), rig.clip("walk")
+    lies = compose([0.0, 0.0, 0.0], turn(X, 90.0), [1.0] * 3)
+    tracks = []
+    for track in (t for t in walk.tracks if t.node == hips):
+        values = np.stack([rig.translation[hips]] * len(track.times))
+        matrices = compose(
+            track.values if track.path == "translation" else values,
+            track.values if track.path == "rotation" else np.tile(rig.rotation[hips], (len(values), 1)),
+            np.ones_like(values),
+        )
+        parts = to_parts(multiply(matrices, lies))
+        tracks.append(replace(track, values=getattr(parts, track.path)))
+    others = tuple(t for t in walk.tracks if t.node != hips)
+    skins = (replace(skin, inverse_bind=multiply(inverse(lies), skin.inverse_bind)) for skin in rig.skins)
+    clips = (replace(walk, tracks=(*tracks, *others)),)
+    # It rests in a frame of the clip, with turned hips.
+    rotation, translation = rig.rotation.copy(), rig.translation.copy()
+    by = {t.path: t.values[3] for t in tracks}
+    rotation[hips] = by.get("rotation", rotation[hips])
+    rotation[rig.find("spine")] = multiply_rotations(rotation[rig.find("spine")], turn(X, 40.0))
+    translation[hips] = by.get("translation", translation[hips])
+    return replace(rig, skins=tuple(skins), clips=clips, rotation=rotation, translation=translation)
+
+
+@pytest.mark.parametrize("skin", [True, False])
+def test_a_file_that_lies_and_rests_in_a_frame_is_set_upright_as_its_clips_show(skin: bool) -> None:
+    """Before, the body lay in the result, without a word."""
+    rig = replace(rig_of(), clips=(rig_of().clip("walk"),))
+    rig = replace(rig, parents=np.where(rig.parents == 0, -1, rig.parents))
+    edited, report = laid_down(turned_key(rig, "forearm_L")), Report()
+    home = take_clips(rig, from_=edited if skin else bare(edited), report=report)
+    assert any("EDITED does not stand up" in notice.text for notice in report.warnings)
+    assert apart(home, turned_key(rig, "forearm_L"), "walk") < CLOSE
+
+
+def test_a_body_that_was_laid_down_stays_so_and_is_told() -> None:
+    """RIG's bind pose and EDITED's are one, so its axes are, too."""
+    rig, report = rig_of(), Report()
+    walk, hips = rig.clip("walk"), rig.find("hips")
+    about = multiply_rotations(turn(X, 90.0), rig.rotation[hips])
+    key = Track(hips, "rotation", "LINEAR", walk.tracks[0].times[[0, -1]], np.stack([about, about]))
+    tracks = (*(t for t in walk.tracks if (t.node, t.path) != (hips, "rotation")), key)
+    lies = replace(rig, clips=(replace(walk, tracks=tracks),))
+    assert apart(take_clips(rig, from_=lies, report=report), lies, "walk") < CLOSE
+    assert "lies" in notices(report)

@@ -10,7 +10,6 @@ Source: docs/take-clips.md.
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 
@@ -40,7 +39,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, most_apart, placings
+from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, most_apart, world_turns
 from rigtri.operations.take_clips.node_matching import pairs
 
 
@@ -59,19 +58,20 @@ def _median(ours: Floats, theirs: Floats) -> float | None:
 
 class Counterparts:
     """The pairs of two rigs with their C and G. moving: nodes of the other that any of its clips moves.
+    turned: the rotation of G, (3, 3), where it is known.
 
     The rest of a node that moves and is no joint may be the frame that the DCC has shown while it
     wrote: such a node has the axes that its parent's rotation gives.
     """
 
-    def __init__(self, rig: Rig, other: Rig) -> None:
-        self.rig, self.other = rig, other
+    def __init__(self, rig: Rig, other: Rig, turned: Floats | None = None) -> None:
+        self.rig, self.other, self._known_turn = rig, other, turned
         found = pairs(rig, other)
         self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
-        self._bind_turn: Floats | None = None  # of EDITED's bind poses to RIG's, (3, 3)
+        self.bind_turn: Floats | None = None  # of EDITED's bind poses to RIG's, (3, 3)
         self._bound = self._from_binds()
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}
         self._between: dict[int, Floats] = {}
@@ -112,24 +112,23 @@ class Counterparts:
         to up, and a body faces where EDITED has it, wherever that may come from what stands above the joints.
         A bind pose may also lean as a whole, as a DCC binds in the pose that it was given.
         """
-        if self._bind_turn is None:
+        if self._known_turn is not None:
+            return self._known_turn
+        if self.bind_turn is None:
             return self._turned_bare
-        between = from_frame(self._bind_turn, np.zeros(3))
         upright = upright_turn(self.other.rules.up, self.rig.rules.up)
-        for theirs, ours in product(placings(self.other), placings(self.rig)):
-            seen = multiply(inverse(from_frame(theirs, np.zeros(3))), between)
-            turn = np.asarray(multiply(seen, from_frame(ours, np.zeros(3)))[:3, :3])
+        for turn in world_turns(self.rig, self.other, self.bind_turn):
             if float(np.abs(turn - upright).max()) <= SAME_TURN:
                 return upright
         nearest = nearest_axis_turn(turn[np.newaxis])
         if float(np.abs(turn - nearest).max()) > SAME_TURN:
             return upright
         # Spaces of bind poses are free: that the world lies must show in it, too.
-        if self._stands(nearest) or most_apart(*self._directions, nearest) <= MOST_DEGREES:
+        if self.stands(nearest) or most_apart(*self._directions, nearest) <= MOST_DEGREES:
             return nearest
         return upright
 
-    def _stands(self, turn: Floats) -> bool:
+    def stands(self, turn: Floats) -> bool:
         """Whether a rotation, (3, 3), takes EDITED's up to RIG's."""
         up = transform_directions(np.array(self.other.rules.up), from_frame(turn, np.zeros(3)))
         return bool(np.abs(up - np.array(self.rig.rules.up)).max() <= SAME_TURN)
@@ -148,7 +147,7 @@ class Counterparts:
         off = [most_apart(ours, theirs, turn) for turn in AXIS_TURNS]
         turn = AXIS_TURNS[int(np.argmin(off))]
         with_axes = np.abs(turn - self._bare_axes).max() <= SAME_TURN
-        return turn if min(off) <= MOST_DEGREES and (with_axes or not self._stands(turn)) else upright
+        return turn if min(off) <= MOST_DEGREES and (with_axes or not self.stands(turn)) else upright
 
     @cached_property
     def _directions(self) -> tuple[Floats, Floats]:
@@ -244,8 +243,8 @@ class Counterparts:
             # No size fits all of them; that of most bones keeps most lengths.
             fit = fit_similarity(*points, about_origin=False, ratio=self._bind_ratio(both, ours, bind))
         self.proportions = max(self.proportions, fit.residual)
-        if self._bind_turn is None:
-            self._bind_turn = nearest_rotation(fit.matrix)
+        if self.bind_turn is None:
+            self.bind_turn = nearest_rotation(fit.matrix)
         turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
         # A joint that lies elsewhere turns about its own place: what other lengths do to translations
         # is said in `rigtri.operations.take_clips.proportions`.

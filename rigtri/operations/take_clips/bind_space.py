@@ -34,6 +34,18 @@ def bind_poses(rig: Rig) -> dict[int, Floats]:
     return found
 
 
+def world_turns(rig: Rig, other: Rig, bind_turn: Floats) -> list[Floats]:
+    """Which rotations, (3, 3), may take the world of ``other`` to that of ``rig``: its world as its bind pose
+    sees it, that as the one of ``rig`` (bind_turn), and that as the world of ``rig``.
+    """
+    between = from_frame(bind_turn, np.zeros(3))
+    return [
+        np.asarray(multiply(multiply(inverse(there), between), here)[:3, :3])
+        for there in (from_frame(turn, np.zeros(3)) for turn in placings(other))
+        for here in (from_frame(turn, np.zeros(3)) for turn in placings(rig))
+    ]
+
+
 def placed(rig: Rig) -> Floats:
     """How the world sees bind poses turned, a rotation, (3, 3).
 

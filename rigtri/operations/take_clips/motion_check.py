@@ -2,8 +2,8 @@
 
 What was taken was worked out track by track, by rules for axes, places and rests. None of these is believed
 here: both files are played, each by its own tracks and rests, and at EDITED's keys each joint is compared,
-seen from the joint above, or from the world; where EDITED's keys are far apart, at the result's, too. So a rule that does not hold for a clip is an error that
-names the clip, and never another motion.
+seen from the joint above, or from the world; where EDITED's keys are far apart, at the result's, too. So a
+rule that does not hold for a clip is an error that names the clip, and never another motion.
 
 Source: docs/take-clips.md.
 """

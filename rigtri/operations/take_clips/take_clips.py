@@ -49,6 +49,7 @@ from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton, warn_unsure_axes
+from rigtri.operations.take_clips.standing import stood_up
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
@@ -85,6 +86,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
     every = names.taken(options.clip)
+    both = stood_up(both, every, report)
     driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
     _refuse_other_nodes(both, every)
     bodies = Proportions(both)

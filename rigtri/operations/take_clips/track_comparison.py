@@ -196,7 +196,8 @@ def same_knots(
 ) -> float | None:
     """Of a spline that a DCC has replaced by a key a frame: how far it is off between its own keys.
 
-    dropped: it may as well have replaced the tangents alone. by_hand: see `lacking`. None where it is off at its keys too, or farther
+    dropped: it may as well have replaced the tangents alone. by_hand: see `lacking`.
+    None where it is off at its keys too, or farther
     between them than curves through the same keys go.
     """
     if reinterpolated(was, now):

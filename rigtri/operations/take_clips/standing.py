@@ -1,0 +1,112 @@
+"""Whether the body stands in EDITED's clips as it does in RIG's.
+
+Bind poses and rests say which way is up in EDITED. Where it rests in a frame of a clip, or its armature was
+turned, they do not agree, and a file with z up in a format with y up looks like one that a DCC has bound in
+a space of its own. Then the clips decide: both files have them.
+
+Source: docs/take-clips.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.sampling import locals_at, sorted_unique, thinned, worlds
+from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, transform_directions
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, length
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.bind_space import world_turns
+from rigtri.operations.take_clips.clip_matching import Taken
+from rigtri.operations.take_clips.generated_names import span
+from rigtri.operations.take_clips.messages import list_names
+from rigtri.report import Report
+
+# Degrees between the up of the body in both files: beyond half a right angle another axis is nearer.
+_LIES = 45.0
+# Of a clip: the mean of all joints at so many times says how the body stands.
+_LOOKS = 8
+_REMEDY = "where that is not meant, export EDITED with the up axis of its format (glTF: +Y up)"
+
+
+def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Counterparts:
+    """``both``, or with EDITED's world turned by 90° about x where all clips of both files stand only so.
+
+    A warning where a clip lies though nothing else shows that the file does. Raises GeometryError where the
+    file lies, but no such turn sets its clips upright.
+    """
+    moving = [taken for taken in every if _moves_body(both, taken)]
+    lying = [taken for taken in moving if _lies(both, taken)]
+    if not lying:
+        return both
+    known = [taken for taken in moving if taken.home is not None] or moving
+    names = list_names(taken.name for taken in lying)
+    if any(taken not in lying for taken in known) or not _may_lie(both, known):
+        report.warn("lies", f"The body lies in {names} of EDITED, beside how it stands in RIG; {_REMEDY}")
+        return both
+    for sign in (-1.0, 1.0):
+        about_x = from_frame([[1.0, 0.0, 0.0], [0.0, 0.0, sign], [0.0, -sign, 0.0]], np.zeros(3))
+        upright = np.asarray(multiply(from_frame(nearest_rotation(both.space), np.zeros(3)), about_x))[:3, :3]
+        stood = Counterparts(both.rig, both.other, upright)
+        if not any(_lies(stood, taken) for taken in known):
+            return stood
+    raise GeometryError(
+        f"The body lies in {names} of EDITED, as its rest or its bind poses do, and no turn by 90° about x "
+        "sets all of them upright as in RIG. Export EDITED with the up axis of its format (glTF: +Y up)"
+    )
+
+
+def _may_lie(both: Counterparts, known: Sequence[Taken]) -> bool:
+    """Whether EDITED's bind poses lie, or, without any and of clips that RIG has, its rest.
+
+    A new clip may lie, and its file rest in a frame of it.
+    """
+    if both.bind_turn is None:
+        leans = _leans(both, both.other.world[np.newaxis], both.rig.world[np.newaxis])
+        return known[0].home is not None and leans
+    return not any(both.stands(turn) for turn in world_turns(both.rig, both.other, both.bind_turn))
+
+
+def _moves_body(both: Counterparts, taken: Taken) -> bool:
+    """Whether a clip of EDITED has keys of a topmost joint, or of what carries it."""
+    rig = both.rig
+    joints = [n for n in both.of if rig.is_joint[n]]
+    tops = [n for n in joints if not any(rig.is_joint[k] for k in rig.path_to_root(n)[1:])]
+    carriers = {k for n in tops for k in both.other.path_to_root(both.of[n])}
+    return not carriers.isdisjoint(track.node for track in taken.clip.tracks if track.path != "weights")
+
+
+def _lies(both: Counterparts, taken: Taken) -> bool:
+    """Whether up is elsewhere for the body in EDITED's clip than in RIG's, or in its rest for a new clip."""
+    times = thinned(sorted_unique(np.concatenate([track.times for track in taken.clip.tracks])), _LOOKS)
+    theirs = worlds(both.other, locals_at(both.other, taken.clip, times))
+    if taken.home is None:
+        return _leans(both, theirs, both.rig.world[np.newaxis])
+    lasts = float(times[-1] - times[0])
+    start, end = span(taken.home.clip)
+    ours = start + (times - times[0]) * ((end - start) / lasts if lasts > 0 else 0.0)
+    return _leans(both, theirs, worlds(both.rig, locals_at(both.rig, taken.home.clip, ours)))
+
+
+def _leans(both: Counterparts, theirs: Floats, ours: Floats) -> bool:
+    """Whether the rotation between two motions, (f, n, 4, 4), that suits all joints best tilts up far."""
+    joints = [n for n in both.of if both.rig.is_joint[n]]
+    seen = multiply([both.turns[n] for n in joints], theirs[:, [both.of[n] for n in joints]])
+    fits = multiply(inverse(_axes(multiply(seen, both.space))), _axes(ours[:, joints]))
+    fits = fits[..., :3, :3].reshape(-1, 3, 3)
+    fits = fits[np.isfinite(fits).all(axis=(1, 2))]
+    if not len(fits):
+        return False
+    turn = nearest_rotation(from_frame(fits.cumsum(axis=0)[-1], np.zeros(3)))
+    up = np.array(both.rig.rules.up, dtype=np.float64)[np.newaxis]
+    return bool(np.degrees(angle(up, transform_directions(up, from_frame(turn, np.zeros(3)))))[0] > _LIES)
+
+
+def _axes(matrices: Floats) -> Floats:
+    """Matrices with unit axes at the origin, (..., 4, 4)."""
+    axes = matrices[..., :3, :3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return from_frame(axes / length(axes)[..., np.newaxis], np.zeros(3))
