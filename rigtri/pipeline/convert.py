@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import DeviationError, NameNotFoundError, UsageError, in_keywords
+from rigtri.errors import DeviationError, FileError, NameNotFoundError, UsageError, in_keywords
 from rigtri.evaluation.timelines import matching_clips
 from rigtri.files.input_stream import opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
@@ -72,7 +72,11 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                 found = None
                 if request.verify:
                     begin_stage("verify")
-                    found = compare_converted(conversion.compared(written.part))
+                    try:
+                        found = compare_converted(conversion.compared(written.part))
+                    except FileError as error:  # of what was written, which has no other name yet
+                        told = str(error).replace(written.part.name, final.name)
+                        raise FileError(told) from error
                     clock.lap("verify")
                 report.extend(document.warnings)
                 report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)

@@ -43,6 +43,11 @@ _KNOWN = {
     "KHR_texture_basisu",  # likewise its images
     "EXT_texture_webp",
 }
+# What may have extras that USD has no place for.
+_WITH_EXTRAS = (
+    *("meshes", "materials", "animations", "skins", "scenes", "images"),
+    *("cameras", "textures", "samplers"),
+)
 
 
 def read_scene(document: GltfDocument, rig: Rig, name: str) -> Scene:
@@ -115,7 +120,7 @@ class _Reader:
             if notice.code == "mesh-unread":
                 text = notice.text.removesuffix(" (the mesh is kept, but not checked)")
                 scene.lose(f"a mesh that cannot be read: {text}")
-        for key in ("meshes", "materials", "animations", "skins", "scenes", "images"):
+        for key in _WITH_EXTRAS:
             some = [raw for raw in self._list(key) if self._extras(raw)]
             if some:
                 scene.lose(f"extras of {key} ({len(some)})")

@@ -35,6 +35,22 @@ class Names:
         return found
 
 
+def distinct(names: Sequence[str]) -> list[str]:
+    """Names of which each is another: of those that are the same all but the first get a number.
+
+    >>> distinct(["hip 1", "walk", "walk"])
+    ['hip 1', 'walk', 'walk_1']
+    """
+    taken, found = set(names), list[str]()
+    for k, name in enumerate(names):
+        one, number = name, 1
+        while one in names[:k] or (one != name and one in taken):
+            one, number = f"{name}_{number}", number + 1
+        taken.add(one)
+        found.append(one)
+    return found
+
+
 def node_identifiers(names: Sequence[str], labels: Sequence[str]) -> list[str]:
     """The identifiers of the nodes of a rig, in order; those without a name go by their labels."""
     given = Names()

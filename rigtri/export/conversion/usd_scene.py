@@ -210,8 +210,12 @@ class _Reader:
             found[name] = tracks
         for path, skeleton in self._loose():
             prim = self.stage.GetPrimAtPath(path)
-            name = prim.GetDisplayName() or prim.GetName()
-            found.setdefault(name, []).extend(tracks_of(self.source, path, skeleton))
+            shown = prim.GetDisplayName() or prim.GetName()
+            moved = tracks_of(self.source, path, skeleton)
+            name, number = shown, 1
+            while {(t.node, t.path) for t in found.get(name, ())} & {(t.node, t.path) for t in moved}:
+                name, number = f"{shown}_{number}", number + 1
+            found.setdefault(name, []).extend(moved)
         clips = []
         for name, some in found.items():
             start = min(0.0, *(float(track.times[0]) for track in some))

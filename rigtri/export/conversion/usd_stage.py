@@ -18,7 +18,7 @@ from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.scene import Image, Primitive, Scene
 from rigtri.export.conversion.usd_lenses import define_camera, define_light
 from rigtri.export.conversion.usd_materials import MaterialWriter
-from rigtri.export.conversion.usd_names import Names, identifier, node_identifiers
+from rigtri.export.conversion.usd_names import Names, distinct, identifier, node_identifiers
 from rigtri.export.conversion.usd_samples import motion_times, rate_of
 from rigtri.export.conversion.usd_skeletons import Skeleton, plan_skeletons
 from rigtri.formats.usd.composition import layers
@@ -168,8 +168,12 @@ class _Writer:
     def _joint_names(self, prim: Any, skeleton: Skeleton) -> None:
         """The names that joints have in glTF, where they are others, and their extras."""
         names = [self.rig.names[node] or self.words[node] for node in skeleton.joints]
-        if names != [self.words[node] for node in skeleton.joints] and len({*names}) == len(names):
-            prim.CreateJointNamesAttr(Vt.TokenArray(names))
+        if names != [self.words[node] for node in skeleton.joints]:
+            unique = distinct(names)
+            some = sorted({f"'{old}'" for old, new in zip(names, unique, strict=True) if old != new})
+            if some:
+                self.scene.lose(f"that several joints are called {and_more(some, 3)}: they get numbers")
+            prim.CreateJointNamesAttr(Vt.TokenArray(unique))
         extras = {
             token: self.scene.extras[node]
             for node, token in zip(skeleton.joints, skeleton.tokens, strict=True)
@@ -276,16 +280,19 @@ class _Writer:
     def _clips(self) -> None:
         rig, names = self.rig, Names()
         holder = f"{self.root}/Animations"
-        for number, clip in enumerate(rig.clips):
+        titles = distinct([clip.name or f"clip_{number}" for number, clip in enumerate(rig.clips)])
+        for title, clip in zip(titles, rig.clips, strict=True):
+            if clip.name and title != clip.name:
+                self.scene.lose(f"that several clips are called '{clip.name}': one is '{title}'")
             found: dict[str, str] = {}
             self.result.halves.append(set())
             for skeleton in self.skeletons:
                 shapes = self._shapes_of(skeleton)
-                word = names.unique(clip.name or f"clip_{number}", "clip")
+                word = names.unique(title, "clip")
                 path = f"{holder}/{word}"
                 if usd_clips.write_animation(self.stage, path, rig, skeleton, clip, shapes, self.rate):
                     found[skeleton.path] = path
-                    self._name(self.stage.GetPrimAtPath(path), clip.name, word)
+                    self._name(self.stage.GetPrimAtPath(path), title if clip.name else "", word)
                     self.result.halves[-1].update(usd_clips.half_scales(rig, skeleton, clip))
             self.result.clips.append(found)
         self._say_halves()

@@ -157,3 +157,20 @@ def test_corners_subsets_and_instances_become_points_primitives_and_nodes(tmp_pa
         gltf["materials"][p["material"]]["pbrMetallicRoughness"]["baseColorFactor"] for p in (red, blue)
     ]
     assert colours == [[1, 0, 0, 1], [0, 0, 1, 1]]
+
+
+def test_names_that_several_have_become_distinct_and_come_home(tmp_path: Path) -> None:
+    gltf, binary = read_glb(write_everything(tmp_path / "in.glb"))
+    first, second, *_ = gltf["skins"][0]["joints"]
+    gltf["nodes"][first]["name"] = gltf["nodes"][second]["name"] = "hip/1 x"
+    gltf["animations"][1]["name"] = gltf["animations"][0]["name"] = "walk"
+    gltf["cameras"][0]["extras"] = {"film": 1}
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    outcome = rigtri.convert(tmp_path / "in.glb", tmp_path / "there.usda")
+    told = [notice.text for notice in outcome.report.warnings]
+    for words in ("called 'hip/1 x'", "clips are called 'walk': one is 'walk_1'", "extras of cameras (1)"):
+        assert any(words in text for text in told)
+    rigtri.convert(tmp_path / "there.usda", tmp_path / "home.glb")
+    home = glb_json(tmp_path / "home.glb")
+    assert {"hip/1 x", "hip/1 x_1"} <= {node.get("name") for node in home["nodes"]}
+    assert [clip["name"] for clip in home["animations"][:2]] == ["walk", "walk_1"]
