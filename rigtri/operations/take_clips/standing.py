@@ -54,7 +54,7 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
         if not any(_lies(stood, taken) for taken in known):
             return stood
     raise GeometryError(
-        f"The body lies in {names} of EDITED, as its rest or its bind poses do, and no turn by 90° about x "
+        f"The body lies in {names} of EDITED, as the file seems to, and no turn by 90° about x "
         "sets all of them upright as in RIG. Export EDITED with the up axis of its format (glTF: +Y up)"
     )
 
@@ -62,8 +62,10 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
 def _may_lie(both: Counterparts, known: Sequence[Taken]) -> bool:
     """Whether EDITED's bind poses lie, or, without any and of clips that RIG has, its rest.
 
-    A new clip may lie, and its file rest in a frame of it.
+    A new clip may lie, and its file rest in a frame of it. A hand lays down one clip of RIG, a file all.
     """
+    if len(known) > 1 and known[0].home is not None:
+        return True
     if both.bind_turn is None:
         leans = _leans(both, both.other.world[np.newaxis], both.rig.world[np.newaxis])
         return known[0].home is not None and leans
