@@ -20,6 +20,7 @@ from rigtri.formats.usd.reading.loose_animations import tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
@@ -160,9 +161,14 @@ class _Reader:
         if UsdGeom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() > 1:
             self.scene.lose(f"points of mesh {mesh.name} over time")
         relation = UsdSkel.BindingAPI(prim).GetBlendShapeTargetsRel()
-        for target in relation.GetForwardedTargets() if relation else ():
-            if UsdSkel.BlendShape(self.stage.GetPrimAtPath(target)).GetInbetweens():
-                self.scene.lose(f"inbetweens of blend shapes of mesh {mesh.name}")
+        shapes = [UsdSkel.BlendShape(self.stage.GetPrimAtPath(target)) for target in _targets_of(relation)]
+        if any(shape.GetInbetweens() for shape in shapes):
+            far = max(map(_beside_the_line, shapes))
+            size = float(length(mesh.points.max(axis=0) - mesh.points.min(axis=0)))
+            self.scene.lose(
+                f"inbetweens of blend shapes of mesh {mesh.name}: at their weights they move points up to "
+                f"{far / size if size else far:.2g} of the mesh's size, which is not in the deviation"
+            )
 
     def _normal_offsets(self, prim: Any, mesh: Mesh, faces: Faces) -> dict[str, Floats]:
         found = {}
@@ -283,6 +289,22 @@ class _Reader:
                 return None
             times, values = times[:1], values[:1]
         return Track(track.node, track.path, track.interpolation, times.astype(np.float64), values)
+
+
+def _targets_of(relation: Any) -> list[Any]:
+    """What a relation leads to; nothing where there is none."""
+    return list(relation.GetForwardedTargets()) if relation else []
+
+
+def _beside_the_line(shape: Any) -> float:
+    """How far inbetweens are from the straight way to their target, at most: there they are farthest."""
+    whole = np.array(at_start(shape.GetOffsetsAttr()) or (), dtype=np.float64).reshape(-1, 3)
+    most = 0.0
+    for one in shape.GetInbetweens():
+        offsets, weight = np.array(one.GetOffsets() or (), dtype=np.float64).reshape(-1, 3), one.GetWeight()
+        if len(offsets) == len(whole) and len(whole) and weight is not None:
+            most = max(most, float(length(offsets - weight * whole).max()))
+    return most
 
 
 def _with_points(mesh: Mesh, faces: Faces) -> Mesh:
