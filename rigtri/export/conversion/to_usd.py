@@ -23,7 +23,7 @@ from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.across import Converted
+from rigtri.verification.compare.across import Converted, at_keys_of
 
 
 @dataclass(eq=False)
@@ -178,6 +178,8 @@ class _Partners:
         places = {joint: self.written.nodes[joint] for joint in joints}
         there = {self.joints.get((place[0], place[-1]), -1): joint for joint, place in places.items()}
         kept = [t for t in clip.tracks if t.path != "scale" or t.node not in joints]
+        # At the clip's own times: beside a step, rounding would put another value.
+        played = at_keys_of(played, clip)
         now = [replace(t, node=there[t.node]) for t in played.tracks if t.path == "scale" and t.node in there]
         return replace(clip, tracks=(*kept, *now))
 

@@ -7,6 +7,7 @@ Source: UsdSkelAnimation (joint-local; translations float3, rotations quatf, sca
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -148,6 +149,18 @@ def place_by(
             op = prim.AddTranslateOp(double) if one == "translation" else prim.AddScaleOp(double)
             op.Set(tuple(still.tolist()))
             _set(op, codes, [tuple(row) for row in rows.tolist()])
+
+
+def with_half_scales(rig: Rig, clip: Clip, joints: Sequence[int]) -> tuple[Rig, Clip]:
+    """The rig and the clip with the scales of some joints as half floats hold them."""
+
+    def half(values: Floats) -> Floats:
+        return values.astype(np.float16).astype(np.float64)
+
+    scale = rig.scale.copy()
+    scale[list(joints)] = half(scale[list(joints)])
+    tracks = [t.having(half(t.values)) if t.path == "scale" and t.node in joints else t for t in clip.tracks]
+    return replace(rig, scale=scale), replace(clip, tracks=tuple(tracks))
 
 
 def half_scales(rig: Rig, skeleton: Skeleton, clip: Clip) -> list[int]:

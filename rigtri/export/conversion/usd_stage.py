@@ -343,7 +343,9 @@ class _Writer:
             parts = decompose(rig.normalised_world[node][np.newaxis])
             times = np.zeros(0)
         else:
-            motion = Motion(small, clip)
+            # Where the joints that it is on go, whose scales are half floats.
+            halved = {j for s in self.skeletons for j in usd_clips.half_scales(rig, s, rig.clips[0])}
+            motion = Motion(*usd_clips.with_half_scales(small, clip, [place[j] for j in halved & {*place}]))
 
             def sampled(times: Floats) -> Floats:
                 return worlds(small, motion.locals_at(times))[:, place[node]].reshape(-1, 16)

@@ -120,7 +120,7 @@ def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]
         found.probes = kinds[0] if first else kinds[1]
         found.sizes = [sizes[probe.placed] for probe in found.probes]
         if found.probes:
-            _add_clip(found, pair, clip, _at_keys_of(other, clip), block)
+            _add_clip(found, pair, clip, at_keys_of(other, clip), block)
     return found
 
 
@@ -142,7 +142,7 @@ def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block:
         found.add(SampledPoses(moved[0], moved[1], (clip, other), some), clip.name)
 
 
-def _at_keys_of(clip: Clip, other: Clip) -> Clip:
+def at_keys_of(clip: Clip, other: Clip) -> Clip:
     """A clip whose keys stand exactly where another's do that are there but for rounding."""
     keys = key_times(other)
     known: dict[int, Floats] = {}

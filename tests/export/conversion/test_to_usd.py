@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from convertible import write_everything
-from gltf_files import small
+from gltf_files import glb_bytes, glb_parts, small
 from places import asset_files, sample_files, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
@@ -183,6 +183,21 @@ def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_pat
     motion = outcome.verification and outcome.verification.motion
     assert motion
     assert TOLERANCE < motion.deviation < 1e-3
+
+
+def test_a_camera_goes_with_its_joint_whose_scale_is_a_half_float(samples: Path, tmp_path: Path) -> None:
+    gltf, binary = glb_parts(samples / "biped.glb")
+    gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]
+    for channel in gltf["animations"][0]["channels"]:
+        gltf["nodes"][channel["target"]["node"]]["scale"] = [1.1, 1.1, 1.1]
+    joint = gltf["nodes"][gltf["animations"][0]["channels"][0]["target"]["node"]]
+    joint.setdefault("children", []).append(len(gltf["nodes"]))
+    gltf["nodes"].append({"name": "eye", "camera": 0, "translation": [0, 0.5, 0]})
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, binary))
+    outcome = rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usdc")
+    assert outcome.verification is not None
+    assert outcome.verification.motion is not None
+    assert outcome.verification.deviation <= TOLERANCE < outcome.verification.motion.deviation
 
 
 def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(
