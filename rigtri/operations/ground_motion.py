@@ -84,7 +84,7 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
             sample(mine[path], times) if path in mine else np.tile(getattr(rig, path)[hips], (len(times), 1))
             for path in ("translation", "rotation")
         )
-        yaw = _twist(product(turn, conjugate(rig.rotation[hips])), up)
+        yaw = twist(product(turn, conjugate(rig.rotation[hips])), up)
         shift = over_ground(rig, root, place - rotate(yaw, rest), options.axis)
         back = conjugate(yaw)
         moved = rig.translation[root] + rotate(rig.rotation[root], shift * rig.scale[root])
@@ -98,7 +98,8 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         return clip
     if any(t.node == root and t.path != "weights" and not rests(t, rig) for t in clip.tracks):
         raise GeometryError(
-            f"The root '{rig.title(root)}' moves in clip '{clip.name}' already: bake it to the hips first"
+            f"The root '{rig.title(root)}' moves in clip '{clip.name}' already: take that out first, with "
+            "--mode remove --yaw"
         )
     if not holds:
         size = size_of(rig)
@@ -122,7 +123,7 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     return replace(clip, tracks=(*kept, *new.values()))
 
 
-def _twist(turn: Floats, axis: Floats) -> Floats:
+def twist(turn: Floats, axis: Floats) -> Floats:
     """What rotations, (f, 4), turn about an axis, (3,): none where they turn it around."""
     along = dot(turn[:, :3], axis)[:, np.newaxis]
     found = np.concatenate([axis * along, turn[:, 3:]], axis=1)

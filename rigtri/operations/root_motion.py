@@ -8,12 +8,13 @@ import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.timelines import chosen_timelines
-from rigtri.maths.quaternions import rotate
+from rigtri.maths.quaternions import conjugate, rotate
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.ground_motion import NONE, over_ground, rests, turned
+from rigtri.operations.ground_motion import NONE, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
 from rigtri.recognition.recognise import recognise
@@ -37,23 +38,55 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     for k, clip in enumerate(rig.clips):
         asked = k in chosen and not clip.idle
         if asked:
-            _warn_still_moving(rig, clip, root, options, report)
+            _warn_still_moving(rig, clip, root, report)
         move = turned if options.yaw else _moved
-        clips.append(move(rig, clip, hips, root, options, report) if asked else clip)
+        if not asked:
+            clips.append(clip)
+            continue
+        still = _without_roots_own(rig, clip, root, options) if options.mode == "remove" else clip
+        made = move(rig, still, hips, root, options, report)
+        if made is still and still is not clip:
+            report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode})
+        clips.append(made)
     if not report.added:
         return rig
     report.reposed = True  # the root, or all
     return replace(rig.with_parts([root]), clips=tuple(clips))
 
 
-def _warn_still_moving(rig: Rig, clip: Clip, root: int, options: RootMotionOptions, report: Report) -> None:
-    """Say which nodes above the hips have keys that move the character over the ground besides."""
-    above = rig.path_to_root(root)[0 if options.mode == "remove" else 1 :]
+def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:
+    """Say which nodes above the root have keys that move the character over the ground besides."""
+    above = rig.path_to_root(root)[1:]
     moving = {t.node for t in clip.tracks if t.node in above and t.path != "weights" and not rests(t, rig)}
     if moving:
         names = listed([rig.title(node) for node in sorted(moving)], 6)
         text = f"In clip '{clip.name}', {names} above the hips move, too, and keep their keys"
-        report.warn("still-moving", f"{text}: bake them to the hips for all motion over the ground")
+        report.warn("still-moving", f"{text}: key the hips for that in a DCC")
+
+
+def _without_roots_own(rig: Rig, clip: Clip, root: int, options: RootMotionOptions) -> Clip:
+    """The clip without what the root itself moves over the ground (with ``yaw``, turns about up)."""
+    rest, up = rig.rotation[root], up_of(rig, root)
+
+    def still(track: Track) -> Track:
+        plain = track.interpolation != "CUBICSPLINE"
+        if track.node != root or rests(track, rig):
+            return track
+        if track.path == "translation":
+            start = rig.translation[root]
+            away = track.values - start if plain else _but_tangents(track.values, start)
+            along = rotate(rest, over_ground(rig, root, rotate(conjugate(rest), away), options.axis))
+            # Less than this is what float32 leaves of a motion that was taken out.
+            far = np.abs(along).max(initial=0.0) > NONE * max(1.0, float(length(start)))
+            return track.having(track.values - along) if far else track
+        if track.path == "rotation" and options.yaw and plain:
+            yaw = twist(product(conjugate(rest), track.values), up)
+            return track.having(product(track.values, conjugate(yaw)))
+        return track
+
+    tracks = tuple(map(still, clip.tracks))
+    same = all(a is b for a, b in zip(tracks, clip.tracks, strict=True))
+    return clip if same else replace(clip, tracks=tracks)
 
 
 def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
@@ -90,7 +123,8 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         return clip
     if any(not rests(theirs[path], rig) for path in ("rotation", "scale") if path in theirs):
         raise GeometryError(
-            f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}': bake it to the hips first"
+            f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}': key the hips for that in "
+            "a DCC"
         )
     report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode, "keys": len(track.times)})
     tracks = [track.having(track.values - along) if t is track else t for t in clip.tracks]
@@ -108,7 +142,7 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         else:
             raise GeometryError(
                 f"The root '{rig.title(root)}' moves at other times than its hips in clip '{clip.name}': "
-                "bake it first"
+                "give both the same keys in a DCC, or take it out first with --mode remove"
             )
     return replace(clip, tracks=tuple(tracks))
 
