@@ -71,7 +71,8 @@ def _rooted(rig: Rig, top: int, options: AddRootOptions, report: Report) -> tupl
             return _made_joint(rig, node, top, report), node
     named = [node for node, name in enumerate(rig.names) if name == options.name]
     if any(rig.is_joint[node] or not rig.rules.sized_binding for node in named):
-        raise UsageError(f"--name {options.name}: another node is called so")
+        text = f"Another node is called '{options.name}'"
+        raise UsageError(f"{text}: rename it first, with rigtri rename-joints")
     # It takes the number of the top joint, which is the next one then.
     return _with_root(rig, top, options.name, report), top
 

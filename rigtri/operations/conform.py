@@ -10,11 +10,11 @@ Engine, the mannequin.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
+from rigtri.errors import GeometryError, UsageError, did_you_mean
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
@@ -74,13 +74,18 @@ def skeleton_of(to: str) -> Skeleton:
         known = sorted(_SKELETONS)
         hint = did_you_mean(to, known) or f" There are {', '.join(known)}."
         raise UsageError(f"--to {to}: there is no such skeleton.{hint} Or give a FILE.toml")
-    table = own_table(Path(to))
-    found = _SKELETONS.get(table.get("like", ""), Skeleton())._replace(**table.get("skeleton", {}))
-    for key, value, words in (("pose", found.pose, _POSES), ("axes", found.axes, _AXES)):
-        if value not in words:
+    table = own_table(Path(to), _unknown_words)
+    return _SKELETONS.get(table.get("like", ""), Skeleton())._replace(**table.get("skeleton", {}))
+
+
+def _unknown_words(table: Mapping[str, Any]) -> Iterator[str]:
+    """What a table ``[skeleton]`` says that is no pose and no axes; of what is no text others tell."""
+    found: Any = table.get("skeleton")
+    for key, words in (("pose", _POSES), ("axes", _AXES)) if isinstance(found, dict) else ():
+        value = found.get(key, words[0])
+        if isinstance(value, str) and value not in words:
             hint = did_you_mean(value, words) or f" There are {', '.join(words)}."
-            raise FileError(f"{to}: [skeleton] {key}: there is no '{value}'.{hint}")
-    return found
+            yield f"[skeleton] {key}: there is no '{value}'.{hint.rstrip('.')}"
 
 
 def steps_of(options: ConformOptions) -> Steps:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import os
 import tomllib
 import unicodedata
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
@@ -194,8 +194,13 @@ def own_scheme(path: Path) -> Scheme:
     return _scheme(own_table(path), str(path))
 
 
-def own_table(path: Path) -> Mapping[str, Any]:
-    """The tables of a scheme of one's own. Raises FileError, with all that is wrong, where it is none."""
+def own_table(
+    path: Path, more: Callable[[Mapping[str, Any]], Iterable[str]] = lambda table: ()
+) -> Mapping[str, Any]:
+    """The tables of a scheme of one's own. Raises FileError, with all that is wrong, where it is none.
+
+    more: further faults of the table.
+    """
     if not path.is_file():
         raise FileError(f"{path} is no naming scheme: it is not there, or no plain file")
     try:
@@ -206,7 +211,7 @@ def own_table(path: Path) -> Mapping[str, Any]:
         raise FileError(f"{path} is no naming scheme: it is not UTF-8 at offset {error.start}") from error
     except tomllib.TOMLDecodeError as error:
         raise FileError(f"{path} is no naming scheme: this is no TOML: {error}") from error
-    if found := list(_faults(table)):
+    if found := [*_faults(table), *more(table)]:
         raise FileError(f"{path} is no naming scheme: {'; '.join(found)}. docs/recognise.md has an example")
     return table
 

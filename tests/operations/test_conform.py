@@ -14,7 +14,7 @@ from usd_files import deviation
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import compose, decompose, inverse, multiply
-from rigtri.maths.quaternions import angle_between, normalise
+from rigtri.maths.quaternions import angle_between, from_axis_angle, normalise
 from rigtri.maths.vectors import cross, dot, length
 from rigtri.operations.add_socket import with_joint
 from rigtri.operations.body_pose import Directions, StandardPose
@@ -199,9 +199,10 @@ def test_a_skeleton_of_a_file_has_its_names_pose_and_axes(tmp_path: Path) -> Non
     scheme.write_text(STUDIO.replace('"vrm"', '"blendr"'), "utf-8")
     ran = cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", scheme, "--overwrite", code=3)
     assert "axes: there is no 'blendr'. Did you mean 'blender'" in ran.stderr
-    scheme.write_text(STUDIO.replace("pose", "stance"), "utf-8")
+    scheme.write_text(STUDIO.replace("pose", "stance").replace('"vrm"', '"blendr"'), "utf-8")
     ran = cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", scheme, "--overwrite", code=3)
     assert "[skeleton]: there is no 'stance'" in ran.stderr
+    assert "axes: there is no 'blendr'" in ran.stderr, "all mistakes at once"
     ran = cli("conform", SAMPLES / "biped.glb", "-o", out, "--to", "unrael", "--overwrite", code=2)
     assert "Did you mean 'unreal'" in ran.stderr
 
@@ -290,3 +291,16 @@ def test_a_root_of_another_name_is_the_root(suffix: str) -> None:
         assert int(turned.parents[recognise(turned).characters[0].hips]) == root
         axes = turned.world[root, :3, :3]
         assert np.allclose(axes / length(axes)[:, np.newaxis], np.eye(3), atol=1e-6)
+
+
+def test_a_body_that_is_bound_facing_aside_is_told() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    top, report = int(rig.levels[0][0]), Report()
+    aside = compose(np.zeros(3), from_axis_angle(np.array([0.0, 1.0, 0.0]), np.radians(40.0)), np.ones(3))
+    rotation, translation = rig.rotation.copy(), rig.translation.copy()
+    translation[top], rotation[top], _ = decompose(multiply(rig.world[top], aside))
+    (skin,) = rig.skins
+    turned = replace(rig, rotation=rotation, translation=translation, clips=(), source=None)
+    bound = replace(skin, inverse_bind=inverse(multiply(rig.world, aside)[skin.joints]))
+    rigtri.conform(replace(turned, skins=(bound,)), to="unreal", report=report)
+    assert [warning.code for warning in report.warnings].count("facing") == 1
