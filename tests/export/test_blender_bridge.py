@@ -600,6 +600,55 @@ def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(tmp_path
     assert streamed.stdout == Path(script).read_text("utf-8")
 
 
+def below(path: Path, scale: list[float]) -> Path:
+    """A sample below a turned, moved and scaled node; one factor for all axes leaves its size."""
+    document, binary = glb_parts(SAMPLES / "biped.glb")
+    nodes, (scene,) = document["nodes"], document["scenes"]
+    joints = set(document["skins"][0]["joints"])
+    lowest = {child for joint in joints for child in nodes[joint].get("children", ())}
+    for joint in joints:
+        nodes[joint]["translation"] = [x / scale[0] for x in nodes[joint].get("translation", (0, 0, 0))]
+    (root,) = joints - lowest
+    del document["animations"]
+    accessor = document["accessors"][document["skins"][0]["inverseBindMatrices"]]
+    view = document["bufferViews"][accessor["bufferView"]]
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    end = start + 64 * accessor["count"]
+    binds = np.frombuffer(binary[start:end], "<f4").reshape(-1, 4, 4).copy()
+    binds[:, :, :3] /= scale[0]
+    above = {"name": "Armature", "rotation": turn("x", -90), "translation": [0.1, 0.2, 0.3], "scale": scale}
+    (holder,) = [k for k, node in enumerate(nodes) if root in node.get("children", ())] or [-1]
+    siblings = nodes[holder]["children"] if holder >= 0 else scene["nodes"]
+    siblings[siblings.index(root)] = len(nodes)
+    nodes.append(above | {"children": [root]})
+    path.write_bytes(glb_bytes(document, binary[:start] + binds.tobytes() + binary[end:]))
+    return path
+
+
+@pytest.mark.slow
+def test_bones_below_a_scaled_and_turned_armature_follow_controls(tmp_path: Path) -> None:
+    """0.01, as in files that were FBX: controls are bones of that armature, and rest in its scale."""
+    rigged = tmp_path / "rigged.glb"
+    cli("add-controls", below(tmp_path / "in.glb", [0.01] * 3), "-o", rigged, "--whole-character", code=0)
+    _, (fk, *ik) = compared(rigged, tmp_path)
+    assert fk <= FK
+    assert max(ik) <= IK
+
+
+UNEVEN = [([1.0, 1.0, 1.5], "another factor"), ([-1.0, 1.0, 1.0], "mirrored")]
+
+
+@pytest.mark.parametrize(("scale", "told"), UNEVEN)
+def test_an_uneven_scale_above_joints_is_refused(scale: list[float], told: str, tmp_path: Path) -> None:
+    rigged, script = tmp_path / "rigged.glb", tmp_path / "setup.py"
+    cli("add-controls", below(tmp_path / "in.glb", scale), "-o", rigged, "--limbs", "auto", code=0)
+    stderr = cli("export-blender", rigged, "-o", script, code=5).stderr
+    assert "'Armature'" in stderr
+    assert told in stderr
+    assert "DCC" in stderr
+    assert not script.exists()
+
+
 def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> None:
     out = str(tmp_path / "out.glb")
     line = ["constrain", str(rigged["biped.glb"]), "-o", out, "--type", "point", "--child", "head"]
@@ -611,7 +660,7 @@ def test_left_out_rules_are_named(rigged: dict[str, Path], tmp_path: Path) -> No
 
 
 REAL = ["kaykit_Barbarian.glb", "gdquest_mannequiny-0.3.0.glb", "khronos_CesiumMan_Binary.glb"]
-REAL += ["raylib_robot.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda"]
+REAL += ["raylib_robot.glb", "addon_Example_vrm1.vrm", "mayausd_HIK_Export.usda", "gt_sparse_player.glb"]
 
 
 @pytest.mark.slow

@@ -48,7 +48,8 @@ def follow(plan: Plan, rule: Constraint, report: Report) -> None:
 def _parent(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Share) -> None:
     stand = multiply(offset, plan.reference.world[driver])
     name = f"{plan.called(rule.child)} parent"
-    socket = plan.socket(name, plan.node(driver), stand, bone=plan.bone_axes(rule.child))
+    bone = plan.bone_axes(rule.child)
+    socket = plan.socket(name, plan.node(driver), stand, bone=bone, child=rule.child)
     letters = sorted({channel[0] for channel in rule.sets}, key="trs".index)
     kinds = ["COPY_TRANSFORMS"] if len(letters) == 3 else [_COPIES[letter] for letter in letters]
     for kind in kinds:
@@ -117,7 +118,7 @@ def _scale(plan: Plan, rule: Constraint, driver: int, offset: Floats, share: Sha
     stand = world.copy()
     stand[:3, :3] = world[:3, :3] * np.diagonal(offset)[:3, np.newaxis]
     name, bone = f"{plan.called(rule.child)} scale", plan.bone_axes(rule.child)
-    socket = plan.socket(name, plan.node(driver), stand, bone=bone)
+    socket = plan.socket(name, plan.node(driver), stand, bone=bone, child=rule.child)
     plan.constrain(plan.node(rule.child), "COPY_SCALE", socket, f"Scale {plan.called(driver)}", share=share)
 
 

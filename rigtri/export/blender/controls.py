@@ -15,7 +15,7 @@ from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.two_bone_ik import STRAIGHT
 from rigtri.evaluation.zero_pose import SAME_PLACE, FkControl
-from rigtri.export.blender.plan import Plan, Share, frame
+from rigtri.export.blender.plan import Plan, Share, armature_of, frame
 from rigtri.maths.matrices import from_frame, transform_directions, transform_points
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
@@ -57,9 +57,12 @@ def _fk(plan: Plan, own: FkControl, loose: set[int]) -> None:
 
 
 def _copy(plan: Plan, joint: int, control: int) -> None:
-    """Let a joint stand where its control does."""
+    """Let a joint stand where its control does, whose bone rests in the scale of the armature."""
     world, word = plan.reference.world, plan.node(control)
-    same = np.abs(world[joint] - world[control]).max() <= SAME_PLACE * max(1.0, np.abs(world[joint]).max())
+    place, armature = world[control].copy(), armature_of(plan.rig, joint)
+    if armature >= 0:
+        place[:3, :3] *= length(plan.rig.world[armature, 0, :3])
+    same = np.abs(world[joint] - place).max() <= SAME_PLACE * max(1.0, np.abs(world[joint]).max())
     target = word if same and plan.bone_axes(control) else plan.ride("drive", word, joint)
     plan.constrain(plan.node(joint), "COPY_TRANSFORMS", target, f"Follow {plan.called(control)}")
 

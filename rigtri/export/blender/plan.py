@@ -109,18 +109,22 @@ class Plan:
         group = next((node for node in self.rig.nodes_of("group") if numbers), -1)
         self.group = self.node(group)
 
-    def socket(self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False) -> str:
+    def socket(
+        self, name: str, on: str, stand: Floats, *, bone: bool, leads: bool = False, child: int = -1
+    ) -> str:
         """A new empty object that rides on something; stand: (4, 4), in the axes of bones or of objects.
 
-        leads: bones of the script's own copy it.
+        leads: bones of the script's own copy it; child: the node that copies its scale.
         """
-        self.sockets.append({"name": name, "on": on, "stand": flat(stand), "bone": bone, "leads": leads})
+        control = self.node(child) if child >= 0 and self.rig.type_of(child) in CONTROLS else ""
+        about = {"name": name, "on": on, "stand": flat(stand), "bone": bone, "leads": leads}
+        self.sockets.append(about | {"child": control})
         return f"s{len(self.sockets) - 1}"
 
     def ride(self, name: str, on: str, node: int) -> str:
         """A socket that stands where a node does, in its axes, and rides on something else."""
         stand = self.reference.world[node]
-        return self.socket(f"{self.called(node)} {name}", on, stand, bone=self.bone_axes(node))
+        return self.socket(f"{self.called(node)} {name}", on, stand, bone=self.bone_axes(node), child=node)
 
     def bone(self, name: str, parent: int, stand: Floats, size: float) -> int:
         """A new bone of the script's own, its y axis along it, below another or, for −1, none."""
@@ -179,6 +183,11 @@ def frame(place: Floats, along: Floats, side: Floats) -> Floats:
         x = cross(y, np.eye(3)[np.argmin(np.abs(y))])
     x = normalise(x)
     return from_frame(np.stack([x, y, cross(x, y)]), place)
+
+
+def armature_of(rig: Rig, joint: int) -> int:
+    """The first node above a joint that is none: what its armature is in Blender; −1 for the world."""
+    return next((node for node in rig.path_to_root(joint) if not rig.is_joint[node]), -1)
 
 
 def _above(rig: Rig, node: int) -> list[str]:

@@ -21,9 +21,11 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, left_out, twist
 from rigtri.export.blender.controls import controls, pole_place
-from rigtri.export.blender.plan import Plan
+from rigtri.export.blender.plan import Plan, armature_of
 from rigtri.files.input_stream import opened
 from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
+from rigtri.maths.matrices import determinant, skew
+from rigtri.maths.vectors import length
 from rigtri.model.constraints import constraints_of
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
@@ -31,6 +33,8 @@ from rigtri.report import Report
 
 _SLOT = 'json.loads("{}")'
 _WIDE = 96
+# How much the axes of an armature may differ in scale, as a share: bones are off by less than that.
+_EVEN = 1e-4
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def blender_setup(
     Blender; file: the name of what the script imports where the scene has no such character.
 
     What Blender cannot do is a warning of the report. Raises GeometryError where nothing of the rig
-    can be set up, and for cycles of controls and constraints.
+    can be set up, for joints below an uneven scale, and for cycles of controls and constraints.
     """
     report = report if report is not None else Report()
     plan = planned(rig, report)
@@ -85,6 +89,7 @@ def blender_setup(
 
 def planned(rig: Rig, report: Report) -> Plan:
     """All constraints of a rig, in the order in which they come on top of each other."""
+    _refuse_uneven(rig)
     solver = Solver(rig)
     refuse_cycles(rig)
     plan = Plan(rig, solver.reference)
@@ -106,6 +111,23 @@ def planned(rig: Rig, report: Report) -> Plan:
     left_out(plan, report)
     _warn_still(rig, solver, report)
     return plan
+
+
+def _refuse_uneven(rig: Rig) -> None:
+    """GeometryError for joints below a node that is mirrored, or whose axes differ in scale.
+
+    Blender has that node as an armature, whose bones have right angles and the scale that it has.
+    """
+    for node in {armature_of(rig, joint) for joint in np.flatnonzero(rig.is_joint).tolist()} - {-1}:
+        world = rig.world[node]
+        sizes = length(world[:3, :3])
+        uneven = sizes.max() - sizes.min() > _EVEN * sizes.max() or float(skew(world)) > _EVEN
+        if uneven or determinant(world) < 0:
+            what = "is scaled by another factor along each axis" if uneven else "is mirrored (negative scale)"
+            raise GeometryError(
+                f"'{rig.title(node)}', which stands above joints, {what}; bones of Blender's cannot follow "
+                "controls there. Apply its scale in the DCC, or give it one factor above 0 for all axes"
+            )
 
 
 def _warn_still(rig: Rig, solver: Solver, report: Report) -> None:

@@ -71,12 +71,6 @@ def stand(about: dict[str, Any], bone: bool) -> Matrix:
     return world if bone else world @ object_axes()
 
 
-def socket_stand(about: dict[str, Any]) -> Matrix:
-    """Where a socket stands; one that bones of the script's own copy has the scale of their world."""
-    place = stand({"world": about["stand"]}, about["bone"])
-    return place @ Matrix.Scale(1.0 / RIG["meters"], 4) if about["leads"] else place
-
-
 # -- what is in the scene ------------------------------------------------------------------------
 
 
@@ -595,6 +589,7 @@ class Setup:
         property_of(self.master, DRIVE, drive, "1: rigtri's controls drive; 0: the joints' own keys")
         self.imported = nodes
         self.nodes = list(nodes)
+        self.scales: dict[str, Matrix] = {}
         self.rig: Any = self.add_controls() if RIG["controls"] else None
         if self.rig:
             kept.give(self)
@@ -687,7 +682,10 @@ class Setup:
             for node in [RIG["nodes"][int(about["node"][1:])]]
         ]
         for about, thing, bone in zip(RIG["controls"], things, build_bones(rig, made), strict=True):
-            self.nodes[int(about["node"][1:])] = (rig, bone)
+            node = int(about["node"][1:])
+            self.nodes[node] = (rig, bone)
+            own = stand(RIG["nodes"][node], True).median_scale
+            self.scales[about["node"]] = Matrix.Scale(rig.matrix_world.median_scale / own, 4)
             rig.data.bones[bone][MARK] = 1
             rig.data.bones[bone].use_deform = False
             self.dress(rig.pose.bones[bone], about, thing)
@@ -818,14 +816,25 @@ class Setup:
         """Where what a word means stands, while the character is where the file has it."""
         number = int(word[1:])
         if word[0] == "n":
-            return stand(RIG["nodes"][number], bool(self.nodes[number][1]))
+            return stand(RIG["nodes"][number], bool(self.nodes[number][1])) @ self.scale_of(word)
         if word[0] == "b":
             return self.frames[number]
-        return socket_stand(RIG["sockets"][number])
+        return self.socket_stand(RIG["sockets"][number])
+
+    def socket_stand(self, about: dict[str, Any]) -> Matrix:
+        """Where a socket stands; one that bones of the script's own copy has the scale that they rest in."""
+        place = stand({"world": about["stand"]}, about["bone"])
+        if about["leads"]:
+            return place @ Matrix.Scale(1.0 / RIG["meters"], 4)
+        return place @ self.scale_of(about["child"])
+
+    def scale_of(self, word: str) -> Matrix:
+        """What the file's place of a control is scaled by: its bone rests in the scale of its armature."""
+        return self.scales.get(word, Matrix.Identity(4))
 
     def hang(self, about: dict[str, Any], thing: Any) -> None:
         """Let a socket stand in its place and ride on what it is to ride on."""
-        place = socket_stand(about)
+        place = self.socket_stand(about)
         if not about["on"]:
             thing.matrix_world = place
             return
