@@ -54,7 +54,7 @@ from rigtri.operations.bake.dependents import (
     rivets_of_constraints,
 )
 from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks
-from rigtri.operations.bake.unbaked import UNBAKED, refuse_unbaked_clip
+from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
 from rigtri.operations.bake.warnings import (
     fidelity,
     refuse_overstretch,
@@ -133,9 +133,6 @@ class _Baker:
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
             chosen = chosen_timelines(self.rig, self.options.clip)
-            if not self.options.discard_motion:
-                for timeline in chosen:
-                    refuse_unbaked_clip(self.rig, timeline, self.size, max(self.options.between, UNBAKED))
             for timeline in self._shown(chosen):
                 self._to_controls(timeline)
             self._warn()
@@ -337,7 +334,10 @@ class _Baker:
             return Parts(read["translation"], unit(read["rotation"]), read["scale"])
 
         found = solve_controls(solver, sample_parts(self.rig, clip, times), keep)
-        self.rig = put_tracks(self.rig, timeline, tracks)
+        before, self.rig = self.rig, put_tracks(self.rig, timeline, tracks)
+        if not self.options.discard_motion:
+            bound = max(self.options.between, UNBAKED)
+            refuse_replaced(before, self.rig, timeline, self.size, bound)
         controls = sorted({node for block in found for node in block.found.controls})
         fidelity_record, notices = fidelity(
             self.rig, found, times, clip=timeline.name, size=self.size, tolerance=self.options.tolerance

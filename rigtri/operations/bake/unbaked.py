@@ -31,17 +31,28 @@ def refuse_unbaked(rig: Rig) -> None:
     size = size_of(rig)
     posed = moved_at_rest(rig, size)
     if posed:
-        _refuse(rig, posed, {}, "at rest", size, UNBAKED)
+        _refuse(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size)
     for timeline in timelines(rig):
-        refuse_unbaked_clip(rig, timeline, size)
+        driven = controls_with_keys(rig, timeline)
+        if driven:
+            sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
+            _refuse(Solver(rig, driven), sampled, PoseCache(rig, sampled), f"in clip '{timeline.name}'", size)
 
 
-def refuse_unbaked_clip(rig: Rig, timeline: Timeline, size: float, bound: float = UNBAKED) -> None:
-    """The same of one clip, for joints that are off by more than ``bound``, as a share of the size."""
-    driven = controls_with_keys(rig, timeline)
-    if driven:
-        sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
-        _refuse(rig, driven, sampled, f"in clip '{timeline.name}'", size, bound)
+def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bound: float) -> None:
+    """GeometryError where new keys of controls move joints otherwise in a clip than the old ones.
+
+    bound: by how much, as a share of the size. What constraints make of joints is in both.
+    """
+    driven = controls_with_keys(before, timeline)
+    if not driven:
+        return
+    (now,) = (each for each in timelines(after) if each.members == timeline.members)
+    times = key_times(timeline.clip)
+    sampled = sample_parts(after, now.clip, times)
+    posed = Solver(after, driven | controls_with_keys(after, now)).run(sampled)
+    old = sample_parts(before, timeline.clip, times)
+    _refuse(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound)
 
 
 def _times(rig: Rig, clip: Clip) -> Floats:
@@ -55,12 +66,16 @@ def _times(rig: Rig, clip: Clip) -> Floats:
 
 
 def _refuse(
-    rig: Rig, driven: frozenset[int], sampled: Mapping[int, Parts], where: str, size: float, bound: float
+    solver: Solver,
+    sampled: Mapping[int, Parts],
+    kept: PoseCache,
+    where: str,
+    size: float,
+    bound: float = UNBAKED,
 ) -> None:
-    solver, own = Solver(rig, driven), PoseCache(rig, sampled)
-    posed = solver.run(sampled)
-    kept = set(solver.sets) - rig.own
-    found = {node: _apart(own, posed, node, size) for node in _joints(rig, kept)}
+    """GeometryError where what a solver makes of a pose is not what is kept of it."""
+    rig, posed = solver.rig, solver.run(sampled)
+    found = {node: _apart(kept, posed, node, size) for node in _joints(rig, set(solver.sets) - rig.own)}
     worst = max(found, key=lambda node: found[node], default=-1)
     if worst >= 0 and found[worst] > bound:
         raise GeometryError(
