@@ -356,6 +356,7 @@ def test_public_names_are_what_they_claim() -> None:
 
 def test_consoles_complete_the_library_and_nothing_else() -> None:
     assert dir(rigtri) == sorted([*rigtri.__all__, "__version__"])
+    assert set(rigtri.__all__) == {*rigtri._WHERE, *rigtri._MODULES}
 
 
 def test_words_are_those_of_the_command_line_in_capitals_too(samples: Path) -> None:
