@@ -114,7 +114,8 @@ def twin_of(rig: Rig, node: int) -> int | None:
     if len(same_kind) > 1:
         above = set(rig.path_to_root(node))
         common = [len(above.intersection(rig.path_to_root(k))) for k in same_kind]
-        same_kind = [k for k, count in zip(same_kind, common, strict=True) if count == max(common)]
+        most = max(common)
+        same_kind = [k for k, count in zip(same_kind, common, strict=True) if count == most]
     return same_kind[0] if len(same_kind) == 1 else None
 
 

@@ -88,10 +88,10 @@ def _unknown_words(table: Mapping[str, Any]) -> Iterator[str]:
             yield f"[skeleton] {key}: there is no '{value}'.{hint.rstrip('.')}"
 
 
-def steps_of(options: ConformOptions) -> Steps:
+def steps_of(options: ConformOptions, skeleton: Skeleton) -> Steps:
     """The steps, as a rig spec has them: names of operations and their options."""
     facing = {} if options.facing is None else {"facing": options.facing}
-    pose, axes, root, profile = skeleton_of(options.to)
+    pose, axes, root, profile = skeleton
     preset, frames = ("blender", axes) if axes == "godot" else (axes, pose)
     rooted: Steps = (("add-root", {"name": root}), ("orient-joints", {"joints": [root], "world": True}))
     # How it rests before its axes, which are those at rest; and names before all that is recognised: a second
@@ -113,19 +113,24 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
 
     Raises as the steps do (`steps_of`): freeze, rename-joints, set-rest, add-root, orient-joints.
     """
-    steps = steps_of(options)
+    skeleton = skeleton_of(options.to)
+    steps = steps_of(options, skeleton)
     bodies = recognise(rig).characters
     if len(bodies) > 1:
         names = listed([rig.title(body.root) for body in bodies], 6)
         raise UsageError(f"There are {len(bodies)} characters here, {names}: take one with --character")
     if rig.rules.orient_locked:
+        if skeleton.axes != "vrm":
+            ways = " or ".join(_ALONG_WORLD)
+            axes = f"--to {options.to} has other axes: take --to {ways}, or VRM 1.0"
+            raise GeometryError(f"{rig.rules.orient_locked}, and {axes}")
         steps = _of_locked(rig, options, steps, bodies)
     for name, values in steps:
         known = len(report.joints)
         try:
-            if name == "rename-joints" and (aside := _aside(rig, options)):
+            if name == "rename-joints" and (aside := _aside(rig, options.to, skeleton.root)):
                 values = {**values, "name": aside}
-            if name == "orient-joints" and "preset" in values and (ours := _ik_bones(rig, options)):
+            if name == "orient-joints" and "preset" in values and (ours := _ik_bones(rig, skeleton.profile)):
                 values = {**values, "exclude": ours}
             rig = function_of(name)(rig, report=report, **values)
         except (UsageError, GeometryError) as error:
@@ -139,9 +144,9 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     return rig
 
 
-def _aside(rig: Rig, options: ConformOptions) -> dict[str, str]:
+def _aside(rig: Rig, to: str, name: str) -> dict[str, str]:
     """New names, by address, of joints that are no bones: the root's, and where bones will have theirs."""
-    found, name = set_aside(rig, options.to), skeleton_of(options.to).root
+    found = set_aside(rig, to)
     for body in recognise(rig).characters if name else ():
         root = root_above(rig, body.hips) if body.hips >= 0 else -1
         if root >= 0 and rig.names[root] != name:
@@ -149,21 +154,17 @@ def _aside(rig: Rig, options: ConformOptions) -> dict[str, str]:
     return found
 
 
-def _ik_bones(rig: Rig, options: ConformOptions) -> list[str]:
+def _ik_bones(rig: Rig, profile: str) -> list[str]:
     """The names of IK bones that are here already: they have the axes of what they follow."""
-    names = IK_BONES.get(skeleton_of(options.to).profile, {})
-    return [name for name in names if name in rig.names]
+    return [name for name in IK_BONES.get(profile, {}) if name in rig.names]
 
 
 def _of_locked(rig: Rig, options: ConformOptions, steps: Steps, bodies: Sequence[Character]) -> Steps:
     """The steps for joints that may not rotate at rest: they stand as bound, with the axes of the world.
 
-    GeometryError for other axes, and for bodies that stand in no T-pose.
+    GeometryError for bodies that stand in no T-pose.
     """
     locked = rig.rules.orient_locked
-    if skeleton_of(options.to).axes != "vrm":
-        ways = " or ".join(_ALONG_WORLD)
-        raise GeometryError(f"{locked}, and --to {options.to} has other axes: take --to {ways}, or VRM 1.0")
     for body in bodies:
         if not stands_in_tpose(rig, body, options.facing):
             raise GeometryError(f"{locked}, and its arms are not stretched out to the sides: take VRM 1.0")

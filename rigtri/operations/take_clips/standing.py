@@ -38,7 +38,10 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
     A warning where a clip lies though nothing else shows that the file does. Raises GeometryError where the
     file lies, but no such turn sets its clips upright.
     """
-    moving = [taken for taken in every if _moves_body(both, taken)]
+    carriers = _carriers(both)
+    moving = [
+        taken for taken in every if any(t.node in carriers and t.path != "weights" for t in taken.clip.tracks)
+    ]
     lying = [taken for taken in moving if _lies(both, taken)]
     if not lying:
         return both
@@ -72,13 +75,12 @@ def _may_lie(both: Counterparts, known: Sequence[Taken]) -> bool:
     return not any(both.stands(turn) for turn in world_turns(both.rig, both.other, both.bind_turn))
 
 
-def _moves_body(both: Counterparts, taken: Taken) -> bool:
-    """Whether a clip of EDITED has keys of a topmost joint, or of what carries it."""
+def _carriers(both: Counterparts) -> set[int]:
+    """The topmost joints of EDITED, and what carries them."""
     rig = both.rig
     joints = [n for n in both.of if rig.is_joint[n]]
     tops = [n for n in joints if not any(rig.is_joint[k] for k in rig.path_to_root(n)[1:])]
-    carriers = {k for n in tops for k in both.other.path_to_root(both.of[n])}
-    return not carriers.isdisjoint(track.node for track in taken.clip.tracks if track.path != "weights")
+    return {k for n in tops for k in both.other.path_to_root(both.of[n])}
 
 
 def _lies(both: Counterparts, taken: Taken) -> bool:
