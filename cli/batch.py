@@ -15,7 +15,7 @@ from rigtri.errors import FileError, UsageError
 
 from . import INTERRUPTED, batch_engine, batch_job, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
-from .build import assigned, set_option, spec_tolerance_option
+from .build import assigned, set_option, spec_option, spec_tolerance_option
 from .help_format import Command, option
 from .option_types import Bytes, FilePath
 from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
@@ -36,13 +36,7 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 
 @click.command("batch", cls=Command)
 @click.argument("inputs", metavar="IN…", nargs=-1)
-@option(
-    "--spec",
-    metavar="FILE",
-    type=FilePath(dir_okay=False),
-    help="The rig spec: YAML or JSON.",
-    group="what",
-)
+@spec_option()
 @set_option
 @option(
     "--convert-to",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
     from rigtri.pipeline.rigspec.build import Built
     from rigtri.pipeline.rigspec.load import PlannedStep, Spec
 
-spec_option = option(
+spec_option = partial(
+    option,
     "--spec",
-    required=True,
     metavar="FILE",
     type=FilePath(dir_okay=False),
     help="The rig spec: YAML or JSON.",
@@ -54,7 +55,7 @@ spec_tolerance_option = option(
 @click.command("build", cls=Command)
 @click.argument("source", metavar="[IN]", required=False, type=FilePath(allow_dash=True))
 @optional_target_option
-@spec_option
+@spec_option(required=True)
 @set_option
 @option(
     "--explain",
