@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -126,20 +125,15 @@ def joint_poses(path: Path) -> np.ndarray:
     return np.array([np.array(query.ComputeJointSkelTransforms(time)) for time in np.arange(0.0, 24.0, 1.5)])
 
 
-BESIDE = partial(
-    pytest.param, marks=pytest.mark.xfail(strict=True, reason="keys of two controls come 1e-6 beside")
-)
-
-
 @pytest.mark.parametrize(
     ("suffix", "described", "to"),
     [
         ("usda", "rigged", "joints"),
-        BESIDE("usda", "rigged", "controls"),
+        slow("usda", "rigged", "controls"),
         slow("usdc", "rigged", "joints"),
-        BESIDE("usdz", "rigged", "controls"),
+        slow("usdz", "rigged", "controls"),
         slow("usdz", "biped.glb", "joints"),
-        BESIDE("usdc", "biped.glb", "controls"),
+        slow("usdc", "biped.glb", "controls"),
     ],
 )
 @pytest.mark.slow
@@ -156,6 +150,18 @@ def test_a_usd_file_that_has_lost_its_metadata_is_baked_with_that_of_another(
     cli("bake", out, "-o", again, "--to", to, code=0)
     assert again.read_bytes() == out.read_bytes()
     assert np.abs(joint_poses(home) - joint_poses(out)).max() < 1e-5
+
+
+def test_keys_of_controls_read_the_same_with_metadata_and_without(tmp_path: Path) -> None:
+    up = keyed_file("biped.usda", tmp_path / "up.usda")
+    one, other = read(up).rig, read(without_notes(up, tmp_path / "bare.usda")).rig
+    for name in ("shin_L_ctl", "foot_L_ik_ctl", "shin_L_ctl_offset"):
+        for path in ("translation", "rotation", "scale"):
+            both = (tracks(one, name, path), tracks(other, name, path))
+            assert [len(t) for t in both] in ([0, 0], [1, 1])
+            for was, now in zip(*both, strict=True):
+                assert np.array_equal(was.times, now.times)
+                assert np.array_equal(was.values, now.values)
 
 
 def without_keys(name: str) -> Callable[[Rig, Report], Rig]:

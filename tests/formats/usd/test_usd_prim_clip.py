@@ -63,7 +63,7 @@ def test_prims_stand_at_their_samples_where_usd_puts_them(tmp_path: Path) -> Non
     )
     rig = read(source).rig
     clip = rig.clips[-1]
-    assert len(clip.tracks) == 3 * 5
+    assert len({track.node for track in clip.tracks}) == 5
     stage = Usd.Stage.Open(str(source))
     for time in (1.0, 2.0, 3.0, 4.0, 10.0):
         world = worlds(rig, locals_at(rig, clip, [time]))[0]

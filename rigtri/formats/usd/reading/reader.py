@@ -102,25 +102,30 @@ class _Reader:
         """The rig with what moves its prims, to be measured; joints of --root have their own tracks."""
         joints = set() if self.options.root is None else set(rig.skins[-1].joints.tolist())
         prims = {node: prim for node, prim in self.nodes.animated.items() if node not in joints}
-        mine = self._own_tracks(rig, prims)
-        others = {node: prim for node, prim in prims.items() if node not in mine}
+        held = self._tracks_of_ops(rig, prims)
+        others = {node: prim for node, prim in prims.items() if node not in held}
         tracks = xform_tracks(others, self.interpolation, self.warnings)
-        tracks += [track for node in mine for track in mine[node]]
+        tracks += [track for node in held for track in held[node]]
         if not tracks:
             return rig
         clips = tuple(clip for clip in rig.clips if clip.key != XFORMS.key)
         known = [track for clip in rig.clips if clip.key == XFORMS.key for track in clip.tracks]
         return replace(rig, clips=(*clips, replace(XFORMS, tracks=(*known, *tracks))))
 
-    def _own_tracks(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, list[Track]]:
-        """The keys of rigtri's prims as they are in their ops; what is mirrored goes by its matrices."""
+    def _tracks_of_ops(self, rig: Rig, prims: Mapping[int, Any]) -> dict[int, list[Track]]:
+        """The keys of prims as they are in their ops, where tracks hold these; what is mirrored goes by its
+        matrices. So what rigtri has built reads the same where an exporter has dropped its metadata."""
         found: dict[int, list[Track]] = {}
-        for node in self.nodes.own:
-            if node in prims and (rig.has_matrix[node] or (rig.scale[node] > 0).all()):
-                plain = not rig.has_matrix[node]
-                stand = read_transform(prims[node], node, self.interpolation) if plain else None
-                tracks = sampled_tracks(prims[node], node, self.interpolation) if stand is None else stand[1]
-                found |= {} if tracks is None else {node: tracks}
+        own = set(self.nodes.own)
+        for node, prim in prims.items():
+            made_otherwise = node in own and bool(rig.has_matrix[node])
+            if not made_otherwise and (rig.scale[node] <= 0).any():
+                continue
+            stand = None if made_otherwise else read_transform(prim, node, self.interpolation)
+            if stand is not None:
+                found[node] = stand[1]
+            elif node in own and (tracks := sampled_tracks(prim, node, self.interpolation)) is not None:
+                found[node] = tracks
         return found
 
     def _group_parent(self, rig: Rig) -> int:
