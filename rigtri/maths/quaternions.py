@@ -43,6 +43,12 @@ IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 NEARLY_UNIT = 1e-6
 # A rotation whose part about an axis is shorter than this swings by 180°: it has no twist.
 HALF_ROUND = 1e-9
+# Of four times the square of each component: the signs of xx, yy and zz.
+_DIAGONAL_SIGNS = np.array([[1.0, -1.0, -1.0, 1.0], [-1.0, 1.0, -1.0, 1.0], [-1.0, -1.0, 1.0, 1.0]])
+# Of a 3×3 matrix's nine numbers xy, yz, zx and yx, zy, xz.
+_ABOVE, _BELOW = np.array([1, 5, 6]), np.array([3, 7, 2])
+# The turn times four of its x, y, z, w (columns): which of the four squares, three sums, three differences.
+_TIMES_FOUR = np.array([[0, 4, 6, 8], [4, 1, 5, 9], [6, 5, 2, 7], [8, 9, 7, 3]])
 # Each step squares what is left for turns about one axis, and divides it by 10 or so at 60° apart.
 _MEAN_STEPS = 16
 
@@ -198,18 +204,15 @@ def from_axes(axes: ArrayLike) -> Floats:
     [0.0, 0.0, 1.0, 0.0]
     """
     m = np.asarray(axes, dtype=np.float64)
-    xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
-    # Each row is the turn times four of one of its components: (4, 4, ...).
-    rows = np.empty((4, 4, *m.shape[:-2]))
-    rows[0, 0], rows[1, 1] = 1 + xx - yy - zz, 1 - xx + yy - zz
-    rows[2, 2], rows[3, 3] = 1 - xx - yy + zz, 1 + xx + yy + zz
-    for one, next_, other in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        rows[one, next_] = rows[next_, one] = m[..., one, next_] + m[..., next_, one]
-        rows[other, 3] = rows[3, other] = m[..., one, next_] - m[..., next_, one]
-    best = np.argmax(rows[range(4), range(4)], axis=0)  # the first of equals, NaN before all
-    q = by_component((*m.shape[:-2], 4))
-    q[...] = np.moveaxis(np.take_along_axis(rows, best[np.newaxis, np.newaxis], axis=0)[0], 0, -1)
-    q = unit(q)
+    many = m.shape[:-2]
+    # Numbers first, (9, ...): an operation on one of the nine is one on a line of memory.
+    m = m.reshape(*many, 9).transpose(-1, *range(len(many)))
+    xx, yy, zz = _DIAGONAL_SIGNS.reshape(3, 4, *(1 for _ in many)) * m[::4, np.newaxis]
+    above, below = m[_ABOVE], m[_BELOW]
+    numbers = np.concatenate([1 + xx + yy + zz, above + below, above - below])
+    largest = numbers[:4].argmax(axis=0)  # the first of equals, NaN before all
+    q = np.take_along_axis(numbers, _TIMES_FOUR[:, largest], axis=0)
+    q = unit(q.transpose(*range(1, q.ndim), 0))
     return np.where(q[..., 3:] < 0, -q, q)
 
 
