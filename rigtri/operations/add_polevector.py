@@ -8,7 +8,6 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, slide "Pole Vector";
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError, NameNotFoundError, NoLimbError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference
-from rigtri.maths.triangle import bend_angle, bend_direction, frame, pole_position
+from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle, bend_direction, bend_sine, frame, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import distance, normalise, project
 from rigtri.model.metadata import PoleVectorRecord
@@ -35,17 +34,17 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
-from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, believable, bend, crossings
-from rigtri.recognition.body_hinges import Body, bodies, body_of
+from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, crossings
+from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limb_bends import NO_PLANE, LimbBends
 from rigtri.recognition.limbs import Limb, along, limb_title, named_limbs, unsure
 from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed, straightness
 
-# Below this sine (0.1°) a bend plane is float32 noise; below the second (0.6°) it is shaky.
-NO_PLANE = 1.7453283658983088e-3
+# Below this sine (0.6°) a bend plane is shaky.
 SHAKY = 1.0471784116245793e-2
 
 
@@ -72,9 +71,10 @@ def _with_poles(rig: Rig, options: AddPolevectorOptions, report: Report) -> Rig:
     others = (*limbs, *(k for k in recognised(rig) if k not in limbs))
     facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
     known = bodies(rig, recognise(rig).characters, ref.world, facing)
+    limb_bends = LimbBends(rig, ref.world, ref.other, others, known, facing)
     undecided = []
     for limb in limbs:
-        found = _bend(rig, limb, ref, options, others, bends.get(limb), known, report)
+        found = _bend(limb_bends, limb, bends.get(limb), report)
         if found is None:
             undecided.append(limb)
             continue
@@ -157,39 +157,16 @@ def _named_bends(rig: Rig, limbs: list[Limb], options: AddPolevectorOptions) -> 
     return found
 
 
-def _bend(
-    rig: Rig,
-    limb: Limb,
-    ref: ReferencePose,
-    options: AddPolevectorOptions,
-    others: tuple[Limb, ...],
-    given: Floats | None,
-    known: Sequence[Body],
-    report: Report,
-) -> Bend | None:
-    facing = None if options.facing is None else np.asarray(options.facing, dtype=np.float64)
-    body = body_of(known, limb.start)
-    facing = facing if body is None else body.facing_of(ref.world[list(limb.triple), 3, :3])
-    prescribed = None if rig.rules.facing is None else np.array(rig.rules.facing)
-    found = bend(
-        rig,
-        limb,
-        ref.world,
-        least_sine=NO_PLANE,
-        others=others,
-        facing=prescribed if facing is None else facing,
-        given=given,
-        other_pose=ref.other,
-    )
-    if given is not None and found is None and _has_chord(ref.world[list(limb.triple), 3, :3]):
+def _bend(limb_bends: LimbBends, limb: Limb, given: Floats | None, report: Report) -> Bend | None:
+    rig, world = limb_bends.rig, limb_bends.world
+    found = limb_bends.of(limb, report, given)
+    if given is not None and found is None and _has_chord(world[list(limb.triple), 3, :3]):
         raise GeometryError(
             f"--bend {rig.title(limb.middle)}: the direction runs along the limb; give one across it"
         )
-    if found is None:
-        return None
-    if options.facing is not None:
+    if found is not None and limb_bends.facing is not None:
         _warn_unheard(rig, limb, found, report)
-    return believable(rig, limb, ref.world, found, facing, report, others=others)
+    return found
 
 
 def _warn_unheard(rig: Rig, limb: Limb, found: Bend, report: Report) -> None:
@@ -199,10 +176,12 @@ def _warn_unheard(rig: Rig, limb: Limb, found: Bend, report: Report) -> None:
         why = "nothing says whether it is an arm or a leg; say --bend"
     elif found.source == "given":
         why = "--bend goes before it"
-    elif found.source == "pose" and found.sine >= CLEAR:
+    elif found.source == "facing" or found.sine < CLEAR:
+        return
+    elif found.source == "pose":
         why = "it is clearly bent, and bends where it does"
     else:
-        return
+        why = f"it bends clearly in {SOURCE_TEXT[found.source]}"
     report.warn("facing-unused", f"--facing does not change the pole vector of {title}: {why}.", joint=title)
 
 
@@ -227,7 +206,7 @@ def _place(
         )
     degrees = float(np.degrees(bend_angle(*points)))
     record = _pole_record(rig, limb, options, found, degrees)
-    _warn_bend(rig, limb, found, degrees, report)
+    _warn_bend(rig, limb, found, points, report)
     rig, node = _placed(rig, limb, record, options, position, _axes(points, found, options))
     entry: dict[str, Any] = {
         "limb": [rig.title(k) for k in limb.triple],
@@ -261,9 +240,9 @@ def _pole_record(
     )
 
 
-def _warn_bend(rig: Rig, limb: Limb, found: Bend, degrees: float, report: Report) -> None:
-    title = _title(rig, limb)
-    if found.source != "pose" and degrees < float(np.degrees(NO_PLANE)):
+def _warn_bend(rig: Rig, limb: Limb, found: Bend, points: Floats, report: Report) -> None:
+    title, degrees = _title(rig, limb), float(np.degrees(bend_angle(*points)))
+    if found.source != "pose" and float(bend_sine(*points)) < STRAIGHT_SINE:
         report.warn(
             "straight",
             f"{title} is {straightness(degrees)}; bend direction: from {SOURCE_TEXT[found.source]}.",

@@ -22,7 +22,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
 from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_polevector import NO_PLANE, SHAKY, add_polevector, posed
+from rigtri.operations.add_polevector import SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration import check, vector
 from rigtri.operations.limb_guides import guided, natural
@@ -32,6 +32,7 @@ from rigtri.operations.options.make_limb import is_pattern
 from rigtri.operations.orient_joints.up_direction import crossing
 from rigtri.operations.rigtri_nodes import free_name, group, plain_name, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
+from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report
 from rigtri.text import straightness

@@ -1,9 +1,6 @@
-"""The side to which a limb bends, also where it is straight at rest.
+"""The side to which a limb bends, as one pose, its motion or a direction shows it.
 
-It comes from the pose, the clips, the twin of the limb, or its kind and the facing direction.
-
-Half of all real limbs are straight at rest, and noise then looks like a bend
-plane. So every answer says where it came from, and there may be none.
+`rigtri.recognition.limb_bends` decides which of them is the truth. Every answer says where it came from.
 """
 
 from __future__ import annotations
@@ -18,23 +15,20 @@ from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
 from rigtri.maths.matrices import inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
 from rigtri.maths.quaternions import rotate
-from rigtri.maths.triangle import bend_angle, bend_direction, bend_sine, hinge
-from rigtri.maths.trigonometry import Floats, sin_cos
-from rigtri.maths.vectors import angle, cross, dot, length, normalise, perpendicular
+from rigtri.maths.triangle import bend_direction, bend_sine, hinge
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import Limb
-from rigtri.report import Report
 
-# A key counts as evidence of the hinge from this bend on (radians): 5 degrees.
-BENT = 0.08726646259971647
+# A key counts as evidence of the hinge from this bend on (the sine of 5°). Here and below a hundredth of a
+# degree less, for rounding must not decide on the round numbers that people key.
+BENT = 0.08698185
 # The mean of the unit normals of all bent keys must be at least this long to be one hinge.
 AGREEMENT = 0.9
-# From this bend on (the sine of 10°) a pose is the truth about the side …
-CLEAR = 0.17364817766693033
-# … and below it within this of the natural side (the cosine of 60°), from 30° on where its twin is so
-# near to the mirror image.
-NATURAL, MIRRORED = 0.5, 0.8660254037844386
+# From this bend on (the sine of 10°) a pose is the truth about the side.
+CLEAR = 0.17347629
 # Keys looked at per clip; more are thinned out evenly.
 MOST_KEYS = 2000
 # A limb nearer to the facing direction than this (cosine of 45°) is stretched out ahead or back.
@@ -68,105 +62,6 @@ class Bend:
     sine: float
 
 
-def bend(
-    rig: Rig,
-    limb: Limb,
-    world: Floats,
-    *,
-    least_sine: float,
-    others: Sequence[Limb] = (),
-    facing: Floats | None = None,
-    given: Floats | None = None,
-    other_pose: Floats | None = None,
-) -> Bend | None:
-    """Where a limb bends to, or None when nothing tells.
-
-    world: (n, 4, 4), the pose in use. least_sine: below it the pose itself is
-    taken as straight. others: limbs of the rig, whose twin of the other side may
-    tell. facing: where the character looks (knees bend forward, elbows back).
-    given: the user's word, which goes before everything else.
-    other_pose: world matrices of the file's other pose.
-
-    Source: design notes, ladder of the up direction, steps 2 to 5.
-    """
-    if given is not None:
-        return _towards(limb, world, given, "given", 1.0)
-    own = _own(rig, limb, world, least_sine, other_pose)
-    if own is not None:
-        return own
-    twin = _twin(limb, others)
-    if twin is not None:
-        theirs = _own(rig, twin, world, least_sine, other_pose)
-        if theirs is not None:
-            mirrored = _mirrored(theirs.direction, world[limb.start, 3, :3], world[twin.start, 3, :3])
-            found = _towards(limb, world, mirrored, "other side", theirs.sine)
-            if found is not None:
-                return found
-    if facing is not None and limb.kind:
-        forward = -facing if limb.bends_back else facing
-        return _towards(limb, world, forward, "facing", 1.0)
-    return None
-
-
-def _twin(limb: Limb, others: Sequence[Limb]) -> Limb | None:
-    """The limb of the other side."""
-    twins = [o for o in others if o.kind == limb.kind and {o.side, limb.side} == {"left", "right"}]
-    # Of several characters in a file, the nearest twin is the limb's own.
-    return min(twins, key=lambda o: abs(o.start - limb.start), default=None)
-
-
-def believable(
-    rig: Rig,
-    limb: Limb,
-    world: Floats,
-    found: Bend,
-    facing: Floats | None,
-    report: Report,
-    *,
-    others: Sequence[Limb] = (),
-) -> Bend:
-    """The bend of a limb, or what limbs of its kind do where it contradicts that and is small.
-
-    From 10° on a bend is the truth; below, it is taken within 60° of what knees and elbows do where the
-    body faces ``facing``, (3,), but from 30° on only where it is no noise: where the limb of the other side,
-    one of ``others``, mirrors it. None: nobody knows.
-    """
-    if facing is None or not limb.kind or found.source not in ("pose", "other side") or found.sine >= CLEAR:
-        return found
-    natural = _towards(limb, world, -facing if limb.bends_back else facing, "facing", 1.0)
-    if natural is None:
-        return found
-    near = float(dot(found.direction, natural.direction))
-    if near >= MIRRORED or (
-        near >= NATURAL and _is_mirrored(limb, world, found, natural, _twin(limb, others))
-    ):
-        return found
-    off = float(np.degrees(angle(found.direction, natural.direction)))
-    bent = float(np.degrees(bend_angle(*world[list(limb.triple), 3, :3])))
-    title = " - ".join(rig.title(node) for node in limb.triple)
-    does = "elbows bend back" if limb.bends_back else "knees bend forward"
-    report.warn(
-        "bends-otherwise",
-        f"{title} is bent {bent:.2g}° to a side {off:.0f}° off the one that is natural ({does}); "
-        "the facing direction is taken. Another --facing, or a bend of more than 10°, changes that.",
-        joint=title,
-        geometry=True,
-    )
-    return natural
-
-
-def _is_mirrored(limb: Limb, world: Floats, found: Bend, natural: Bend, twin: Limb | None) -> bool:
-    """Whether the limb of the other side shows that a small bend is no noise; also where there is none."""
-    if twin is None:
-        return True
-    (theirs,) = in_pose([twin], world)
-    if theirs.sine >= CLEAR:
-        return True  # of a pose in which both sides do different things
-    image = _mirrored(theirs.direction, world[limb.start, 3, :3], world[twin.start, 3, :3])
-    alike = dot(found.direction, image) >= MIRRORED and dot(theirs.direction, natural.direction) >= NATURAL
-    return found.source == "pose" and bool(alike)
-
-
 def facing_along(limb: Floats, facing: Floats, up: Floats) -> Floats:
     """Where a body looks as a limb has it, unit, (3,). limb: from its root to its end, (3,).
 
@@ -193,12 +88,7 @@ def areas_and_sines(points: Floats) -> tuple[Floats, Floats]:
         return cross(b - a, c - b), bend_sine(a, b, c)
 
 
-def _own(rig: Rig, limb: Limb, world: Floats, least_sine: float, other_pose: Floats | None) -> Bend | None:
-    (posed,) = in_pose([limb], world)
-    return posed if posed.sine >= least_sine else _from_motion(rig, limb, world, other_pose)
-
-
-def _towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: float) -> Bend | None:
+def towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: float) -> Bend | None:
     """The bend towards a direction; None where it runs along the limb."""
     a, _, c = world[list(limb.triple), 3, :3]
     chord = normalise(c - a)
@@ -208,26 +98,28 @@ def _towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine:
     return Bend(normalise(side), normalise(cross(side, chord)), source, sine)
 
 
-def _from_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) -> Bend | None:
-    """The hinge that bent keys of clips agree on, seen in the root joint's own space."""
-    normals, found = [np.zeros((0, 3))], False
-    if other_pose is not None:
-        normals.append(_bent_hinges(limb, other_pose[np.newaxis]))
-        found = len(normals[-1]) > 0
+def in_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) -> Bend | None:
+    """The hinge that bent keys of clips and the other pose agree on, seen in the root joint's own space.
+
+    world, other_pose: (n, 4, 4). Where some are clearly bent, these alone are heard. The `sine` is that of
+    the least bend of those heard. None: nothing bends, or not about one hinge.
+    """
+    other = world[:0] if other_pose is None else other_pose
+    shown = [_bent_hinges(limb, other.reshape(-1, *world.shape))]
     small, triple = between(rig, limb.triple)
     mine = replace(limb, start=triple[0], middle=triple[1], end=triple[2])
-    normals += [_bent_hinges(mine, worlds(small, local)) for local in _keyed_poses(small)]
-    everything = np.concatenate(normals)
-    if not len(everything):
+    shown += [_bent_hinges(mine, worlds(small, local)) for local in _keyed_poses(small)]
+    normals, sines = (np.concatenate(k) for k in ([n for n, _ in shown], [s for _, s in shown]))
+    heard = sines >= CLEAR if (sines >= CLEAR).any() else sines >= BENT
+    if not heard.any():
         return None
-    mean = everything.cumsum(axis=0)[-1] / len(everything)
+    mean = normals[heard].cumsum(axis=0)[-1] / len(normals[heard])
     if not length(mean) >= AGREEMENT:
         return None
     normal = normalise(transform_directions(mean, world[limb.start]))
     a, _, c = world[list(limb.triple), 3, :3]
-    towards = _towards(limb, world, cross(c - a, normal), "clips", float(sin_cos(BENT)[0]))
-    only_other = found and len(everything) == len(normals[1])
-    return replace(towards, source="other pose") if towards and only_other else towards
+    source: Source = "clips" if heard[len(shown[0][1]) :].any() else "other pose"
+    return towards(limb, world, cross(c - a, normal), source, float(sines[heard].min()))
 
 
 def _keyed_poses(rig: Rig) -> Iterator[Floats]:
@@ -242,17 +134,18 @@ def _keyed_poses(rig: Rig) -> Iterator[Floats]:
         yield np.concatenate(some)
 
 
-def _bent_hinges(limb: Limb, world: Floats) -> Floats:
-    """Unit normals of the poses, (f, n, 4, 4), in which the limb is bent, in its root joint's space."""
+def _bent_hinges(limb: Limb, world: Floats) -> tuple[Floats, Floats]:
+    """Unit normals in the root joint's space, and sines, of the poses, (f, n, 4, 4), that bend a limb."""
     points = world[:, list(limb.triple), 3, :3]
-    bent = bend_angle(points[:, 0], points[:, 1], points[:, 2]) > BENT
+    sines = bend_sine(points[:, 0], points[:, 1], points[:, 2])
+    bent = sines >= BENT
     points, root = points[bent], world[bent, limb.start]
-    n = transform_directions(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root))
-    n = normalise(n)
-    return n[np.isfinite(n).all(axis=1)]
+    n = normalise(transform_directions(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root)))
+    finite = np.isfinite(n).all(axis=1)
+    return n[finite], sines[bent][finite]
 
 
-def _mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
+def mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
     """A direction of the other side seen in the mirror: across the line that parts the sides."""
     line = normalise(here - there)
     return direction - 2.0 * dot(direction, line)[..., np.newaxis] * line

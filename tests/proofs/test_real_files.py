@@ -21,9 +21,9 @@ from rigtri.maths.vectors import angle, length, normalise
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.orient_joints.bend_planes import BENT_SINE
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.pipeline.edit import edit
+from rigtri.recognition.bend_direction import CLEAR
 from rigtri.recognition.limbs import recognise
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
@@ -130,7 +130,7 @@ def test_limbs_flex_about_plus_n(path: Path) -> None:
         tree = skeleton(rig)
         below = tree.above.get(c) is not None and b in _line(rig, c)
         # Below, the body knows better which way a limb bends: docs/presets.md.
-        if bend_sine(*points) < BENT_SINE or b not in turned or not below:
+        if bend_sine(*points) < CLEAR or b not in turned or not below:
             continue
         flexed = out.rotation.copy()
         flexed[b] = multiply(out.rotation[b], from_axis_angle([0, 1, 0], LITTLE))

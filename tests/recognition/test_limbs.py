@@ -15,10 +15,11 @@ from rigs import chain, rig_of
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.formats import read
 from rigtri.model.rig import Rig
-from rigtri.recognition.bend_direction import bend
 from rigtri.recognition.body_hinges import bodies
+from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import along, given, recognise
 from rigtri.recognition.recognise import recognise as recognise_characters
+from rigtri.report import Report
 
 
 def named(names: list[str], parents: list[int]) -> Rig:
@@ -123,8 +124,9 @@ def test_straight_front_legs_of_an_animal_bend_at_elbows() -> None:
     rig = rig_with([(name, over, moved.get(name, place)) for name, over, place in HORSE])
     front = [limb for limb in recognise(rig) if limb.front]
     assert len(front) == 2
+    bends = LimbBends(rig, rig.world, None, front, [], np.array([0.0, 0.0, 1.0]))
     for limb in front:
-        found = bend(rig, limb, rig.world, least_sine=0.01, facing=np.array([0.0, 0.0, 1.0]))
+        found = bends.of(limb, Report())
         assert found is not None
         assert found.direction[2] < -0.99
 

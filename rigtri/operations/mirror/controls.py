@@ -15,7 +15,6 @@ from rigtri.maths.vectors import triple
 from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
-from rigtri.operations.add_polevector import NO_PLANE
 from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.counterparts import (
     ALIKE,
@@ -38,6 +37,7 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, beside, move_joint
+from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 

@@ -19,13 +19,13 @@ from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import chain_child, limb_path
 from rigtri.operations.orient_joints.targets import Targets
-from rigtri.recognition.bend_direction import Bend, areas_and_sines, believable, bend, in_pose
+from rigtri.recognition.bend_direction import CLEAR, Bend, areas_and_sines, in_motion, in_pose
 from rigtri.recognition.body_hinges import Body, body_of
-from rigtri.recognition.limbs import Limb
+from rigtri.recognition.layout import NAMES
+from rigtri.recognition.limb_bends import LimbBends
+from rigtri.recognition.limbs import Limb, unsure
 from rigtri.report import Report
 
-# The sine of the bend (10°) from which on a chain shows its own plane.
-BENT_SINE = 0.17364817766693033
 # Directions of a body come from many joints: their noise is that of a bend of about 15°.
 BODY_SINE = 0.25
 
@@ -90,12 +90,20 @@ def bend_planes(
     planes = BendPlanes(UpDirections.none(count), UpDirections.none(count))
     known: dict[int, None] = {}  # in the order in which they were found
     taken: set[int] = set()
-    for limb, posed in zip(targets.limbs, in_pose(targets.limbs, targets.ref.world), strict=True):
+    rig, ref = targets.tree.rig, targets.ref
+    limb_bends = LimbBends(rig, ref.world, ref.other, targets.limbs, bodies, facing)
+    limbs = [*targets.limbs, *_unsure_limbs(targets)]
+    for limb, posed in zip(limbs, in_pose(limbs, ref.world), strict=True):
         members = _members(targets, limb)
         if not members:
             continue
         taken.update(members)
-        _set_limb(planes, targets, limb, members, posed, body_of(bodies, limb.start), facing, report)
+        if posed.sine < STRAIGHT_SINE:
+            name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
+            planes.straight.update(dict.fromkeys(members, (name, posed.sine)))
+        found = limb_bends.of(limb, report)
+        if found is not None:
+            _set_bend(planes.normals, members, found)
         known |= dict.fromkeys(members)
     chains = _chains(targets, taken)
     lines = [_line(targets, chain) for chain in chains]
@@ -117,34 +125,13 @@ def bend_planes(
     return planes
 
 
-def _set_limb(
-    planes: BendPlanes,
-    targets: Targets,
-    limb: Limb,
-    members: list[int],
-    posed: Bend,
-    body: Body | None,
-    facing: Floats | None,
-    report: Report,
-) -> None:
-    rig, ref = targets.tree.rig, targets.ref
-    known = facing if body is None else body.facing_of(ref.world[list(limb.triple), 3, :3])
-    found: Bend | None = posed
-    if posed.sine < STRAIGHT_SINE:
-        name = f"{rig.title(limb.start)} - {rig.title(limb.middle)} - {rig.title(limb.end)}"
-        planes.straight.update(dict.fromkeys(members, (name, posed.sine)))
-        found = bend(
-            rig,
-            limb,
-            ref.world,
-            least_sine=STRAIGHT_SINE,
-            others=targets.limbs,
-            facing=known if known is not None or rig.rules.facing is None else np.array(rig.rules.facing),
-            other_pose=ref.other,
-        )
-    if found is not None:
-        believed = believable(rig, limb, ref.world, found, known, report, others=targets.limbs)
-        _set_bend(planes.normals, members, believed)
+def _unsure_limbs(targets: Targets) -> list[Limb]:
+    """What names call limbs, and is clearly bent: that is the truth whatever they are."""
+    taken = {node for limb in targets.limbs for node in limb.triple}
+    chains = [k.bend for k in unsure(targets.tree.rig) if k.evidence[0].startswith(NAMES)]
+    limbs = [Limb(a, b, c) for a, b, c in chains if taken.isdisjoint((a, b, c))]
+    posed = in_pose(limbs, targets.ref.world)
+    return [limb for limb, found in zip(limbs, posed, strict=True) if found.sine >= CLEAR]
 
 
 def _set_body(planes: BendPlanes, targets: Targets, bodies: Sequence[Body]) -> None:
@@ -175,7 +162,7 @@ def _agree_with_body(planes: BendPlanes, targets: Targets, chain: Sequence[int],
     if not np.isfinite(hinge).all():
         return
     normals = planes.normals
-    shown = all(normals.step[joint] for joint in chain) and float(normals.sine[chain[0]]) >= BENT_SINE
+    shown = all(normals.step[joint] for joint in chain) and float(normals.sine[chain[0]]) >= CLEAR
     if not shown:
         normals.set(chain, hinge, 5, "lateral axis of the body", BODY_SINE)
         for joint in chain:
@@ -289,8 +276,7 @@ def _in_clips(targets: Targets, nodes: list[int]) -> Bend | None:
         if length(ref.position(node) - ref.position(apart[-1])) > ZERO_LENGTH * ref.extent:
             apart.append(node)
     for triple in zip(apart, apart[1:], apart[2:], strict=False):
-        # No sine reaches 2: only clips and the other pose count here.
-        found = bend(targets.tree.rig, Limb(*triple), ref.world, least_sine=2.0, other_pose=ref.other)
+        found = in_motion(targets.tree.rig, Limb(*triple), ref.world, ref.other)
         if found is not None:
             return found
     return None

@@ -84,7 +84,7 @@ def warn_unsure(targets: Targets, report: Report) -> None:
     """Warn of characters that are not recognised surely: nothing is known then of hands and trunk."""
     for character in recognise(targets.tree.rig).characters:
         joints = {part.joint for part in character.parts}
-        if character.form not in ("biped", "quadruped") or joints.isdisjoint(targets.joints):
+        if joints.isdisjoint(targets.joints):
             continue
         if all(targets.styles[k].world for k in targets.joints):
             continue
@@ -95,7 +95,7 @@ def warn_unsure(targets: Targets, report: Report) -> None:
                 "and right are as named, and knees bend to where it faces. See: rigtri recognise FILE",
                 geometry=True,
             )
-        if character.confidence >= CONFIDENT:
+        if character.confidence >= CONFIDENT or character.form not in ("biped", "quadruped"):
             _warn_unsure_limbs(targets, joints, report)
             continue
         report.warn(

@@ -22,15 +22,18 @@ from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
 from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import between, rotate
-from rigtri.maths.triangle import STRAIGHT_SINE, bend_sine
+from rigtri.maths.triangle import bend_sine
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length, normalise, perpendicular
 from rigtri.model.limb import Limb
 from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.recognition.bend_direction import CLEAR, believable, bend
+from rigtri.operations.add_polevector import posed
+from rigtri.recognition.bend_direction import CLEAR
 from rigtri.recognition.body_hinges import Body, bodies
 from rigtri.recognition.layout import CONFIDENT, Chain, Character
+from rigtri.recognition.limb_bends import LimbBends
+from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.verification.checks.cycle_check import place_of
@@ -51,8 +54,6 @@ FLEXES = 0.5
 PARALLEL, MOST = 0.9993908270190958, 0.5
 # A thumb closes over the palm in many ways: by so much (the cosine of 75°) at least.
 THUMB = 0.25881904510252074
-# Where the user or the motion has decided on a pole, nothing is presumed.
-DECIDED = ("given", "clips", "other pose")
 _BENDS = {"arm": "elbow", "leg": "knee"}
 # A signed axis of a joint: 0 to 2, and 1 or −1.
 Signed = tuple[int, float]
@@ -80,7 +81,7 @@ def axis_findings(rig: Rig) -> Iterator[Found]:
             yield from seen.findings()
         at_rest = bodies(rig, [character], rig.world, None)
         if at_rest and character.form == "biped":
-            yield from _poles(rig, character, at_rest[0])
+            yield from _poles(rig, at_rest[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,22 +317,14 @@ class _Seen:
 
     def _flexing(self, limb: Limb, aim: Signed) -> set[Signed] | None:
         """The axes of the middle joint about which a positive rotation bends the limb; None: nobody knows."""
-        facing = None if self.body is None else self.body.facing_of(self.at[list(limb.triple)])
-        found = bend(
-            self.rig,
-            limb,
-            self.world,
-            least_sine=STRAIGHT_SINE,
-            others=self.limbs,
-            facing=facing,
-            other_pose=self.other,
-        )
+        known = [] if self.body is None else [self.body]
+        bends = LimbBends(self.rig, self.world, self.other, recognised(self.rig), known)
+        found = bends.of(limb, Report())
         if found is None:
             return None
-        hinge = believable(self.rig, limb, self.world, found, facing, Report(), others=self.limbs).hinge
         axes = self.axes[limb.middle] * self.turning[limb.middle]
         signed = product((k for k in range(3) if k != aim[0]), (1.0, -1.0))
-        return {(k, s) for k, s in signed if s * dot(axes[k], hinge) > FLEXES}
+        return {(k, s) for k, s in signed if s * dot(axes[k], found.hinge) > FLEXES}
 
 
 def _text(axes: set[Signed]) -> str:
@@ -339,36 +332,36 @@ def _text(axes: set[Signed]) -> str:
     return " or ".join(f"{'-' if s < 0 else '+'}{'xyz'[k]}" for k, s in sorted(axes)) or "none"
 
 
-def _poles(rig: Rig, character: Character, body: Body) -> Iterator[Found]:
+def _poles(rig: Rig, body: Body) -> Iterator[Found]:
     """Pole vectors that would bend a nearly straight limb against its nature, at rest."""
-    at = rig.world[:, 3, :3]
-    for chain in character.limbs:
-        if not chain.is_sure or len(chain.bend) != 3 or chain.kind not in _BENDS:
+    ref = posed(rig, "nodes")
+    limbs = [limb for limb in recognised(rig) if limb.start in body.nodes]
+    bends = LimbBends(rig, ref.world, ref.other, limbs, [body])
+    for limb in limbs:
+        a, b, c = ref.world[list(limb.triple), 3, :3]
+        found = bends.of(limb, Report())
+        if found is None or float(bend_sine(a, b, c)) >= CLEAR:
             continue
-        a, b, c = at[list(chain.bend)]
-        if float(bend_sine(a, b, c)) >= CLEAR:
-            continue
-        facing = body.facing_of(at[list(chain.bend)])
-        ahead = perpendicular(facing if chain.kind == "leg" else -facing, normalise(c - a))
-        for pole in _poles_of(rig, chain):
-            side = perpendicular(at[pole] - b, normalise(c - a))
-            off = float(np.degrees(angle(side, ahead)))
-            if min(length(ahead), length(side) / (length(c - a) or 1.0)) > 0.1 and off > POLE:
-                where = "ahead of the knee" if chain.kind == "leg" else "behind the elbow"
-                text = f"the pole vector of the nearly straight {chain.name} is {off:.0f}° off the side"
-                yield "axes.pole", pole, f"{text} {where} '{rig.title(chain.bend[1])}'"
+        for pole in _poles_of(rig, limb):
+            side = perpendicular(ref.position(pole) - b, normalise(c - a))
+            off = float(np.degrees(angle(side, found.direction)))
+            if length(side) > 0.1 * length(c - a) and off > POLE:
+                where = "ahead of the knee" if limb.kind == "leg" else "behind the elbow"
+                where = where if found.source == "facing" else "to which it bends at"
+                text = f"the pole vector of the nearly straight {limb.side} {limb.kind} is {off:.0f}° off"
+                yield "axes.pole", pole, f"{text} the side {where} '{rig.title(limb.middle)}'"
 
 
-def _poles_of(rig: Rig, chain: Chain) -> Iterator[int]:
+def _poles_of(rig: Rig, limb: Limb) -> Iterator[int]:
     """The pole vectors of a limb: by what rigtri has stored, and by name."""
     for node, record in rig.records(PoleVectorRecord).items():
         try:
-            limb = tuple(rig.find(name) for name in record.chain)
+            chain = tuple(rig.find(name) for name in record.chain)
         except NameNotFoundError:
             continue
-        if limb == chain.bend and record.source not in DECIDED:
+        if chain == limb.triple and record.source != "given":
             yield node
-    name = rig.names[chain.bend[1]]
+    name = rig.names[limb.middle]
     called = {f"{name}_pole", re.sub(r"\W", "_", name) + "_pole"}
     for node, known in enumerate(rig.names):
         if name and known in called and rig.type_of(node) != PoleVectorRecord.type:

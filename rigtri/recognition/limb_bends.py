@@ -1,0 +1,178 @@
+"""The side to which each limb bends, as orient-joints, add-polevector and check take it.
+
+It comes from the pose, the motion, the twin of the limb, or its kind and the facing direction.
+
+Half of all real limbs are straight at rest, and noise then looks like a bend plane; clips lock knees and
+bend them a little backwards. So what is small is believed only where limbs of that kind bend so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import angle, dot
+from rigtri.model.limb import Limb
+from rigtri.model.rig import Rig
+from rigtri.recognition.bend_direction import (
+    CLEAR,
+    SOURCE_TEXT,
+    Bend,
+    in_motion,
+    in_pose,
+    mirrored,
+    towards,
+)
+from rigtri.recognition.body_hinges import Body, body_of
+from rigtri.report import Report
+
+# A small bend is believed within this of the natural side (the cosine of 60°), from 30° on where its twin
+# is so near to the mirror image.
+NATURAL, MIRRORED = 0.5, 0.8660254037844386
+# Below this sine (0.1°) a bend plane is float32 noise.
+NO_PLANE = 1.7453283658983088e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LimbBends:
+    """What is known of the limbs of a rig in a pose, world (n, 4, 4).
+
+    other_pose: (n, 4, 4), the other pose of the file. limbs: those among which twins are found. bodies: of
+    the characters whose facing direction is known. facing: the user's word, (3,), where there is no body.
+    """
+
+    rig: Rig
+    world: Floats
+    other_pose: Floats | None
+    limbs: Sequence[Limb]
+    bodies: Sequence[Body]
+    facing: Floats | None = None
+
+    def of(self, limb: Limb, report: Report, given: Floats | None = None) -> Bend | None:
+        """Where a limb bends to, or None when nothing tells. given: the user's word, (3,).
+
+        From 10° on a bend is the truth, in the pose or in the motion. Below, it is taken within 60° of what
+        knees and elbows do where the body faces, but from 30° on only where it is no noise: where the limb
+        of the other side mirrors it. Else they bend as knees and elbows do, with a warning.
+
+        Source: design notes, ladder of the up direction, steps 2 to 5.
+        """
+        if given is not None:
+            return towards(limb, self.world, given, "given", 1.0)
+        natural = self._natural(limb, self._facing_of(limb))
+        doubted = None
+        for found in self._evidence(limb):
+            if natural is None:
+                return found
+            if self._is_believable(limb, found, natural):
+                self._warn(limb, doubted, natural, found, report)
+                return found
+            doubted = doubted or found
+        if natural is not None:
+            self._warn(limb, doubted, natural, natural, report)
+            return natural
+        # What a format prescribes says where a straight limb bends, and is nobody's word against a bend.
+        prescribed = self.rig.rules.facing
+        natural = self._natural(limb, None if prescribed is None else np.array(prescribed))
+        if natural is not None:
+            return natural
+        (posed,) = in_pose([limb], self.world)
+        return posed if posed.sine >= NO_PLANE else None
+
+    def _facing_of(self, limb: Limb) -> Floats | None:
+        """Where the body looks as a limb has it, unit, (3,)."""
+        body = body_of(self.bodies, limb.start)
+        return self.facing if body is None else body.facing_of(self.world[list(limb.triple), 3, :3])
+
+    def _natural(self, limb: Limb, facing: Floats | None) -> Bend | None:
+        """Knees bend forward, and elbows back."""
+        if facing is None or not limb.kind:
+            return None
+        return towards(limb, self.world, -facing if limb.bends_back else facing, "facing", 1.0)
+
+    def _evidence(self, limb: Limb) -> Iterator[Bend]:
+        """What the limb shows, else what the limb of the other side does that is believed."""
+        shown = False
+        for found in self._own(limb):
+            shown = True
+            yield found
+        twin = None if shown else self._twin(limb)
+        if twin is None:
+            return
+        natural = self._natural(twin, self._facing_of(twin))
+        for theirs in self._own(twin):
+            if natural is None or self._is_believable(twin, theirs, natural):
+                image = self._image(limb, theirs, twin)
+                seen = towards(limb, self.world, image, "other side", theirs.sine)
+                if seen is not None:
+                    yield seen
+                return
+
+    def _own(self, limb: Limb) -> Iterator[Bend]:
+        """What the pose shows of a limb, and the motion: where the pose is straight, or a clear bend."""
+        (posed,) = in_pose([limb], self.world)
+        if posed.sine >= STRAIGHT_SINE:
+            yield posed
+        moved = in_motion(self.rig, limb, self.world, self.other_pose)
+        if moved is not None and (posed.sine < STRAIGHT_SINE or moved.sine >= CLEAR):
+            yield moved
+
+    def _is_believable(self, limb: Limb, found: Bend, natural: Bend) -> bool:
+        near = float(dot(found.direction, natural.direction))
+        return (
+            found.sine >= CLEAR
+            or near >= MIRRORED
+            or (near >= NATURAL and self._is_mirrored(limb, found, natural))
+        )
+
+    def _is_mirrored(self, limb: Limb, found: Bend, natural: Bend) -> bool:
+        """Whether the limb of the other side shows that a small bend is no noise; or there is none."""
+        twin = self._twin(limb)
+        if twin is None:
+            return True
+        theirs = next(self._own(twin), None)
+        if theirs is None:
+            return False
+        if theirs.source == "pose" and theirs.sine >= CLEAR:
+            return True  # of a pose in which both sides do different things
+        image = self._image(limb, theirs, twin)
+        alike = dot(found.direction, image) >= MIRRORED
+        return found.source != "other side" and bool(
+            alike and dot(theirs.direction, natural.direction) >= NATURAL
+        )
+
+    def _twin(self, limb: Limb) -> Limb | None:
+        """The limb of the other side."""
+        kind = limb.kind, limb.front
+        twins = [
+            k for k in self.limbs if (k.kind, k.front) == kind and {k.side, limb.side} == {"left", "right"}
+        ]
+        # Of several characters in a file, the nearest twin is the limb's own.
+        return min(twins, key=lambda k: abs(k.start - limb.start), default=None)
+
+    def _image(self, limb: Limb, theirs: Bend, twin: Limb) -> Floats:
+        """The direction of a bend of the twin, (3,), seen in the mirror."""
+        return mirrored(theirs.direction, self.world[limb.start, 3, :3], self.world[twin.start, 3, :3])
+
+    def _warn(self, limb: Limb, doubted: Bend | None, natural: Bend, taken: Bend, report: Report) -> None:
+        if doubted is None or doubted.source == "other side":  # there it is believed
+            return
+        off = float(np.degrees(angle(doubted.direction, natural.direction)))
+        title = " - ".join(self.rig.title(node) for node in limb.triple)
+        if doubted.source == "pose":
+            bent = f"{float(np.degrees(bend_angle(*self.world[list(limb.triple), 3, :3]))):.2g}°"
+        else:
+            bent = f"less than 10° in {SOURCE_TEXT[doubted.source]}"
+        does = "elbows bend back" if limb.bends_back else "knees bend forward"
+        report.warn(
+            "bends-otherwise",
+            f"{title} is bent {bent} to a side {off:.0f}° off the one that is natural ({does}); bend "
+            f"direction: from {SOURCE_TEXT[taken.source]}. Another --facing, or a bend of more than 10°, "
+            "changes that.",
+            joint=title,
+            geometry=True,
+        )

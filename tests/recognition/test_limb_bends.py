@@ -1,0 +1,155 @@
+"""Which side limbs bend to, as orient-joints, add-polevector and check take it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from posed_bodies import Pose, PosedBody, posed_body
+from recognition_bodies.skeletons import line, rig_with
+
+from rigtri import add_polevector, orient_joints
+from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
+from rigtri.recognition.limbs import unsure
+from rigtri.report import Report
+from rigtri.verification.checks.axis_check import axis_findings
+
+KNEES, ELBOWS = ("left lower leg", "right lower leg"), ("left lower arm", "right lower arm")
+
+
+def moved(body: PosedBody, parts: tuple[str, ...], degrees: float, axis: Floats | None = None) -> Rig:
+    """The rig with a clip that bends parts there and back: the natural way, or about an axis of the world."""
+    rig, tracks = body.rig, []
+    for node in (body.parts[part] for part in parts):
+        rows = rig.world[node, :3, :3]
+        own = (body.hinges[node] if axis is None else axis) @ np.linalg.inv(rows)
+        turn = from_axis_angle(normalise(own), np.radians(degrees))
+        keys = np.stack([rig.rotation[node], multiply(rig.rotation[node], turn), rig.rotation[node]])
+        tracks.append(Track(node, "rotation", "LINEAR", np.arange(3.0), keys))
+    return replace(rig, clips=(Clip("walk", tuple(tracks)),))
+
+
+def off(rig: Rig, body: PosedBody) -> dict[str, tuple[float, float]]:
+    """Degrees by which each middle joint's hinge and its pole are off what the body is made with."""
+    out = orient_joints(rig)
+    with_poles = add_polevector(rig, limbs="auto")
+    found = {}
+    for part in (*KNEES, *ELBOWS):
+        node, natural = body.parts[part], normalise(body.hinges[body.parts[part]])
+        axis = normalise(out.world[node, 1, :3]) * np.sign(np.linalg.det(out.world[node, :3, :3]))
+        pole = next(k for k, name in enumerate(with_poles.names) if name == f"{plain(rig.names[node])}_pole")
+        above, below = rig.world[rig.parents[node], 3, :3], rig.world[rig.find(end_of(body, part)), 3, :3]
+        aside = with_poles.world[pole, 3, :3] - rig.world[node, 3, :3]
+        cosines = axis @ natural, normalise(np.cross(aside, below - above)) @ natural
+        found[part] = tuple(np.degrees(np.arccos(np.clip(cosines, -1, 1))).tolist())
+    return found
+
+
+def plain(name: str) -> str:
+    return name.replace(":", "_")
+
+
+def end_of(body: PosedBody, part: str) -> str:
+    end = part.replace("lower leg", "foot").replace("lower arm", "hand")
+    return body.rig.names[body.parts[end]]
+
+
+def broken(rig: Rig) -> set[str]:
+    """The laws about limbs that check finds broken in a rig with new axes and poles."""
+    out = add_polevector(orient_joints(rig), limbs="auto")
+    return {rule for rule, _, _ in axis_findings(out)} & {"axes.flex", "axes.pole", "axes.hinge"}
+
+
+SMALL = [
+    (KNEES, -7.0, None, 0.0),
+    (KNEES, -7.0, None, 0.4),
+    (KNEES[1:], -9.0, None, 0.0),
+    (ELBOWS, -7.0, None, 0.4),
+    (ELBOWS[:1], -8.0, None, 0.0),
+    (KNEES, 7.0, np.array([0.0, 0.0, 1.0]), 0.0),
+    (KNEES, 7.0, None, 0.4),
+]
+
+
+@pytest.mark.parametrize(("parts", "degrees", "axis", "bent"), SMALL)
+def test_clips_that_bend_a_little_the_wrong_way_are_not_believed(
+    parts: tuple[str, ...], degrees: float, axis: Floats | None, bent: float
+) -> None:
+    body = posed_body(Pose(names="unreal", unit=0.01, knee=bent, elbow=bent))
+    rig, report = moved(body, parts, degrees, axis), Report()
+    for part, (hinge, pole) in off(rig, body).items():
+        assert hinge < 1, part
+        assert pole < 1, part
+    assert broken(rig) == set()
+    orient_joints(rig, report=report)
+    doubted = [notice.text for notice in report.warnings if notice.code == "bends-otherwise"]
+    natural = degrees > 0 and axis is None
+    assert len(doubted) == (0 if natural else len(parts))
+    assert all("bent less than 10° in the animation clips" in text for text in doubted)
+
+
+@pytest.mark.parametrize("degrees", [-12.0, -10.0, 10.0])
+def test_clips_that_bend_clearly_are_the_truth(degrees: float) -> None:
+    """Also where the pose is bent a little to another side."""
+    for pose in (Pose(), Pose(knee=-4.0)):
+        body = posed_body(pose)
+        rig = moved(body, KNEES, degrees - pose.knee)
+        found = off(rig, body)
+        for part in KNEES:
+            assert max(found[part]) < 1 if degrees > 0 else min(found[part]) > 179
+        assert "axes.pole" not in broken(rig)
+
+
+def test_a_few_clear_bends_go_before_many_small_ones() -> None:
+    body = posed_body(Pose())
+    locked = moved(body, KNEES, -6.0)
+    walking = moved(body, KNEES, 50.0).clips[0]
+    rig = replace(locked, clips=(*(replace(locked.clips[0], name=f"idle {k}") for k in range(30)), walking))
+    assert max(max(both) for both in off(rig, body).values()) < 1
+
+
+def test_facing_is_heard_against_small_bends_of_clips_and_reported_where_they_are_clear() -> None:
+    body = posed_body(Pose())
+    for degrees, clear in ((-7.0, False), (30.0, True)):
+        rig, report = moved(body, KNEES, degrees), Report()
+        out = add_polevector(rig, limbs="auto", facing="-z", report=report)
+        knee = out.find("mixamorig_LeftLeg_pole")
+        assert (out.world[knee, 3, 2] > out.world[body.parts[KNEES[0]], 3, 2]) == clear
+        unused = [notice.text for notice in report.warnings if notice.code == "facing-unused"]
+        assert len(unused) == (2 if clear else 0)
+        assert all("it bends clearly in the animation clips" in text for text in unused)
+
+
+def test_a_straight_limb_follows_the_other_side_only_where_that_is_believed() -> None:
+    body = posed_body(Pose())
+    for degrees, source in ((-7.0, "facing"), (7.0, "other side"), (-30.0, "other side")):
+        report = Report()
+        add_polevector(moved(body, KNEES[:1], degrees), limbs="auto", report=report)
+        sources = {record["limb"][1]: record["source"] for record in report.limbs}
+        assert sources["mixamorig:RightLeg"] == source
+
+
+def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None:
+    """A clear bend is the truth whatever they are, and no joint above or below them has a vote."""
+    trunk = [(0.5, -0.3), (0.52, -0.1), (0.52, 0.1), (0.62, 0.28), (0.82, 0.48)]
+    hind = [(0.45, -0.3), (0.295, -0.23), (0.15, -0.29), (0.04, -0.25), (0.01, -0.18)]
+    front = [(0.6, 0.23), (0.457, 0.33), (0.327, 0.27), (0.173, 0.3), (0.123, 0.37)]
+    named = "{0}_scapula {0}_front_upper_leg {0}_front_lower_leg {0}_front_paw {0}_front_toe"
+    joints = line("pelvis spine_01 spine_03 neck_01 head", "", *((0.0, y, z) for y, z in trunk))
+    for side, x in (("l", 0.1), ("r", -0.1)):
+        legs = f"thigh_{side} calf_{side} {side}_hock foot_{side} ball_{side}"
+        joints += line(legs, "pelvis", *((x, y, z) for y, z in hind))
+        joints += line(named.format(side), "spine_03", *((x, y, z) for y, z in front))
+    rig, report = rig_with(joints), Report()
+    assert [rig.names[chain.bend[1]][2:] for chain in unsure(rig)] == ["front_lower_leg"] * 2
+    out = orient_joints(rig, report=report)
+    for name in ("l_front_upper_leg", "l_front_lower_leg", "r_front_lower_leg"):
+        assert out.world[out.find(name), 1, 0] < -0.99, name
+    for name in ("thigh_l", "calf_l"):
+        assert out.world[out.find(name), 1, 0] > 0.99, name
+    assert "unsure-limb" in [notice.code for notice in report.warnings]
