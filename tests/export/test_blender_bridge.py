@@ -288,7 +288,10 @@ def test_one_edit_in_blender_comes_home_by_the_documented_commands(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["godot_enemy.glb", "gdquest_mannequiny-0.3.0.glb", "raylib_robot.glb"])
+@pytest.mark.parametrize(
+    "name",
+    ["godot_enemy.glb", "gdquest_mannequiny-0.3.0.glb", "raylib_robot.glb", "gt_sparse_player.glb"],
+)
 def test_what_nobody_edits_in_blender_comes_home_as_it_was(name: str, tmp_path: Path) -> None:
     """All clips of a real character: nothing is taken by take-clips, and bake --rig gives the same motion."""
     path = next((path for path in asset_files(".glb") if path.name == name), None)

@@ -153,8 +153,9 @@ def test_keys_between_frames_that_an_exporter_lost_are_restored_or_reported_by_w
         assert np.array_equal(now.times, was.times)
         assert np.array_equal(now.values, was.values)
 
+    # Where something that RIG lacks moves above the control, no key of the one is a key of the other.
     report = Report()
-    joined(in_centimetres(turning(True, 0.3)), turning(False, 0.1), report=report)
+    joined(carried(turning(True, 0.3), chest), turning(False, 0.1), report=report)
     (notice,) = report.warnings
     assert notice.code == "keys-lost"
     assert f"'{rig.title(chest)}', which nobody has edited" in notice.text
@@ -167,12 +168,45 @@ def test_keys_between_frames_that_an_exporter_lost_are_restored_or_reported_by_w
     # Less than what bake leaves between samples is not told, nor what nobody has lost.
     for most, edited in ((1.0, turning(True, 0.1)), (0.0, turning(False, 0.1))):
         report = Report()
-        joined(in_centimetres(edited), turning(False, 0.1), between=most, report=report)
+        joined(carried(edited, chest), turning(False, 0.1), between=most, report=report)
         assert not report.warnings
 
 
+def carried(rig: Rig, node: int) -> Rig:
+    """The rig with another name for the node above one, and keys that hold that node where it is."""
+    above = int(rig.parents[node])
+    times = rig.clips[0].tracks[0].times
+    held = Track(above, "rotation", "LINEAR", times, np.tile(rig.rotation[above], (len(times), 1)))
+    names = (*rig.names[:above], "carrier", *rig.names[above + 1 :])
+    return replace(rig, names=names, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, held)),))
+
+
+def test_keys_between_frames_come_back_in_another_unit_and_of_joints_and_morphs_too() -> None:
+    """A frame rate of 24 where the artist had 30: what nobody has edited plays as it did."""
+    start = rigged()
+    thirty, frames = np.arange(31) / 30, np.arange(25) / 24
+    hips, chest = start.find("hips"), control(start, "chest", "fk")
+    assert hips >= 0
+    swing = np.stack([0.3 * np.sin(20 * thirty), 1.0 + 0 * thirty, 0.1 * thirty], axis=1)
+    turns = np.stack([np.sin(thirty), 0 * thirty, 0 * thirty, np.cos(thirty)], axis=1)
+    tracks = (
+        Track(hips, "translation", "LINEAR", thirty, swing),
+        Track(chest, "rotation", "LINEAR", thirty, turns),
+        Track(hips, "weights", "LINEAR", thirty, 0.5 + swing[:, :2]),
+    )
+    home = replace(start, clips=(Clip("walk", tracks),))
+    seen = tuple(replace(t, times=frames, values=sampling.sample(t, frames)) for t in tracks)
+    larger = replace(seen[0], values=100.0 * seen[0].values)
+    there = replace(start, clips=(Clip("walk", (larger, *seen[1:])),))
+    (clip,) = joined(in_centimetres(there), home, report=(report := Report())).clips
+    assert not report.warnings
+    for now, was, unit in zip(clip.tracks, tracks, (100.0, 1.0, 1.0), strict=True):
+        assert np.array_equal(now.times, was.times)
+        np.testing.assert_allclose(now.values, unit * was.values, rtol=1e-12)
+
+
 def in_centimetres(rig: Rig) -> Rig:
-    """The same rig as a DCC exports it that counts in another unit."""
+    """The same rig as a DCC exports it that counts in another unit, without its clips' keys."""
     skins = []
     for skin in rig.skins:
         binds = skin.inverse_bind.copy()

@@ -7,6 +7,7 @@ the measurements.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +21,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_matching import Taken
+from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.time_ranges import Clock, Pair, Ranges, ranges
@@ -147,6 +149,20 @@ class Comparison:
         theirs = [track for node in self.nodes for track in self.transfer.of(node).tracks]
         olds = ((self.tracks.get((now.node, now.path)), now) for now in theirs)
         return [(old, now) for old, now in olds if old is not None]
+
+    @cached_property
+    def morphs(self) -> list[Pair]:
+        """The tracks of morph weights of meshes whose targets are the same ones in both files."""
+        back, ours, theirs = self.both.back, MorphNames(self.both.rig), MorphNames(self.both.other)
+        tracks = [t for t in self.taken.clip.tracks if t.path == "weights" and t.node in back]
+        pairs = [(self.tracks.get((back[t.node], "weights")), t) for t in tracks]
+        return [
+            (was, replace(now, node=was.node, key=None))
+            for was, now in pairs
+            if was is not None
+            and was.values.shape[-1] == now.values.shape[-1]
+            and ours.of(was.node) == theirs.of(now.node)
+        ]
 
     def agree(self, pair: Pair) -> bool:
         """Whether a track gives the motion of RIG, by the clock as it is set."""

@@ -30,7 +30,6 @@ from rigtri.report import Report
 _TOLERANCE = 1e-5
 # Less than that between keys is not reported, as a share of the size: what bake leaves there, too.
 _BETWEEN = 1e-3
-_SAME = np.eye(4)
 
 
 def joined(
@@ -107,19 +106,15 @@ def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report
 
 
 def _restored(seen: Comparison, ranges: Ranges | None) -> dict[tuple[int, Path], Track]:
-    """Tracks of controls with RIG's keys wherever EDITED agrees with them, by EDITED's node and path.
+    """Tracks with RIG's keys wherever EDITED agrees with them, by EDITED's node and path.
 
     An exporter writes a key a frame; RIG has more where a limb's motion is curved. Nothing is restored where
-    the control has other axes, another unit or another time here.
+    the two count time by another unit, or where keys of the one are none of the other.
     """
-    both, found = seen.both, dict[tuple[int, Path], Track]()
+    found = dict[tuple[int, Path], Track]()
     if seen.clock.factor != 1.0:
         return found
-    for was, theirs in seen.pairs:
-        node = was.node
-        same_axes = np.array_equal(both.turns[node], _SAME) and np.array_equal(both.between(node), _SAME)
-        if node not in seen.controls or not same_axes or seen.transfer.is_carried(node):
-            continue
+    for was, theirs in (*seen.pairs, *seen.morphs):
         now = seen.clock.to_rig_time(theirs)
         changed, spline = seen.changes(was, now, theirs)
         if changed.all() and spline is None:
@@ -129,8 +124,10 @@ def _restored(seen: Comparison, ranges: Ranges | None) -> dict[tuple[int, Path],
             kept = merged(was, now, changed, missed=MISSED, bound=0.0)
         elif ranges is not None and ranges.whole:
             kept = ranges.fitted(was, (float(now.times[0]), float(now.times[-1])))
-        if not (np.array_equal(kept.times, now.times) and np.array_equal(kept.values, now.values)):
-            found[both.of[node], was.path] = replace(kept, node=both.of[node], key=None)
+        if np.array_equal(kept.times, now.times) and np.array_equal(kept.values, now.values):
+            continue
+        if (back := seen.transfer.back(kept)) is not None:
+            found[back.node, back.path] = back
     return found
 
 
@@ -152,9 +149,7 @@ def warn_lost_motion(seen: Comparison, restored: Set[tuple[int, Path]], most: fl
     agreed = (
         pair
         for pair in seen.pairs
-        if pair[0].node in seen.controls
-        and (seen.both.of[pair[0].node], pair[0].path) not in restored
-        and seen.agree(pair)
+        if (seen.both.of[pair[0].node], pair[0].path) not in restored and seen.agree(pair)
     )
     pairs = [(was, seen.clock.to_rig_time(now)) for was, now in agreed]
     thin = [(was, now, times) for was, now in pairs if len(times := _more(was, now))]

@@ -92,6 +92,18 @@ class Transfer:
             return Transferred(tuple(tracks), sampled=False)
         return Transferred(self._sampled(node, left), sampled=True)
 
+    def back(self, track: Track) -> Track | None:
+        """A track of the rig as one of the other file's node, in its axes; None where no key maps to one."""
+        node = track.node
+        if track.path == "weights":
+            return replace(track, node=self.both.of[node], key=None)
+        left, right = self.both.turns[node], self.both.between(node)
+        if self.is_carried(node) or not _mappable(left, right, {track.path: track}):
+            return None
+        if track.path == "translation" and (place := self._in_parent(node)) is not None:
+            right = multiply(right, place)
+        return _mapped(track, self.both.of[node], inverse(left), inverse(right))
+
     def _sampled(self, node: int, left: Floats) -> tuple[Track, ...]:
         """Keys wherever anything that moves the node, or a node above it, has one."""
         both = self.both
