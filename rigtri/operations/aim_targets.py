@@ -18,7 +18,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.orient_joints import Branch, End
 from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb
-from rigtri.recognition.naming_schemes import roles_in_name
+from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 
 # A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
 CONTINUES = 0.8660254037844387
@@ -31,7 +31,9 @@ FOOT = 0.5
 
 EYES = ("leftEye", "rightEye")
 # Chains whose last joint may have one below it that only says where it ends.
-_ENDED = ("finger", "foot", "head")
+_ENDED = ("finger", "hand", "foot", "head")
+# What names say of nodes that are no end of the joint that they hang at.
+_OTHER = frozenset(["face", "ear", "feeler", "tail", "wing", *BESIDE]) - {"end"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,8 @@ class Rules:
     """The user's word on aims: branch and end rules, children named, targets named, `limb_children`.
 
     apart: ends that go on as they arrive where they have no tip, for their parents have other axes.
-    heads: heads, with the hips of their bodies; a head goes on as its trunk, whatever hangs at it.
+    heads: heads, with the hips of the bodies that stand upright, else −1; a head goes on as its trunk,
+    whatever hangs at it.
     feet: feet without toes, and where they point in the world, unit, (3,).
     """
 
@@ -117,6 +120,8 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
         return _at(ref, joint, named[0], "named") or Aim("keep")
     if joint in rules.heads:
         return _head(tree, ref, joint, rules)
+    if joint in rules.feet and rules.branch == "chain":  # what hangs there is no toe: a heel, a pivot
+        return _ending(tree, ref, joint, rules)
     candidates = _candidates(tree, ref, joint)
     if len(candidates) > 1:
         return _branching(tree, ref, joint, candidates, rules.branch)
@@ -183,25 +188,47 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
 
 
 def chain_ends(tree: Skeleton, ref: ReferencePose, characters: Iterable[Character]) -> dict[int, int]:
-    """For the last joint of each sure finger, foot and head the one that only says where it ends, if any."""
+    """For the last joint of each sure finger, hand, foot and head the one that says where it ends, if any.
+
+    A head on four legs goes on from the neck to its nose.
+    """
     found = {}
     for character in characters:
-        chains = (chain for chain in character.chains if chain.kind in _ENDED and chain.is_sure)
-        for last in (chain.joints[-1] for chain in chains):
-            end = _end_joint(tree, ref, last) if last in tree.below else None
-            if end is not None:
-                found[last] = end
+        for chain in (chain for chain in character.chains if chain.kind in _ENDED and chain.is_sure):
+            last = chain.joints[-1]
+            # What hangs at a palm or ankle may be anything.
+            called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
+            ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
+            if not ends and chain.kind == "head" and character.form == "quadruped":
+                ends = [k for k in tree.below.get(last, ()) if "muzzle" in roles_in_name(tree.rig.names[k])]
+            ends = [k for k in ends if _distance(ref, last, k) > ZERO_LENGTH * ref.extent]
+            if len(ends) == 1:
+                found[last] = ends[0]
     return found
 
 
-def _end_joint(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
-    """The joint below that its name calls an end; else the only bare one, where it continues the bone."""
+def _end_joints(tree: Skeleton, ref: ReferencePose, joint: int, *, called: bool) -> list[int]:
+    """The joints below that names call its end; else, unless only ``called``, bare ones that continue it."""
     names, below = tree.rig.names, tree.below[joint]
-    called = [k for k in below if "end" in roles_in_name(names[k])]
+    found = _ends_in_name(names, joint, below)
+    if found or called:
+        return found
     bare = [k for k in below if not (tree.carries[k] or tree.below[k] or roles_in_name(names[k]))]
-    ends = called or [k for k in bare if _within(tree, ref, joint, k, AVERAGE_OFF)]
-    apart = [k for k in ends if _distance(ref, joint, k) > ZERO_LENGTH * ref.extent]
-    return apart[0] if len(apart) == 1 else None
+    return [k for k in bare if _within(tree, ref, joint, k, AVERAGE_OFF)]
+
+
+def _ends_in_name(names: Sequence[str], joint: int, nodes: Iterable[int]) -> list[int]:
+    """Of nodes below a joint those that their names call its end: not that of its jaw, its hat or one ear.
+
+    One that is called as the joint itself goes before others: ``head_end``, ``horn_end``.
+    """
+    own, side = set(roles_in_name(names[joint])), parse_name(names[joint]).side
+    found = []
+    for node in nodes:
+        roles = set(roles_in_name(names[node]))
+        if "end" in roles and not (roles - own) & _OTHER and parse_name(names[node]).side in ("", side):
+            found.append(node)
+    return [k for k in found if names[joint] and names[k].startswith(names[joint])] or found
 
 
 def _head(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
@@ -273,8 +300,9 @@ def _tip(tree: Skeleton, joint: int) -> int | None:
         for k in rig.children[joint]
         if k not in tree.above and not rig.children[k] and rig.attachment[k] < 0 and k not in rig.metadata
     ]
-    named = [k for k in bare if rig.names[k].lower().endswith(("_end", ".end", "_tip", "end"))]
-    one = named if len(named) == 1 else bare
+    named = _ends_in_name(rig.names, joint, bare)
+    others = [k for k in bare if not _OTHER.intersection(roles_in_name(rig.names[k]))]
+    one = named if len(named) == 1 else others
     return one[0] if len(one) == 1 else None
 
 

@@ -50,9 +50,10 @@ def _foot(draft: Draft, leg: Found) -> None:
     joints = [ankle]
     while len(joints) < 4:
         below = [k for k in tree.below[joints[-1]] if not _is_other(draft, k)]
-        if not below:
+        ahead = {k: (tree.at[k] - tree.at[ankle]).dot(draft.facing) for k in below}
+        if not below or (max(ahead.values()) < 0.0 and not draft.four):  # a heel is no toe
             break
-        joints.append(max(below, key=lambda k: (tree.at[k] - tree.at[ankle]).dot(draft.facing)))
+        joints.append(max(below, key=lambda k: ahead[k]))
     toes = draft.known_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
     if not draft.four and leg.side and len(joints) > 1:

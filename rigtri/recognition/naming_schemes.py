@@ -45,7 +45,7 @@ BESIDE = frozenset(["twist", "end", "control", "attachment", "helper"])
 # What it has for joints that are no part of an arm or leg.
 NO_LIMB = frozenset(["control", "attachment", "tail", "wing", "ear", "feeler", "machine"])
 # What it has for chains of joints instead of single ones.
-_CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "skull", "trunk"])
+_CHAINS = frozenset(["tail", "wing", "ear", "feeler", "machine", "face", "muzzle", "skull", "trunk"])
 # So many bones at least a character has that Rigify has made.
 _BONES = 8
 _TABLES = {"middle": MIDDLE, "sides": SIDED, "chains": tuple(BENDS)}

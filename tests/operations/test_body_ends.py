@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from posed_bodies import NAMES, Pose, posed_body
+from recognition_bodies.skeletons import HORSE, MAN, Joint, rig_with
 
 from rigtri import orient_joints
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import normalise
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
@@ -17,8 +22,7 @@ from rigtri.report import Report
 
 def aim(rig: Rig, node: int) -> Floats:
     """Where x of a joint points."""
-    axis = rig.world[node, 0, :3]
-    return np.asarray(axis / np.linalg.norm(axis))
+    return np.asarray(normalise(rig.world[node, 0, :3]))
 
 
 @pytest.mark.parametrize("names", NAMES)
@@ -116,3 +120,85 @@ def test_the_head_of_a_numbered_spine_is_its_last_joint() -> None:
     names[body.parts["neck"]] = "DEF-spine.006"
     (character,) = recognise(replace(body.rig, names=tuple(names))).characters
     assert character.bones["head"] == body.parts["head"]
+
+
+def beside(parent: str, twist: str, share: float, joints: Sequence[Joint]) -> list[Joint]:
+    """A joint below another, so far along the bone to its first child."""
+    at = {name: np.array(place) for name, _, place in joints}
+    child = next(name for name, above, _ in joints if above == parent)
+    x, y, z = at[parent] + share * (at[child] - at[parent])
+    return [*joints, (twist, parent, (float(x), float(y), float(z)))]
+
+
+HANDLESS = [joint for joint in MAN if not joint[0].startswith("toe")]
+
+
+@pytest.mark.parametrize(
+    ("named", "call"),
+    [(True, "{bone}_twist.{side}"), (True, "{bone}_helper.{side}"), (False, "{bone} {side}")],
+)
+def test_what_stands_beside_hands_and_feet_says_nothing_of_their_axes(named: bool, call: str) -> None:
+    joints = HANDLESS
+    for side in "LR":
+        for bone, share in (("forearm", 0.5), ("shin", 0.6)):
+            joints = beside(f"{bone}.{side}", call.format(bone=bone, side=side), share, joints)
+    index = {name: k for k, (name, _, _) in enumerate(joints)}
+    axes = []
+    for some in (HANDLESS, joints):
+        rig = rig_with(some, named=named)
+        rotation = unit(np.random.default_rng(3).normal(size=(len(joints), 4)))[: len(some)]
+        axes.append(normalise(orient_joints(reframe(rig, rotation)).world[: len(HANDLESS), :3, :3]))
+    for end in ("hand.L", "hand.R", "foot.L", "foot.R"):
+        np.testing.assert_allclose(axes[1][index[end]], axes[0][index[end]], atol=1e-6)
+    np.testing.assert_allclose(axes[1][[index["foot.L"], index["foot.R"]], 0], [(0, 0, 1)] * 2, atol=1e-6)
+
+
+def test_a_heel_is_no_toe() -> None:
+    joints = [*HANDLESS]
+    for side in "LR":
+        x, y, z = next(place for name, _, place in joints if name == f"foot.{side}")
+        joints.append((f"heel.{side}", f"foot.{side}", (x, y - 0.06, z - 0.05)))
+    rig = rig_with(joints)
+    for moving in (True, False):  # with points of its own, and without
+        weighted = np.array([moving or not name.startswith("heel") for name, _, _ in joints])
+        skin = replace(rig.skins[0], weigh=lambda weighted=weighted: weighted)
+        out = orient_joints(replace(rig, skins=(skin,)))
+        for side in "LR":
+            np.testing.assert_allclose(aim(out, rig.names.index(f"foot.{side}")), (0, 0, 1), atol=1e-6)
+
+
+EAR, JAW = ("ear.L", "head", (0.1, 2.35, 1.15)), ("jaw", "head", (0.0, 2.1, 1.3))
+END, HORN = ("head_end", "head", (0.0, 2.1, 1.65)), ("horn_end", "head", (0.0, 2.6, 1.4))
+JAW_END, EAR_END = ("jaw_end", "head", (0.0, 1.95, 1.5)), ("ear_end.L", "head", (0.15, 2.5, 1.1))
+
+
+@pytest.mark.parametrize(
+    ("more", "muzzle", "aims_at"),
+    [
+        ([END], False, "head_end"),
+        ([EAR, JAW], True, "muzzle"),
+        ([EAR, JAW, END, HORN, JAW_END, EAR_END], True, "head_end"),
+        ([EAR, JAW, JAW_END, EAR_END], False, ""),
+        ([], False, ""),
+    ],
+)
+def test_a_head_on_four_legs_aims_at_its_own_end_or_its_nose_and_else_goes_on_as_the_neck(
+    more: Sequence[Joint], muzzle: bool, aims_at: str
+) -> None:
+    joints = [joint for joint in HORSE if muzzle or joint[0] != "muzzle"] + list(more)
+    rig = rig_with(joints)
+    weighted = np.array([not name.startswith(("head_end", "horn", "jaw_", "ear_")) for name in rig.names])
+    out = orient_joints(replace(rig, skins=(replace(rig.skins[0], weigh=lambda: weighted),)))
+    at, head = rig.world[:, 3, :3], rig.names.index("head")
+    start, end = (head, rig.names.index(aims_at)) if aims_at else (rig.names.index("neck"), head)
+    np.testing.assert_allclose(aim(out, head), normalise(at[end] - at[start]), atol=1e-6)
+    for name in {"ear.L", "jaw"} & set(rig.names):
+        node = rig.names.index(name)
+        np.testing.assert_allclose(out.world[node], rig.world[node], atol=1e-9)
+
+
+def test_a_nose_does_not_tilt_a_head_that_stands_upright() -> None:
+    above, head = (next(joint for joint in MAN if joint[0] == name) for name in ("neck", "head"))
+    (x, y, z), out = head[2], orient_joints(rig_with([*MAN, ("nose", "head", (0.0, head[2][1], 0.2))]))
+    way = np.array((x, y, z)) - above[2]
+    np.testing.assert_allclose(aim(out, out.names.index("head")), normalise(way), atol=1e-6)

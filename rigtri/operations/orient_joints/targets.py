@@ -99,18 +99,18 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     aim_at = _aim_at_pairs(rig, options.aim_at)
     tree = _with_nodes(skeleton(rig, options.root, plain=elsewhere, joints=aligned), aim_at)
     ref = reference(tree, "nodes" if aligned else options.pose)
-    chains = tuple((start, end) for start, end, _ in options.chain_styles)
-    selection = replace(options.selection, chains=(*options.selection.chains, *chains))
+    styled = tuple((start, end) for start, end, _ in options.chain_styles)
+    selection = replace(options.selection, chains=(*options.selection.chains, *styled))
     everything = elsewhere or options.root is not None or bool(aligned)
     characters: Sequence[Character] = ()
     if not everything:
         characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
-    hips = frozenset(k.hips for k in characters if any(c.kind == "spine" and c.is_sure for c in k.chains))
-    bodies = [k for k in characters if k.form in ("biped", "hand")]
-    fingers = [c for k in bodies for c in k.chains if c.kind == "finger" and c.is_sure]
-    heads = {c.joints[-1]: k.hips for k in bodies for c in k.chains if c.kind == "head" and c.is_sure}
-    whole = frozenset([*heads, *(joint for finger in fingers for joint in finger.joints)])
+    chains = [(k, chain) for k in characters for chain in k.chains if chain.is_sure]
+    hips = frozenset(k.hips for k, chain in chains if chain.kind == "spine")
+    fingers = [chain for _, chain in chains if chain.kind == "finger"]
+    heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
+    whole = frozenset(joint for _, chain in chains for joint in chain.joints)
     standard = characters if options.standard_pose is not None else ()
     # Only Godot's skeleton says how eyes and jaws stand.
     without = () if options.standard_pose == "godot" else FACE
@@ -132,7 +132,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
-        known = trunk_children(tree, characters) | chain_ends(tree, ref, bodies) | known
+        known = trunk_children(tree, characters) | chain_ends(tree, ref, characters) | known
     rules = Rules(
         options.branch_rule,
         tuple(rig.find(name, "rule of --branch, nor joint,") for name in options.branch_to),
@@ -141,7 +141,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         known,
         frozenset(_apart(tree, fingers, joints)),
         {} if options.branch else heads,
-        _feet(rig, bodies, ref.world, options),
+        _feet(rig, characters, ref.world, options),
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
