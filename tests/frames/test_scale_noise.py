@@ -11,6 +11,7 @@ import pytest
 from flat_options import axes_of
 from gltf_files import glb_bytes, glb_parts
 from places import slow
+from posed_bodies import Pose, posed_body
 from scaled_limbs import NAMES, Limb, gltf, usda
 from usd_files import save
 
@@ -18,7 +19,7 @@ from rigtri.errors import DeviationError
 from rigtri.formats import read
 from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.rig_size import size_of
-from rigtri.maths.matrices import multiply
+from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -67,6 +68,21 @@ def test_noise_of_a_scale_that_is_snapped_stays_the_second_time(style: AxisStyle
     oriented(source, out, "snap", style)
     oriented(out, again, "snap", style)
     assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("seed", [0, 1, *map(slow, range(2, 12))])
+def test_noise_in_one_finger_does_not_move_the_hinge_of_its_hand_the_second_time(seed: int) -> None:
+    """What a finger's own scales leave uncertain, its hand and the other fingers take their hinge from."""
+    body, random = posed_body(Pose(curl=25.0, seed=seed)), np.random.default_rng(seed)
+    scale = body.rig.scale.copy()
+    for part in ("chest", "left middle 1", "left middle 2", "left ring 1", "right index 2"):
+        scale[body.parts[part]] += random.uniform(-9e-6, 9e-6, 3)
+    rig = replace(body.rig, scale=scale)
+    rig = replace(rig, skins=(replace(rig.skins[0], inverse_bind=inverse(rig.world[rig.skins[0].joints])),))
+    once = orient_joints(rig)
+    twice = orient_joints(once)
+    assert np.array_equal(twice.rotation, once.rotation)
+    assert np.array_equal(twice.scale, once.scale)
 
 
 def with_camera(folder: Path, noise: float) -> Path:

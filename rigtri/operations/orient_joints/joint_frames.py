@@ -40,8 +40,9 @@ UNCHANGED_LIKE = 5e-7
 class DeadBand:
     """The largest angle of each node, (n,) in radians, that means nothing: three parts of it.
 
-    rounding: of float32 rotations, and of scales that pass as uniform. roll: about the aim axis, of
-    the up direction, once that is known. position: of float32 positions beside the bone's length.
+    rounding: of float32 rotations, and of scales that pass as uniform, wherever they are: a joint may take
+    its hinge from any other, a hand from each finger. roll: about the aim axis, of the up direction, once
+    that is known. position: of float32 positions beside the bone's length.
     """
 
     rounding: Floats
@@ -62,7 +63,8 @@ class DeadBand:
         # A direction near the bone gives a poor roll: its noise grows with 1/sine.
         sine = np.maximum(length(cross(normalise(ups.vector[joints]), targets.bone[joints])), DEGENERATE_SINE)
         roll = self.rounding[joints] / sine - self.rounding[joints]
-        plane = UNCHANGED_PLANE + np.array([self._plane_noise(joint, targets) for joint in joints])
+        plane = self.rounding[joints] - UNCHANGED + UNCHANGED_PLANE
+        plane = plane + np.array([self._plane_noise(joint, targets) for joint in joints])
         of_plane = plane / np.maximum(ups.sine[joints], DEGENERATE_SINE)
         self.roll[joints] = np.where(ups.step[joints] >= 2, roll + of_plane, roll)
 
@@ -77,13 +79,15 @@ class DeadBand:
 def dead_band(targets: Targets, scales: ScaleTable) -> DeadBand:
     """The dead band of every node before any up direction is known."""
     rig, ref = targets.tree.rig, targets.ref
-    scale_noise = np.maximum(scales.noise, _strain(ref.world))  # of each node and those above it
+    joints = list(targets.tree.joints)
+    scale_noise = scales.noise.copy()  # of each node and all above it: each takes what hangs at it along
     for level in rig.levels[1:]:
-        scale_noise[level] = np.maximum(scale_noise[level], scale_noise[rig.parents[level]])
+        scale_noise[level] += scale_noise[rig.parents[level]]
+    noise = max(float(scale_noise[joints].max()), float(_strain(ref.world)[joints].max()))
     bone = np.zeros(len(rig))
     bone[list(targets.aims)] = [aim.length for aim in targets.aims.values()]
     position = ref.rounding * ref.extent / np.maximum(np.maximum(bone, 1e-3 * ref.extent), 1e-30)
-    return DeadBand(UNCHANGED + scale_noise, np.zeros(len(rig)), position)
+    return DeadBand(np.full(len(rig), UNCHANGED + noise), np.zeros(len(rig)), position)
 
 
 def _strain(world: Floats) -> Floats:

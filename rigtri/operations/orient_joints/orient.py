@@ -44,8 +44,9 @@ from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
-# How much of the tolerance scale noise that is frozen may use up in the poses of the file.
-FROZEN_MAY = 0.5
+# How much of the tolerance scale noise that is frozen may use up in the poses of a file, as measured;
+# rounding and what passes as uniform have the rest.
+FROZEN_MAY = 0.7
 # What products of float64 quaternions leave of a rotation that is undone.
 LAST_BITS = 1e-12
 
