@@ -35,6 +35,8 @@ from rigtri.model.rig import Rig
 _STRAIGHT = 2e-3
 # Radians between pole and plane that rounding may make; a pole that somebody moved is farther off.
 _ROUNDING = 1e-3
+# … and less than this (10° of bones as long) it is bent so little that its pole vector may say otherwise.
+_SLIGHT = 0.0436
 # Sines of the bend from which on, and up to which, a pole is placed by the bend and by the bone.
 _BENDS, _STRAIGHTENS = 0.15, 0.02
 
@@ -141,22 +143,39 @@ class Ik:
         return rotate(conjugate(self.reference.world_rotation(control)), apart)
 
     @cached_property
+    def _aside(self) -> tuple[Floats, Floats]:
+        """From the line of root and end to the mid joint and to the pole vector at zero, (3,) each."""
+        a, b, _ = self._points
+        pole = self.reference.world[self.limb.pole, 3, :3] if self.limb.pole >= 0 else b
+        bend, across = (way - dot(way, self._line) * self._line for way in (b - a, pole - a))
+        return bend, across
+
+    @cached_property
+    def bends_away(self) -> bool:
+        """Whether the limb is bent a little away from its pole vector while controls are zero.
+
+        Then its bones swing through straight to get to the pole's side. Else they would turn round by half a
+        turn, and twist joints with them.
+        """
+        a, b, c = self._points
+        bend, across = self._aside
+        size = length(b - a) + length(c - b)
+        return bool(dot(across, bend) < 0 and _STRAIGHT * size < length(bend) <= _SLIGHT * size)
+
+    @cached_property
     def _pole(self) -> Floats:
         """The pole of the rest pose, (3,): the pole vector, or a point in the limb's plane."""
         a, b, c = self._points
-        line = self._line
-        bend = (b - a) - dot(b - a, line) * line
-        has_pole = self.limb.pole >= 0
-        straight = length(bend) <= _STRAIGHT * (length(b - a) + length(c - b))
-        if has_pole:
-            place = self.reference.world[self.limb.pole, 3, :3]
-            across = (place - a) - dot(place - a, line) * line
+        bend, across = self._aside
+        size = length(b - a) + length(c - b)
+        straight = length(bend) <= _STRAIGHT * size
+        if self.limb.pole >= 0:
             near = length(cross(normalise(across), normalise(bend))) <= _ROUNDING
             if straight or (near and dot(across, bend) > 0):
-                return np.asarray(place)
+                return np.asarray(self.reference.world[self.limb.pole, 3, :3])
         if straight:  # no direction to bend to: an axis of its own, the same one every time
-            return np.asarray(a + cross(line, np.eye(3)[np.argmin(np.abs(line))]))
-        return np.asarray(b + normalise(bend) * (length(b - a) + length(c - b)))
+            return np.asarray(a + cross(self._line, np.eye(3)[np.argmin(np.abs(self._line))]))
+        return np.asarray(b + normalise(bend) * (-size if self.bends_away else size))
 
     @cached_property
     def rest(self) -> _Rest:

@@ -131,7 +131,8 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, s
     words = [f"b{bone}" for bone in (base, *marks, aim, upper, lower)]
     about = {"name": name, "bones": words, "target": target, "pole": pole, "rest": (root + side).tolist()}
     straight = ik.reach_at_rest >= 1.0 - STRAIGHT
-    plan.triangles.append(about | ({"straight": ik.reach_at_rest} if straight else {}))
+    away = {"away": True} if ik.bends_away else {}
+    plan.triangles.append(about | away | ({"straight": ik.reach_at_rest} if straight else {}))
     return f"b{base}", f"b{upper}", f"b{lower}"
 
 

@@ -602,6 +602,7 @@ class Setup:
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
+        self.away: list[Any] = []
         if RIG["bones"]:
             self.solver = self.bones()
         self.sockets = [self.empty(about) for about in RIG["sockets"]]
@@ -748,6 +749,9 @@ class Setup:
         for bend, point, about in zip(bends, points, RIG["triangles"], strict=True):
             point.location = from_file() @ Vector(about["rest"])
             bend.target = point
+        angles = [driver.expression for driver in self.away]
+        for driver in self.away:  # at rest these limbs are bent to the other side
+            driver.expression = f"-({driver.expression})"
         self.solver.hide_viewport = False
         for _ in range(2):  # a limb may hang on another
             bpy.context.view_layer.update()
@@ -757,6 +761,8 @@ class Setup:
                 if about["on"].startswith("b"):
                     self.hang(about, thing)
         self.solver.hide_viewport = True
+        for driver, angle in zip(self.away, angles, strict=True):
+            driver.expression = angle
         for bend, (thing, bone), point in zip(bends, poles, points, strict=True):
             bend.target, bend.subtarget = thing, bone
             bpy.data.objects.remove(point)
@@ -803,6 +809,8 @@ class Setup:
                     each.id, each.bone_target = thing, part
             around = f"max(2*a*{far if bone == upper else 'c'},1e-12)"
             driver.expression = f"{start}acos(max(min(({square})/{around},1),-1))"
+            if about.get("away"):
+                self.away.append(driver)
 
     def target(self, word: str) -> tuple[Any, str]:
         """The object and bone that a word of the plan means."""
