@@ -12,12 +12,15 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from carried import EDITS, SAME_MOTION, THINGS, carried, source_of
 from places import SAMPLES, slow
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
+from rigtri.model.animation import Clip, Track
+from rigtri.model.rig import Rig
 from rigtri.operations.registry import OPERATIONS
 
 # What cannot be carried, and what says so.
@@ -88,3 +91,25 @@ def test_a_strip_refuses_to_lose_motion_of_controls(tmp_path: Path) -> None:
     with pytest.raises(GeometryError, match="at rest as its own keys do not"):
         rigtri.strip(moved)
     assert len(rigtri.strip(moved, discard_motion=True)) == len(rigtri.strip(rig))
+
+
+def test_new_axes_are_refused_where_ik_makes_much_of_a_scale_that_is_not_quite_uniform() -> None:
+    """An arm that is all but folded, and a noise of 1.5e-5 in the scale of its upper bone."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), whole_character=True)
+    scale = rig.scale.copy()
+    scale[rig.find("upper_arm_L"), 0] += 1.5e-5
+    rig = replace(rig, scale=scale)
+    a, b, c = (rig.world[rig.find(name), 3, :3] for name in ("upper_arm_L", "forearm_L", "hand_L"))
+    control = rig.find("hand_L_ik_ctl")
+
+    def reaching(by: float) -> Rig:
+        """The hand goes from where it rests to so much ahead of where the arm is folded."""
+        near = abs(np.linalg.norm(b - a) - np.linalg.norm(c - b))
+        place = (a + np.array([0.0, 0.0, near + by]) - c) @ np.linalg.inv(rig.world[control, :3, :3])
+        keys = Track(control, "translation", "LINEAR", np.array([0.0, 1.0]), np.array([0.0 * place, place]))
+        return replace(rig, clips=(Clip("reach", (keys,)),))
+
+    with pytest.raises(GeometryError, match=r"'reach'.*forearm_L'.*scale of 'upper_arm_L'.*exclude="):
+        rigtri.orient_joints(reaching(2e-6), offset=(0.0, 40.0, 30.0))
+    rigtri.orient_joints(reaching(2e-6), offset=(0.0, 40.0, 30.0), exclude=("upper_arm_L",))
+    rigtri.orient_joints(reaching(0.2), offset=(0.0, 40.0, 30.0))

@@ -28,6 +28,7 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints import messages
 from rigtri.operations.orient_joints.bend_planes import UpDirections, bend_planes
 from rigtri.operations.orient_joints.constraint_policy import apply_constraint_policy
+from rigtri.operations.orient_joints.controls_check import refuse_other_motion
 from rigtri.operations.orient_joints.frame_sources import (
     like_deltas,
     mirrored_deltas,
@@ -98,6 +99,7 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     messages.check(outcome, report)
     messages.record(outcome, report)
     out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
+    refuse_other_motion(rig, out, constrained.delta, policy.scales, options.tolerance)
     return split(_marked(out, outcome), splits)
 
 

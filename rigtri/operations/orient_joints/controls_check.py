@@ -1,0 +1,69 @@
+"""What IK makes of scale noise: controls that would move their limb otherwise after new axes.
+
+A scale that is nearly uniform counts as uniform, and in other axes bones are longer or shorter by a
+share of its noise. That is unseen, but not where a limb is straight or folded: there the bend changes by
+the root of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import controls_with_keys, size_of
+from rigtri.evaluation.pose_cache import sample_parts
+from rigtri.evaluation.sampling import key_times
+from rigtri.evaluation.solver import Solver
+from rigtri.evaluation.timelines import Timeline, timelines
+from rigtri.evaluation.zero_pose import ControlsAtZero
+from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
+from rigtri.maths.quaternions import rotates
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
+from rigtri.model.rig import Rig
+from rigtri.text import listed
+
+
+def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable, tolerance: float) -> None:
+    """GeometryError where IK moves limbs otherwise after the deltas, (n, 4), than in ``rig``.
+
+    after: the rig with the deltas, its first nodes those of ``rig``. tolerance: a share of the size.
+    """
+    noisy = set(np.flatnonzero(rotates(delta) & (scales.noise > ROUNDING)).tolist())
+    if not noisy or not rig.nodes_of("control"):
+        return
+    every = ControlsAtZero(rig).limbs
+    limbs = [(limb, noisy.intersection(rig.path_to_root(limb.chain[1]))) for limb in every]
+    limbs = [(limb, above) for limb, above in limbs if above]
+    joints = sorted({joint for limb, _ in limbs for joint in limb.chain})
+    for was, now in zip(timelines(rig), timelines(after), strict=True):
+        if controls_with_keys(rig, was).isdisjoint(limb.control for limb, _ in limbs):
+            continue
+        far, joint, time = _apart((rig, was), (after, now), joints)
+        if far > tolerance:
+            uneven = {k: float(scales.noise[k]) for _, above in limbs for k in above}
+            most = max(uneven.values())
+            names = [f"'{rig.title(k)}'" for k in sorted(uneven) if 2.0 * uneven[k] > most]
+            raise GeometryError(
+                f"In clip '{was.name}' controls would move '{rig.title(joint)}' otherwise than now, by "
+                f"{far:.2g} of the size at {time:g}: the scale of {listed(names, 6)} is not quite uniform, "
+                "and IK that is straight or folded makes much of what other axes lose of it. Keep these axes "
+                "with --exclude; or bake --to joints and strip, orient-joints, and build the controls again"
+            )
+
+
+def _apart(
+    one: tuple[Rig, Timeline], other: tuple[Rig, Timeline], joints: Sequence[int]
+) -> tuple[float, int, float]:
+    """How far joints that controls move are apart in two rigs, as a share of the size; which, and when."""
+    times = key_times(one[1].clip)
+    posed = [
+        Solver(rig, controls_with_keys(rig, line)).run(sample_parts(rig, line.clip, times))
+        for rig, line in (one, other)
+    ]
+    off = [length(posed[0].world(k)[:, 3, :3] - posed[1].world(k)[:, 3, :3]) for k in joints]
+    far = np.nan_to_num(np.array(off))
+    row, column = np.unravel_index(int(far.argmax()), far.shape)
+    return float(far[row, column]) / size_of(one[0]), joints[int(row)], float(times[int(column)])
