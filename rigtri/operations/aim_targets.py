@@ -199,12 +199,19 @@ def chain_ends(tree: Skeleton, ref: ReferencePose, characters: Iterable[Characte
             # What hangs at a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
-            if not ends and chain.kind == "head" and character.form == "quadruped":
+            if not ends and chain.kind == "head" and _is_on_all_fours(character):
                 ends = [k for k in tree.below.get(last, ()) if "muzzle" in roles_in_name(tree.rig.names[k])]
             ends = [k for k in ends if _distance(ref, last, k) > ZERO_LENGTH * ref.extent]
             if len(ends) == 1:
                 found[last] = ends[0]
     return found
+
+
+def _is_on_all_fours(character: Character) -> bool:
+    """Whether a trunk lies, as far as what carries it tells: four legs or more, and no arms (a centaur)."""
+    kinds = [chain.kind for chain in character.chains]
+    many = character.form == "creature" and kinds.count("leg") >= 4 and "arm" not in kinds
+    return character.form == "quadruped" or many
 
 
 def _end_joints(tree: Skeleton, ref: ReferencePose, joint: int, *, called: bool) -> list[int]:
@@ -220,15 +227,15 @@ def _end_joints(tree: Skeleton, ref: ReferencePose, joint: int, *, called: bool)
 def _ends_in_name(names: Sequence[str], joint: int, nodes: Iterable[int]) -> list[int]:
     """Of nodes below a joint those that their names call its end: not that of its jaw, its hat or one ear.
 
-    One that is called as the joint itself goes before others: ``head_end``, ``horn_end``.
+    Those that share most words with the joint's own go before others: ``head_end`` before ``horn_end``.
     """
-    own, side = set(roles_in_name(names[joint])), parse_name(names[joint]).side
-    found = []
+    own, called = set(roles_in_name(names[joint])), parse_name(names[joint])
+    shared = {}
     for node in nodes:
-        roles = set(roles_in_name(names[node]))
-        if "end" in roles and not (roles - own) & _OTHER and parse_name(names[node]).side in ("", side):
-            found.append(node)
-    return [k for k in found if names[joint] and names[k].startswith(names[joint])] or found
+        roles, name = set(roles_in_name(names[node])), parse_name(names[node])
+        if "end" in roles and not (roles - own) & _OTHER and name.side in ("", called.side):
+            shared[node] = len(name.words & called.words)
+    return [node for node in shared if shared[node] == max(shared.values())]
 
 
 def _head(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from posed_bodies import NAMES, Pose, posed_body
-from recognition_bodies.skeletons import HORSE, MAN, Joint, rig_with
+from recognition_bodies.skeletons import HORSE, MAN, Joint, both, line, rig_with
 
 from rigtri import orient_joints
 from rigtri.frames.reframe import reframe
@@ -168,7 +168,7 @@ def test_a_heel_is_no_toe() -> None:
 
 
 EAR, JAW = ("ear.L", "head", (0.1, 2.35, 1.15)), ("jaw", "head", (0.0, 2.1, 1.3))
-END, HORN = ("head_end", "head", (0.0, 2.1, 1.65)), ("horn_end", "head", (0.0, 2.6, 1.4))
+END, CREST = ("head_end", "head", (0.0, 2.1, 1.65)), ("crest_end", "head", (0.0, 2.6, 1.4))
 JAW_END, EAR_END = ("jaw_end", "head", (0.0, 1.95, 1.5)), ("ear_end.L", "head", (0.15, 2.5, 1.1))
 
 
@@ -177,7 +177,7 @@ JAW_END, EAR_END = ("jaw_end", "head", (0.0, 1.95, 1.5)), ("ear_end.L", "head", 
     [
         ([END], False, "head_end"),
         ([EAR, JAW], True, "muzzle"),
-        ([EAR, JAW, END, HORN, JAW_END, EAR_END], True, "head_end"),
+        ([EAR, JAW, END, CREST, JAW_END, EAR_END], True, "head_end"),
         ([EAR, JAW, JAW_END, EAR_END], False, ""),
         ([], False, ""),
     ],
@@ -187,7 +187,7 @@ def test_a_head_on_four_legs_aims_at_its_own_end_or_its_nose_and_else_goes_on_as
 ) -> None:
     joints = [joint for joint in HORSE if muzzle or joint[0] != "muzzle"] + list(more)
     rig = rig_with(joints)
-    weighted = np.array([not name.startswith(("head_end", "horn", "jaw_", "ear_")) for name in rig.names])
+    weighted = np.array([not name.startswith(("head_end", "crest", "jaw_", "ear_")) for name in rig.names])
     out = orient_joints(replace(rig, skins=(replace(rig.skins[0], weigh=lambda: weighted),)))
     at, head = rig.world[:, 3, :3], rig.names.index("head")
     start, end = (head, rig.names.index(aims_at)) if aims_at else (rig.names.index("neck"), head)
@@ -195,6 +195,26 @@ def test_a_head_on_four_legs_aims_at_its_own_end_or_its_nose_and_else_goes_on_as
     for name in {"ear.L", "jaw"} & set(rig.names):
         node = rig.names.index(name)
         np.testing.assert_allclose(out.world[node], rig.world[node], atol=1e-9)
+
+
+@pytest.mark.parametrize("arms", [False, True])
+def test_a_head_above_six_legs_aims_at_its_nose_and_that_of_a_centaur_goes_on_as_the_neck(arms: bool) -> None:
+    called = {} if arms else {"upper_arm": "front_thigh", "forearm": "front_shin", "hand": "front_foot"}
+
+    def name(joint: str) -> str:
+        bone, dot, side = joint.partition(".")
+        return called.get(bone, bone) + dot + side
+
+    middle = line(
+        "mid_thigh.L mid_shin.L mid_foot.L mid_toe.L",
+        "spine2",
+        *[(0.2, y, z) for y, z in ((1.2, 0.1), (0.85, 0.2), (0.42, 0.0), (0.05, 0.1))],
+    )
+    rig = rig_with([(name(joint), name(above), at) for joint, above, at in [*HORSE, *both(middle)]])
+    assert recognise(rig).characters[0].form == "creature"
+    at, out = dict(zip(rig.names, rig.world[:, 3, :3], strict=True)), orient_joints(rig)
+    start, end = ("neck", "head") if arms else ("head", "muzzle")
+    np.testing.assert_allclose(aim(out, rig.names.index("head")), normalise(at[end] - at[start]), atol=1e-6)
 
 
 def test_a_nose_does_not_tilt_a_head_that_stands_upright() -> None:
