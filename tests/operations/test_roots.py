@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from morphs import arm_usd
 from places import SAMPLES
 from program import cli
 from usd_files import deviation
@@ -86,6 +87,15 @@ def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Pat
     cli("root-motion", out, "-o", moved, code=0)
     assert deviation(source, moved) < 1e-6
     assert np.ptp(places(rigtri.read(moved), "root"), axis=0).max() > 0
+
+
+def test_a_root_comes_above_joints_whose_clip_moves_blend_shapes(tmp_path: Path) -> None:
+    source, out = arm_usd(tmp_path), tmp_path / "rooted.usda"
+    cli("add-root", source, "-o", out, "--above", "a", code=0)
+    (before,), (after,) = rigtri.read(source).clips, rigtri.read(out).clips
+    (weights,), (same,) = ([t for t in clip.tracks if t.path == "weights"] for clip in (before, after))
+    assert np.array_equal(weights.values, same.values)
+    assert deviation(source, out) < 1e-6
 
 
 def test_a_prim_above_a_skeleton_is_not_made_its_root_whatever_its_name(tmp_path: Path) -> None:

@@ -243,12 +243,16 @@ def _bind_above(rig: Rig, joint: int, posed: Floats, inverse_bind: Floats) -> Fl
 
 
 def _aligned_clip(prepared: Clip, clip: Clip, rig: Rig) -> Clip:
-    """A clip of a rig with a track for every one that the prepared source has, and those that are new."""
+    """A clip of a rig with a track for every one that the prepared source has, and those without a key of it.
+
+    These are new, or the weights of a mesh, of which the animation has others.
+    """
     if prepared.key != clip.key:
         raise FileError(f"Clip '{clip.name}': clips of USD files keep their order.")
     known: dict[tuple[int, str], Track] = {(t.node, t.path): t for t in clip.tracks if t.key is not None}
     fresh = (track for track in clip.tracks if track.key is None)
-    return replace(clip, tracks=(*(_aligned_track(t, known, rig) for t in prepared.tracks), *fresh))
+    stored = (track for track in prepared.tracks if track.key is not None)
+    return replace(clip, tracks=(*(_aligned_track(t, known, rig) for t in stored), *fresh))
 
 
 def _aligned_track(prepared: Track, known: Mapping[tuple[int, str], Track], rig: Rig) -> Track:
