@@ -92,8 +92,8 @@ def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Pat
 def test_a_root_comes_above_joints_whose_clip_moves_blend_shapes(tmp_path: Path) -> None:
     source, out = arm_usd(tmp_path), tmp_path / "rooted.usda"
     cli("add-root", source, "-o", out, "--above", "a", code=0)
-    (before,), (after,) = rigtri.read(source).clips, rigtri.read(out).clips
-    (weights,), (same,) = ([t for t in clip.tracks if t.path == "weights"] for clip in (before, after))
+    clips = rigtri.read(source).clips, rigtri.read(out).clips
+    (weights,), (same,) = ([t for c in each for t in c.tracks if t.path == "weights"] for each in clips)
     assert np.array_equal(weights.values, same.values)
     assert deviation(source, out) < 1e-6
 
