@@ -59,7 +59,7 @@ class Rules:
     apart: ends that go on as they arrive where they have no tip, for their parents have other axes.
     heads: heads, with the hips of the bodies that stand upright, else −1; a head goes on as its trunk,
     whatever hangs at it.
-    feet: feet without toes, and where they point in the world, unit, (3,).
+    feet: feet without toes, and where they point in the world, unit, (3,). hands: those without fingers.
     """
 
     branch: Branch = "chain"
@@ -70,6 +70,7 @@ class Rules:
     apart: Container[int] = ()
     heads: Mapping[int, int] = field(default_factory=dict)
     feet: Mapping[int, Floats] = field(default_factory=dict)
+    hands: Container[int] = ()
 
 
 def chain_child(tree: Skeleton, ref: ReferencePose, joint: int) -> int | None:
@@ -120,7 +121,8 @@ def _aim(tree: Skeleton, ref: ReferencePose, joint: int, rules: Rules) -> Aim:
         return _at(ref, joint, named[0], "named") or Aim("keep")
     if joint in rules.heads:
         return _head(tree, ref, joint, rules)
-    if joint in rules.feet and rules.branch == "chain":  # what hangs there is no toe: a heel, a pivot
+    if (joint in rules.feet or joint in rules.hands) and rules.branch == "chain":
+        # What hangs there is no toe or finger: a heel, a weapon.
         return _ending(tree, ref, joint, rules)
     candidates = _candidates(tree, ref, joint)
     if len(candidates) > 1:

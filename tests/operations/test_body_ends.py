@@ -153,18 +153,20 @@ def test_what_stands_beside_hands_and_feet_says_nothing_of_their_axes(named: boo
     np.testing.assert_allclose(axes[1][[index["foot.L"], index["foot.R"]], 0], [(0, 0, 1)] * 2, atol=1e-6)
 
 
-def test_a_heel_is_no_toe() -> None:
+@pytest.mark.parametrize("moving", [True, False], ids=["with points of its own", "without"])
+def test_a_heel_is_no_toe_and_a_weapon_no_finger(moving: bool) -> None:
     joints = [*HANDLESS]
     for side in "LR":
-        x, y, z = next(place for name, _, place in joints if name == f"foot.{side}")
-        joints.append((f"heel.{side}", f"foot.{side}", (x, y - 0.06, z - 0.05)))
+        for name, end, dy, dz in (("heel", "foot", -0.06, -0.05), ("weapon", "hand", -0.05, 0.1)):
+            x, y, z = next(place for joint, _, place in joints if joint == f"{end}.{side}")
+            joints.append((f"{name}.{side}", f"{end}.{side}", (x, y + dy, z + dz)))
     rig = rig_with(joints)
-    for moving in (True, False):  # with points of its own, and without
-        weighted = np.array([moving or not name.startswith("heel") for name, _, _ in joints])
-        skin = replace(rig.skins[0], weigh=lambda weighted=weighted: weighted)
-        out = orient_joints(replace(rig, skins=(skin,)))
-        for side in "LR":
-            np.testing.assert_allclose(aim(out, rig.names.index(f"foot.{side}")), (0, 0, 1), atol=1e-6)
+    weighted = np.array([moving or not name.startswith(("heel", "weapon")) for name in rig.names])
+    out = orient_joints(replace(rig, skins=(replace(rig.skins[0], weigh=lambda: weighted),)))
+    for side in "LR":
+        node = {name: rig.names.index(f"{name}.{side}") for name in ("hand", "forearm", "foot")}
+        np.testing.assert_allclose(aim(out, node["foot"]), (0, 0, 1), atol=1e-6)
+        np.testing.assert_allclose(aim(out, node["hand"]), aim(out, node["forearm"]), atol=1e-6)
 
 
 EAR, JAW = ("ear.L", "head", (0.1, 2.35, 1.15)), ("jaw", "head", (0.0, 2.1, 1.3))

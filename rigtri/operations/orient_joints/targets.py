@@ -142,6 +142,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
         frozenset(_apart(tree, fingers, joints)),
         {} if options.branch else heads,
         _feet(rig, characters, ref.world, options),
+        frozenset(_lone_hands(characters)),
     )
     if rig.rules.orient_locked:  # after names that are not there were reported
         _check_world_aligned(rig, options)
@@ -155,6 +156,15 @@ def _apart(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) ->
         above = tree.above[finger.joints[0]]
         if len(finger.joints) == 1 and ("thumb" in finger.name or above not in joints):
             yield finger.joints[0]
+
+
+def _lone_hands(characters: Iterable[Character]) -> Iterator[int]:
+    """Hands of one joint without anything that may be a finger."""
+    for character in characters:
+        sides = {chain.side for chain in character.chains if chain.kind == "finger"}
+        for chain in (chain for chain in character.chains if chain.kind == "hand" and chain.is_sure):
+            if len(chain.joints) == 1 and chain.side not in sides:
+                yield chain.joints[0]
 
 
 def _feet(
