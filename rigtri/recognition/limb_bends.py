@@ -95,17 +95,23 @@ class LimbBends:
         return towards(limb, self.world, -facing if limb.bends_back else facing, "facing", 1.0)
 
     def _evidence(self, limb: Limb) -> Iterator[Bend]:
-        """What the limb shows, else what the limb of the other side does that is believed."""
+        """What the limb shows, then what the limb of the other side does that is believed.
+
+        Against what the limb shows counts only a clear motion of the other side: what that does in one pose
+        may be its own.
+        """
         shown = False
         for found in self._own(limb):
             shown = True
             yield found
-        twin = None if shown else self._twin(limb)
+        twin = self._twin(limb)
         if twin is None:
             return
         natural = self._natural(twin, self._facing_of(twin))
         for theirs in self._own(twin):
             if natural is None or self._is_believable(twin, theirs, natural):
+                if shown and (theirs.source == "pose" or theirs.sine < CLEAR):
+                    return
                 image = self._image(limb, theirs, twin)
                 seen = towards(limb, self.world, image, "other side", theirs.sine)
                 if seen is not None:

@@ -134,6 +134,15 @@ def test_a_straight_limb_follows_the_other_side_only_where_that_is_believed() ->
         assert sources["mixamorig:RightLeg"] == source
 
 
+def test_a_limb_that_is_not_believed_follows_a_clear_motion_of_the_other_side() -> None:
+    """Both elbows are bent by 4° to the front, and a clip bends one of them backwards or forwards."""
+    body = posed_body(Pose(elbow=-4.0))
+    for degrees in (40.0, -40.0):
+        found = off(moved(body, ELBOWS[1:], degrees), body)
+        for part in ELBOWS:
+            assert max(found[part]) < 1 if degrees > 0 else min(found[part]) > 179
+
+
 def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None:
     """A clear bend is the truth whatever they are, and no joint above or below them has a vote."""
     trunk = [(0.5, -0.3), (0.52, -0.1), (0.52, 0.1), (0.62, 0.28), (0.82, 0.48)]
