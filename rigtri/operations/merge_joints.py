@@ -24,7 +24,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.merge_joints import MergeJointsOptions as MergeJointsOptions
 from rigtri.operations.prune_joints import named_nodes
-from rigtri.operations.without_nodes import staying, without_nodes
+from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.report import Report
 from rigtri.text import listed
 
@@ -59,7 +59,11 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
         heir = merging.heir(node)
         more = {} if heir < 0 else {"heir": rig.title(heir)}
         report.joints.append(joint_record(rig, node, "removed", **more))
-    return without_nodes(rig, gone, _folds(rig, merging)) if gone else rig
+    if not gone:
+        return rig
+    less = without_nodes(rig, gone, _folds(rig, merging))
+    warn_lost_clips(rig, less, report)
+    return less
 
 
 class _Merging:

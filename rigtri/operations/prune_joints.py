@@ -10,7 +10,7 @@ from rigtri.model.skin import JointMerge
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.prune_joints import PruneJointsOptions as PruneJointsOptions
-from rigtri.operations.without_nodes import staying, without_nodes
+from rigtri.operations.without_nodes import staying, warn_lost_clips, without_nodes
 from rigtri.recognition.naming_schemes import parse_name, roles_in_name
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
@@ -26,7 +26,11 @@ def prune_joints(rig: Rig, *, options: PruneJointsOptions, report: Report) -> Ri
     gone = sorted(_unneeded(rig, options))
     for node in gone:
         report.joints.append(joint_record(rig, node, "removed"))
-    return without_nodes(rig, gone, idle_folds(rig, gone)) if gone else rig
+    if not gone:
+        return rig
+    less = without_nodes(rig, gone, idle_folds(rig, gone))
+    warn_lost_clips(rig, less, report)
+    return less
 
 
 def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:

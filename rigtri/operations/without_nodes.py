@@ -10,6 +10,8 @@ import numpy as np
 from rigtri.maths.arrays import Booleans
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, Skin
+from rigtri.report import Report
+from rigtri.text import listed
 
 
 def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) -> Rig:
@@ -44,6 +46,18 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
     # What no file has yet need not be taken out of one.
     stay = [node for node in range(len(rig)) if node not in gone or rig.keys[node] is not None]
     return less.reordered(stay) if len(stay) < len(rig) else less
+
+
+def warn_lost_clips(before: Rig, after: Rig, report: Report) -> None:
+    """Say which clips have nothing left to move where nodes went: a glTF holds no clip without channels."""
+    for clip, left in zip(before.clips, after.clips, strict=True):
+        if clip.tracks and not left.tracks:
+            titles = dict.fromkeys(before.title(track.node) for track in clip.tracks)
+            report.warn(
+                "clip-lost",
+                f"Clip '{clip.name}' moved nothing but {listed(list(titles), 4)}, and is lost with that: to "
+                "keep it, leave one out with --exclude",
+            )
 
 
 def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:

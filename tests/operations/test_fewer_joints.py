@@ -15,6 +15,8 @@ from program import cli
 import rigtri
 from rigtri.errors import GeometryError
 from rigtri.formats import ReadOptions, read
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.animation import Clip, Track
 from rigtri.model.skin import WeightLimit
 from rigtri.model.skin_weights import limited
 
@@ -63,6 +65,22 @@ def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_pa
     (mesh, *_) = (mesh for mesh in after.meshes if mesh.skin is not None)
     assert np.allclose(mesh.weights.sum(axis=1), 1.0)
     assert upper in after.skins[0].joints
+
+
+def test_a_clip_of_merged_joints_alone_is_measured_and_its_loss_is_told(tmp_path: Path) -> None:
+    """A glTF has no clip without channels, so what remains stands still where it moved."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    elbow = rig.find("forearm_L")
+    turns = np.stack([rig.rotation[elbow], from_axis_angle(np.array([1.0, 0, 0]), 1.0)])
+    wave = Clip("wave", (Track(elbow, "rotation", "LINEAR", np.array([0.0, 1.0]), turns),))
+    still = Clip("walk", (Track(rig.find("hips"), "rotation", "STEP", np.zeros(1), rig.rotation[:1]),))
+    rigtri.write(replace(rig, clips=(wave, still)), source, verify=False)
+    words = ("merge-joints", source, "-o", out, "--joints", "forearm_L")
+    assert "wave at" in cli(*words, "--tolerance", "0.05", code=6).stderr
+    ran = cli(*words, "--tolerance", "1", code=0)
+    assert "Clip 'wave' moved nothing but forearm_L, and is lost" in ran.stderr
+    assert [clip.name for clip in rigtri.read(out).clips] == ["walk"]
 
 
 @pytest.mark.parametrize("own", [False, True])

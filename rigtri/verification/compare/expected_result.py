@@ -21,7 +21,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import DocumentView, Source, motion_between, self_check, verify
-from rigtri.verification.compare.correspondence import same_track
+from rigtri.verification.compare.correspondence import same_track, timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
 from rigtri.verification.compare.morph_changes import MorphChanges, morph_movement, without_changes
 from rigtri.verification.compare.scene_facts import Scenery
@@ -54,7 +54,7 @@ class ExpectedResult:
         at once: it shows one pose, whichever of a stage's clips holds which keys.
         """
         if self.rig.pending.weight_redistributions or self.rig.pending.removed:
-            return without_twist(self.source), without_twist(written)
+            return without_twist(self.source), without_twist(_with_lost_clips(written, self.rig))
         before, rig = self.source.rig, self.rig
         old = {key: node for node, key in enumerate(before.keys)}
         redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
@@ -224,6 +224,22 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
     unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
     return replace(result, different=different, lost=(*result.lost, *unit))
+
+
+def _with_lost_clips(written: Source, rig: Rig) -> Source:
+    """The written file with a clip at rest for each one of the rig's that it lacks: so does it look now.
+
+    A glTF cannot hold a clip without channels. Clips of one USD stage play at once, and are found otherwise.
+    """
+    left, clips = list(written.rig.clips), list[Clip]()
+    for clip in rig.clips:
+        there = bool(left) and left[0].name == clip.name and bool(left[0].tracks) == bool(clip.tracks)
+        if there or timeline(clip) is not None:
+            clips += left[:1]
+            left = left[1:]
+        else:
+            clips.append(replace(clip, tracks=()))
+    return DocumentView(written, replace(written.rig, clips=(*clips, *left)))
 
 
 def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
