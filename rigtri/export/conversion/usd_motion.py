@@ -25,8 +25,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Track
 from rigtri.verification.compare.across import SAME_TIME, PlayedClip
 
-# How far keys may be off between two of them: radians, and shares of where the prim goes. Prims below each
-# other add up, so it is a part of what a conversion may be off.
+# How far keys may be off between two of them: radians, and shares of where the prim goes or, where that is
+# less, of what it shows. Prims below each other add up, so it is a part of what a conversion may be off.
 WITHIN = 4e-6
 _PARTS = (3, 7)  # where rotation and scale begin among ten numbers
 
@@ -42,26 +42,30 @@ class PrimMotion:
     codes: dict[int, tuple[Floats, Floats]] = field(default_factory=dict)
     sheared: set[int] = field(default_factory=set)
 
-    def follow(self, prims: Mapping[int, Any], tracks: Sequence[Track]) -> list[Track]:
-        """The tracks of prims, by node, with keys between the samples where ops go other ways than tracks."""
+    def follow(self, prims: Mapping[int, Any], tracks: Sequence[Track], sizes: Floats) -> list[Track]:
+        """The tracks of prims, by node, with keys between the samples where ops go other ways than tracks.
+
+        sizes: of what each node shows, (n,), in the unit of its translation.
+        """
         found: list[Track] = []
         for node, prim in prims.items():
             mine = [track for track in tracks if track.node == node]
             if mine[0].interpolation != "STEP":
                 self.prims[node] = prim
                 if read_transform(prim, node, mine[0].interpolation) is None:
-                    mine = self._sampled(prim, mine)
+                    mine = self._sampled(prim, mine, float(sizes[node]))
             found += mine
         return found
 
-    def _sampled(self, prim: Any, tracks: list[Track]) -> list[Track]:
+    def _sampled(self, prim: Any, tracks: list[Track], most: float) -> list[Track]:
         first = tracks[0]
 
         def parts(times: Floats) -> Floats:
             return np.concatenate(decompose(_locals(prim, times)), axis=1)
 
         times = sorted_unique(np.concatenate([track.times for track in tracks]))
-        size = max(1e-9, float(np.abs(np.nan_to_num(parts(times))[:, : _PARTS[0]]).max()))
+        goes = float(np.abs(np.nan_to_num(parts(times))[:, : _PARTS[0]]).max())
+        size = max(1e-9, min(goes, most or goes))
 
         def error(found: Floats, left: Floats, right: Floats, share: Floats, at: Floats) -> Floats:
             if (skew(_locals(prim, at)) > SKEW).any():

@@ -19,6 +19,7 @@ from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.reader import read_source
+from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
@@ -237,9 +238,13 @@ class _Reader:
         """The tracks of a clip, those of prims as USD moves them."""
         if clip.key[0] != "xforms":  # type: ignore[index]
             return list(clip.tracks)
-        labels = self.scene.rig.labels
-        prims = {track.node: self.stage.GetPrimAtPath(labels[track.node]) for track in clip.tracks}
-        return self.motion.follow(prims, clip.tracks)
+        rig = self.scene.rig
+        prims = {track.node: self.stage.GetPrimAtPath(rig.labels[track.node]) for track in clip.tracks}
+        sizes = sizes_of(rig, self.document.meshes())
+        for node in prims:
+            if rig.parents[node] >= 0:
+                sizes[node] /= max(1e-9, float(length(rig.world[rig.parents[node], :3, :3]).max()))
+        return self.motion.follow(prims, clip.tracks, sizes)
 
     def _say_how_it_is_played(self, clip: Clip) -> None:
         motion = self.motion

@@ -113,7 +113,7 @@ def _says_something(prim: Any, attribute: Any) -> bool:
     if not (attribute.HasAuthoredValue() or attribute.HasAuthoredConnections()):
         return False
     value, name = attribute.Get(), attribute.GetName()
-    if attribute.GetNumTimeSamples():
+    if attribute.ValueMightBeTimeVarying() or attribute.GetNumTimeSamples():
         return True
     if name == "inputs:bias" and value is not None:
         return tuple(value)[:3] != _NORMAL_BIAS and any(value)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Usd, Vt
 
+from rigtri.formats.usd.composition.time_samples import moving_times
 from rigtri.maths.trigonometry import Floats
 
 _INT = 2**31
@@ -60,8 +61,8 @@ def rest_value(attribute: Any) -> Any:
     """An attribute's value at rest: the default, else the first sample; the schema's where there is none."""
     source = attribute.GetResolveInfo(Usd.TimeCode.Default()).GetSource()
     unsaid = source in (Usd.ResolveInfoSourceNone, Usd.ResolveInfoSourceFallback)
-    sampled = unsaid and attribute.GetNumTimeSamples()
-    return attribute.Get(Usd.TimeCode.EarliestTime()) if sampled else attribute.Get()
+    times = moving_times(attribute) if unsaid else []
+    return attribute.Get(times[0]) if times else attribute.Get()
 
 
 def dictionary(value: Mapping[str, Any]) -> dict[str, Any]:

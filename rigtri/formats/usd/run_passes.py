@@ -8,6 +8,7 @@ from __future__ import annotations
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.passes.add_joints import add_joints
 from rigtri.formats.usd.passes.find_changes import find_changes
+from rigtri.formats.usd.passes.keep_splines import keep_splines
 from rigtri.formats.usd.passes.key_xforms import key_xforms
 from rigtri.formats.usd.passes.limit_weights import limit_weights
 from rigtri.formats.usd.passes.remove_joints import remove_joints
@@ -40,6 +41,7 @@ VALUES: tuple[Pass, ...] = (
     key_xforms,
     write_rigtri_prims,
     write_joint_metadata,
+    keep_splines,
 )
 PASSES: tuple[Pass, ...] = (
     rename_joints,

@@ -4,7 +4,8 @@
 or offset layer that can miss the sample by one bit and find its neighbour, which
 may be blocked. So samples are taken from their layer. Value clips are read by
 time, for their samples lie in many layers; where they jump between two samples,
-a sample just before the jump holds the value before it.
+a sample just before the jump holds the value before it. Splines (OpenUSD 25.5) have no
+samples; they are read at their knots and at every frame, and never written.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Sdf, Ts, Usd, UsdGeom
 
 from rigtri.errors import FileError
 
@@ -28,6 +29,43 @@ _Opinion = tuple[Any, Any, Sequence[float], Sequence[Any]]
 _BETWEEN = (0.29, 0.5, 0.93)
 # How far that may be off, as a share of the largest number there: float32, interpolated twice.
 _SAME = 1e-6
+# Into so many steps the time of a spline is divided at most; to each frame belongs one where there are fewer.
+_STEPS = 5000
+
+
+def moving_times(attribute: Any) -> list[float]:
+    """When the value of an attribute is known, in the stage's time: its samples, or where its spline is read.
+
+    No time for an attribute that is still. Source: UsdAttribute::GetSpline, TsSpline.
+    """
+    if not attribute.HasSpline():
+        return list(attribute.GetTimeSamples())
+    spline, stage = attribute.GetSpline(), attribute.GetStage()
+    knots = list(spline.GetKnots().keys())
+    if not knots:
+        return []
+    start, end = knots[0], knots[-1]
+    held = (Ts.ExtrapHeld, Ts.ExtrapValueBlock)
+    if spline.GetPreExtrapolation().mode not in held:
+        start = min(start, stage.GetStartTimeCode())
+    if spline.GetPostExtrapolation().mode not in held:
+        end = max(end, stage.GetEndTimeCode())
+    step = max(1.0, (end - start) / _STEPS)
+    frames = np.arange(np.ceil(start), end, step).tolist()
+    jumps = [time for time in knots if spline.EvalPreValue(time) != spline.Eval(time)]
+    return sorted({start, *knots, *frames, *(t - Usd.TimeCode.SafeStep() for t in jumps), end})
+
+
+def ops_times(xformable: Any) -> list[float]:
+    """When the place of a prim is known: the times of all its ops. None for a prim that is still."""
+    splines = [op.GetAttr() for op in xformable.GetOrderedXformOps() if op.GetAttr().HasSpline()]
+    found = set(xformable.GetTimeSamples())
+    return sorted(found.union(*map(moving_times, splines))) if splines else sorted(found)
+
+
+def has_splines(prim: Any) -> bool:
+    """Whether an op that places a prim is a spline."""
+    return any(op.GetAttr().HasSpline() for op in UsdGeom.Xformable(prim).GetOrderedXformOps())
 
 
 def time_samples(attribute: Any) -> Samples:

@@ -18,6 +18,7 @@ from pxr import Sdf, UsdGeom
 
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
+from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
 from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, op_value, set_transform, transform_ops
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
@@ -124,7 +125,7 @@ def _prim_edits(edit: UsdEdit, node: int, delta: _Frame, above: _Frame) -> list[
     prim = edit.source.stage.GetPrimAtPath(edit.rig.labels[node])
     refuse(why_locked(prim, ("xformOpOrder", FRAME, PARENT_INVERSE)))
     xformable = UsdGeom.Xformable(prim)
-    if delta.size != 1.0 and not xformable.GetTimeSamples() and skew(local) < SKEW:
+    if delta.size != 1.0 and not ops_times(xformable) and skew(local) < SKEW:
         return _baked(prim, local)
     if edit.options.bake_xform:
         if not xformable.TransformMightBeTimeVarying() and skew(local) < SKEW:

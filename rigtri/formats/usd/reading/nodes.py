@@ -11,6 +11,7 @@ from pxr import UsdGeom
 
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.composition.value_types import ignored
 from rigtri.formats.usd.reading import joint_tokens, mesh_reader, metadata_attributes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
@@ -78,7 +79,7 @@ class Nodes:
             local = np.eye(4)
         else:
             xformable = UsdGeom.Xformable(prim)
-            if xformable.GetTimeSamples():
+            if ops_times(xformable):
                 self.animated[node] = prim
                 if made and metadata["type"] != "control" and _moment(xformable) != DEFAULT:
                     self.restless.append(str(prim.GetName()))
@@ -201,7 +202,10 @@ class Nodes:
 def _moment(xformable: Any) -> Any:
     """When a prim is at rest: at the Default time, or at its start where it has only time samples."""
     attributes = [op.GetAttr() for op in xformable.GetOrderedXformOps()]
-    return mesh_reader.EARLIEST if any(at.Get(DEFAULT) is None for at in attributes) else DEFAULT
+    if not any(at.Get(DEFAULT) is None for at in attributes):
+        return DEFAULT
+    # The earliest time of all is where a spline has gone on beyond its first knot.
+    return ops_times(xformable)[0] if has_splines(xformable.GetPrim()) else mesh_reader.EARLIEST
 
 
 def _shows(prim: Any) -> bool:

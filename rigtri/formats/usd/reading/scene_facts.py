@@ -12,9 +12,9 @@ from typing import Any
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import moving_times
 from rigtri.model.scene_facts import Scenery
 
-EARLIEST = Usd.TimeCode.EarliestTime()
 # How a mesh is drawn between its points, besides its faces.
 DRAWN = ("subdivisionScheme", "orientation", "doubleSided")
 BINDING = "material:binding"
@@ -107,9 +107,9 @@ def _authored(prim: Any, name: str) -> Any:
 
 def _over_time(attribute: Any) -> Any:
     value = _plain(attribute.Get(DEFAULT))
-    times = attribute.GetTimeSamples()
+    times = moving_times(attribute)
     if len(times) < 2:
-        return _plain(attribute.Get(EARLIEST)) if times and value is None else value
+        return _plain(attribute.Get(times[0])) if times and value is None else value
     return tuple((time, _plain(attribute.Get(time))) for time in times)
 
 

@@ -18,6 +18,7 @@ from pxr import Usd, UsdGeom, Vt
 from rigtri.errors import NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import sample
 from rigtri.formats.usd.composition.stage import why_locked
+from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
 from rigtri.maths.matrices import SKEW, decompose, inverse, skew
@@ -74,7 +75,7 @@ def _animated(
     for node in joints:
         prim = stage.GetPrimAtPath(rig.labels[node])
         xformable = UsdGeom.Xformable(prim)
-        if not xformable.GetTimeSamples():
+        if not ops_times(xformable):
             continue
         stand = read_transform(prim, node, interpolation)
         # One sample is a key of an op that a track stands for; of others it is but where the prim stands.
@@ -177,7 +178,7 @@ def read_transform(
     """Where a prim stands, as a value for each property, and its tracks; None where tracks cannot hold it."""
     ops: dict[str, Any] = {str(op.GetOpName()): op for op in UsdGeom.Xformable(prim).GetOrderedXformOps()}
     names = list(ops)
-    if names != [name for name in _ORDER if name in ops]:
+    if names != [name for name in _ORDER if name in ops] or has_splines(prim):
         return None
     constant = [ops[name] for name in (PARENT_INVERSE, FRAME) if name in ops]
     if any(op.GetNumTimeSamples() for op in constant):
@@ -218,7 +219,7 @@ def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[T
         found = decompose(local)
         return found if np.isfinite(found[1]).all() else None
 
-    times = [float(time) for time in xformable.GetTimeSamples()]
+    times = [float(time) for time in ops_times(xformable)]
     found = parts_at(times)
     for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
         between = [(a + b) / 2.0 for a, b in pairwise(times)]
@@ -286,7 +287,7 @@ def xform_tracks(
     times, matrices = [], []
     for prim in prims.values():
         xformable = UsdGeom.Xformable(prim)
-        keys = tuple(xformable.GetTimeSamples())
+        keys = tuple(ops_times(xformable))
         times.append(shared.setdefault(keys, np.array(keys)))
         matrices += [xformable.GetLocalTransformation(time) for time in keys]
     ends = np.cumsum([len(keys) for keys in times])
