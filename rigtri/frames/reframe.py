@@ -39,11 +39,13 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
     """Turn the frame of each node by ``delta``, (n, 4), in its own old frame.
 
     Nothing that can be seen moves. A node that itself shows a mesh, camera or
-    light hands it to a new child ``<name>_payload`` that keeps the old axes.
+    light hands it to a new child ``<name>_payload`` that keeps the old axes. Instances of one prototype
+    turn as the first of them does (`FormatRules.instances`): what is below them is the same in all.
     ValueError where a node's scale does not allow the delta: ask `ScaleTable.allows` first; and
     where constraints would no longer mean the same: ask `rigtri.frames.reoriented_constraints.broken`.
     scales: those of ``rig``, where the caller has them.
     """
+    delta = rig.rules.shared(delta)
     own = rotates(delta)
     if not own.any():
         return rig

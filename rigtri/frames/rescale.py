@@ -36,8 +36,9 @@ def rescale(rig: Rig, size: Floats) -> Rig:
 
     A negative size mirrors a frame, all three axes. Two negative scales that it leaves are half a turn.
     A node that itself shows a mesh, camera or light hands it to a new child ``<name>_payload`` of the scale
-    that it had.
+    that it had. Instances of one prototype get the size of the first of them, as in `reframe`.
     """
+    size = rig.rules.shared(size)
     if (size == 1.0).all():
         return rig
     above = np.where(rig.parents >= 0, size[rig.parents], 1.0)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from rigtri.maths.trigonometry import Floats
+
 
 @dataclass(frozen=True)
 class FormatRules:
@@ -22,6 +24,7 @@ class FormatRules:
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
     per_second: units of clips' time in a second. dotted_names: nodes may have dots in their names.
+    instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     """
 
     fixed: Mapping[int, str] = field(default_factory=dict)
@@ -39,6 +42,7 @@ class FormatRules:
     sized_binding: bool = False
     per_second: float = 1.0
     dotted_names: bool = False
+    instances: Mapping[int, int] = field(default_factory=dict)
 
     def reordered(self, new: Sequence[int]) -> FormatRules:
         """The rules with node k called ``new[k]``."""
@@ -48,5 +52,13 @@ class FormatRules:
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),
+            instances={new[k]: new[first] for k, first in self.instances.items()},
             group_parent=new[self.group_parent] if self.group_parent >= 0 else self.group_parent,
         )
+
+    def shared(self, values: Floats) -> Floats:
+        """Values of nodes, (n, …), with those of one for all that show what it shows."""
+        found = values.copy() if self.instances else values
+        for node, first in self.instances.items():
+            found[node] = values[first]
+        return found

@@ -56,6 +56,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
         rig = _without_rotation(rig, [node for node in nodes if not below[node]], report)
     if options.scales:
         rig = _without_scale(rig, nodes, options, report)
+    _warn_instances(rig, options, report)
     return rig
 
 
@@ -89,6 +90,7 @@ def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
     for node in nodes:
         if np.abs(world[node] - np.eye(3)).max() > ALIGNED:
             delta[node] = conjugate(from_axes(world[node]))
+    delta = rig.rules.shared(delta)
     if not rotates(delta).any():
         return rig
     names = [rig.title(node) for node in np.flatnonzero(rotates(delta)).tolist()]
@@ -123,6 +125,7 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
     off = np.abs(total - 1.0) * inside
     # Where nobody has scaled anything there is noise of exporters, which is left alone.
     size = np.where(off > ONE, 1.0 / total, 1.0) if off.max(initial=0.0) > SAME_SCALE else np.ones(len(rig))
+    size = rig.rules.shared(size)
     _refuse_built(rig, size)
     for node in np.flatnonzero(size != 1.0).tolist():
         report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
@@ -136,6 +139,20 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
         text = f"Colliders at {names} keep their radii, which viewers take as lengths of the world"
         report.warn("radius-kept", text)
     return rescale(rig, size)
+
+
+def _warn_instances(rig: Rig, options: FreezeOptions, report: Report) -> None:
+    """Warn of instances that stand otherwise than the first of their prototype, with which they share all."""
+    axes, sizes = orthonormal_axes(rig.normalised_world), length(rig.world[:, :3, :3])
+    left = [
+        rig.title(node)
+        for node in rig.rules.instances
+        if (options.rotates and np.abs(axes[node] - np.eye(3)).max() > ALIGNED)
+        or (options.scales and not options.joints and np.abs(sizes[node] - 1.0).max() > SAME_SCALE)
+    ]
+    if left:
+        text = f"{listed(left, 6)}: what is below instances is the same in all, so they keep what rotation "
+        report.warn("not-frozen", f"{text}and scale they have beside the first", geometry=True)
 
 
 def _scales(rig: Rig) -> tuple[Floats, Booleans]:

@@ -151,7 +151,8 @@ def skinned(stage: Any, time: Any) -> dict[str, Floats]:
         cache.Populate(root, every)
         for binding in cache.ComputeSkelBindings(root, every):
             query = cache.GetSkelQuery(binding.GetSkeleton())
-            world = np.array(place.GetLocalToWorldTransform(query.GetPrim()))
+            # Of the query it would be the prim of the prototype, which stands nowhere.
+            world = np.array(place.GetLocalToWorldTransform(binding.GetSkeleton().GetPrim()))
             matrices = query.ComputeSkinningTransforms(time)
             for target in binding.GetSkinningTargets():
                 points = UsdGeom.PointBased(target.GetPrim()).GetPointsAttr().Get(time)

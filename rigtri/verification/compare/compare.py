@@ -23,6 +23,7 @@ from rigtri.verification.compare.deviation import compared, measure, side_by_sid
 from rigtri.verification.compare.probe_selection import (
     changed_nodes,
     frames,
+    instances,
     origins,
     own_frames,
     rigid_corners,
@@ -84,6 +85,7 @@ def verify(before: Source, after: Source) -> Comparison:
     probes: list[Probe] = [
         *bodies,
         *frames(mine, found, meshes, everything, sizes),
+        *instances(mine, theirs, found, everything, sizes),
         origins(mine, found, everything),
     ]
     shown, now = before.scenery(closely=True), after.scenery(closely=True)
@@ -127,6 +129,7 @@ def self_check(
     probes: list[Probe] = [
         *bodies,
         *frames(mine, found, meshes, moving, sizes),
+        *instances(mine, theirs, found, moving, sizes),
         *(own_frames(mine, found, moving, sizes) if own_nodes else ()),
         origins(mine, found, moving),
     ]
@@ -153,6 +156,7 @@ def motion_between(before: Source, after: Source, *, axes: bool = True) -> Motio
     probes: list[Probe] = [
         *_box_probes(mine, theirs, found, meshes, moving),
         *(rotations(mine, found, meshes, moving, sizes) if axes else ()),
+        *instances(mine, theirs, found, moving, sizes),
         origins(mine, found, moving),
     ]
     result = measure(*side_by_side(mine, theirs, found), probes, sizes)

@@ -297,6 +297,29 @@ def _framed(
     return FramePoints((np.array(nodes), m.shown[nodes]), (points, points), titles, owners)
 
 
+def instances(
+    before: Rig, after: Rig, m: Correspondence, moving: Booleans, sizes: Floats
+) -> Iterator[FramePoints]:
+    """What instances of one prototype show, of which one alone is read: corners of that one's frame.
+
+    What is in it may count from other axes in the second file; the others see it as it does.
+    sizes: how long the frame is, (n,).
+    """
+    pairs = [
+        (node, first)
+        for node, first in before.rules.instances.items()
+        if (moving[node] or moving[first])
+        and after.rules.instances.get(int(m.node[node]), -1) == int(m.node[first]) >= 0
+    ]
+    if pairs:
+        nodes, firsts = np.array(pairs).T
+        points = _whole(before, firsts.tolist(), sizes)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            seen = points @ before.world[firsts] @ inverse(after.world[m.node[firsts]])
+        titles = [f"instance {before.title(node)}" for node in nodes.tolist()]
+        yield FramePoints((nodes, m.node[nodes]), (points, seen), titles, [""] * len(titles))
+
+
 def origins(before: Rig, m: Correspondence, moving: Booleans) -> FramePoints:
     """Where nodes are; what rigtri itself has added may move."""
     watched = moving & (m.node >= 0)

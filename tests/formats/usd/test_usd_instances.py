@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import set_value
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY
-from rigtri.verification.compare.compare import self_check
+from rigtri.verification.compare.compare import self_check, verify
 
 
 @pytest.mark.parametrize("arc", ["references", "payload"])
@@ -192,15 +193,42 @@ def test_a_crowd_in_a_binary_file_or_a_package_is_reoriented(encoding: str, tmp_
     assert len(skinned(Usd.Stage.Open(str(outs[0])), Usd.TimeCode(3))) == 3
 
 
-def test_instances_that_stand_differently_are_reoriented_alike_to_the_bit(tmp_path: Path) -> None:
-    source = crowd(tmp_path)
+def turned_crowd(folder: Path, turns: Sequence[float] = (17, 31.123, -7.7), size: float = 1.0) -> Path:
+    """A crowd in which each instance is turned, and all are as large."""
+    source = crowd(folder)
     text = source.read_text()
-    for name, turn in (("One", 17), ("Two", 31.123), ("Three", -7.7)):
+    plain = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
+    order = plain.replace('e"]', 'e", "xformOp:rotateY", "xformOp:scale"]')
+    for name, turn in zip(("One", "Two", "Three"), turns, strict=True):
         head, body = text.split(f'def "{name}"')
-        plain = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
-        ops = f"float xformOp:rotateY = {turn}\n" + plain.replace('e"]', 'e", "xformOp:rotateY"]')
+        ops = f"float xformOp:rotateY = {turn}\nfloat3 xformOp:scale = ({size}, {size}, {size})\n{order}"
         text = f'{head}def "{name}"{body.replace(plain, ops, 1)}'
     source.write_text(text)
+    return source
+
+
+def test_what_is_frozen_above_one_instance_is_frozen_above_all(tmp_path: Path) -> None:
+    source, out, again = turned_crowd(tmp_path, size=2.5), tmp_path / "out.usda", tmp_path / "again.usda"
+    assert "warning: Two, Three: what is below" in cli("freeze", source, "-o", out, code=0).output
+    assert deviation(source, out) < 1e-6
+    assert prototypes(out) == 1
+    one, two = (read(out).rig.find(name) for name in ("One", "Two"))
+    assert np.allclose(read(out).rig.world[one, :3, :3], np.eye(3), atol=1e-6)
+    assert not np.allclose(read(out).rig.world[two, :3, :3], np.eye(3), atol=1e-2)
+    cli("freeze", out, "-o", again, code=0)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_an_instance_that_is_turned_where_it_stands_looks_different(tmp_path: Path) -> None:
+    source = turned_crowd(tmp_path)
+    other = save(tmp_path, source.read_text().replace("31.123", "31.124"), "other.usda")
+    result = verify(read(source), read(other))
+    assert not result.passes()
+    assert "instance Two" in str(result.worst)
+
+
+def test_instances_that_stand_differently_are_reoriented_alike_to_the_bit(tmp_path: Path) -> None:
+    source = turned_crowd(tmp_path)
     for preset in ("maya", "unreal-editor", "blender"):
         out = tmp_path / f"{preset}.usda"
         words = ["orient-joints", str(source), "-o", str(out), "--preset", preset, "--strict"]

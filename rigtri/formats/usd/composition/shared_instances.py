@@ -9,7 +9,7 @@ Source: OpenUSD glossary, "Instancing".
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pxr import Sdf, Usd
@@ -73,6 +73,10 @@ class SharedInstances:
             waiting += [path for path in more if path not in found]
             found |= dict.fromkeys(more)
         return list(found)
+
+    def twins(self) -> Mapping[Any, Any]:
+        """The instances that are not read, each with the one that is read in their place."""
+        return self._twins
 
     def is_twin(self, path: Any) -> bool:
         """Whether another instance is read in the place of this one."""

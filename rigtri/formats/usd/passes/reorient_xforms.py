@@ -11,6 +11,7 @@ of another size where the prim does not move; C then has a uniform scale beside 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,6 +76,20 @@ def reorient_xforms(edit: UsdEdit) -> None:
         prim = edit.source.stage.GetPrimAtPath(rig.labels[node])
         if (found[node].rotation != IDENTITY).any() and prim.HasCustomDataKey(":".join(_NOTE)):
             edit.removals.append(_without_generated(prim.GetPath()))
+    _check_instances(before, found)
+
+
+def _check_instances(rig: Rig, found: Mapping[int, _Frame]) -> None:
+    """FileError where instances of one prototype get other frames, which all below them counts from."""
+    same = _Frame()
+    for node, first in rig.rules.instances.items():
+        mine, its = found.get(node, same), found.get(first, same)
+        apart = np.abs(mine.rotation - its.rotation).max(), abs(mine.size / its.size - 1.0)
+        if max(apart) > SAME_ROTATION:
+            raise FileError(
+                f"<{rig.labels[first]}> and <{rig.labels[node]}> are instances of one prototype, and cannot "
+                "get different axes or sizes. Make one of them no instance (instanceable = false)."
+            )
 
 
 def _without_generated(path: Any) -> Edit:
