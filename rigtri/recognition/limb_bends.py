@@ -64,17 +64,12 @@ class LimbBends:
         if given is not None:
             return towards(limb, self.world, given, "given", 1.0)
         natural = self._natural(limb, self._facing_of(limb))
-        doubted = None
-        for found in self._evidence(limb):
-            if natural is None:
-                return found
-            if self._is_believable(limb, found, natural):
-                self._warn(limb, doubted, natural, found, report)
-                return found
-            doubted = doubted or found
-        if natural is not None:
-            self._warn(limb, doubted, natural, natural, report)
-            return natural
+        taken, doubted = self._shown(limb, natural)
+        taken = taken or self._other_side(limb, natural, doubted) or natural
+        if taken is not None:
+            if doubted is not None and natural is not None:
+                self._warn(limb, doubted, natural, taken, report)
+            return taken
         # What a format prescribes says where a straight limb bends, and is nobody's word against a bend.
         prescribed = self.rig.rules.facing
         natural = self._natural(limb, None if prescribed is None else np.array(prescribed))
@@ -94,29 +89,39 @@ class LimbBends:
             return None
         return towards(limb, self.world, -facing if limb.bends_back else facing, "facing", 1.0)
 
-    def _evidence(self, limb: Limb) -> Iterator[Bend]:
-        """What the limb shows, then what the limb of the other side does that is believed.
+    def _shown(self, limb: Limb, natural: Bend | None) -> tuple[Bend | None, Bend | None]:
+        """What a limb shows that is believed, and what it shows before that is not.
+
+        Of a pose that is not believed the motion says on which side it errs, and not which plane is right:
+        where it is near the natural one, that is taken.
+        """
+        doubted = None
+        for found in self._own(limb):
+            if natural is None or self._is_believable(limb, found, natural):
+                errs = doubted is not None and natural is not None
+                near = natural is not None and bool(dot(found.direction, natural.direction) >= NATURAL)
+                return natural if errs and near else found, doubted
+            doubted = doubted or found
+        return None, doubted
+
+    def _other_side(self, limb: Limb, natural: Bend | None, doubted: Bend | None) -> Bend | None:
+        """What the limb of the other side shows, in the mirror.
 
         Against what the limb shows counts only a clear motion of the other side: what that does in one pose
         may be its own.
         """
-        shown = False
-        for found in self._own(limb):
-            shown = True
-            yield found
         twin = self._twin(limb)
         if twin is None:
-            return
-        natural = self._natural(twin, self._facing_of(twin))
-        for theirs in self._own(twin):
-            if natural is None or self._is_believable(twin, theirs, natural):
-                if shown and (theirs.source == "pose" or theirs.sine < CLEAR):
-                    return
-                image = self._image(limb, theirs, twin)
-                seen = towards(limb, self.world, image, "other side", theirs.sine)
-                if seen is not None:
-                    yield seen
-                return
+            return None
+        theirs, _ = self._shown(twin, self._natural(twin, self._facing_of(twin)))
+        if theirs is None or theirs.source == "facing":
+            return None
+        if doubted is not None and (theirs.source == "pose" or theirs.sine < CLEAR):
+            return None
+        found = towards(limb, self.world, self._image(limb, theirs, twin), "other side", theirs.sine)
+        if found is None or natural is None or self._is_believable(limb, found, natural):
+            return found
+        return None
 
     def _own(self, limb: Limb) -> Iterator[Bend]:
         """What the pose shows of a limb, and the motion: where the pose is straight, or a clear bend."""
@@ -164,9 +169,7 @@ class LimbBends:
         """The direction of a bend of the twin, (3,), seen in the mirror."""
         return mirrored(theirs.direction, self.world[limb.start, 3, :3], self.world[twin.start, 3, :3])
 
-    def _warn(self, limb: Limb, doubted: Bend | None, natural: Bend, taken: Bend, report: Report) -> None:
-        if doubted is None or doubted.source == "other side":  # there it is believed
-            return
+    def _warn(self, limb: Limb, doubted: Bend, natural: Bend, taken: Bend, report: Report) -> None:
         off = float(np.degrees(angle(doubted.direction, natural.direction)))
         title = " - ".join(self.rig.title(node) for node in limb.triple)
         if doubted.source == "pose":

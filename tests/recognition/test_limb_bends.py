@@ -105,6 +105,16 @@ def test_clips_that_bend_clearly_are_the_truth(degrees: float) -> None:
         assert "axes.pole" not in broken(rig)
 
 
+def test_a_clear_motion_near_the_natural_side_confirms_it_against_the_pose() -> None:
+    """And is the plane of a limb whose pose is straight."""
+    aside = np.array([1.0, 0.0, 1.0])
+    for knee, least, most in ((-1.0, 0.0, 1.0), (0.0, 40.0, 50.0)):
+        body = posed_body(Pose(knee=knee))
+        found = off(moved(body, KNEES[:1], 30.0, aside), body)
+        for degrees in found[KNEES[0]]:
+            assert least <= degrees <= most
+
+
 def test_a_few_clear_bends_go_before_many_small_ones() -> None:
     body = posed_body(Pose())
     locked = moved(body, KNEES, -6.0)
