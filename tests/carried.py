@@ -129,8 +129,9 @@ def _corrective(rig: Rig) -> Rig:
     size = float(np.linalg.norm(place - rig.world[rig.find(start), 3, :3]))
     points: Any = (tuple(place), tuple(place + np.array([0.0, 0.0, 0.2 * size])))
     rig = rigtri.make_limb(rig, points=points, parent=start, name="helper", up_from="world:+x")
-    change = (("up", "helper_1", f"tx={0.1 * size:.6g},rz=20"),)
-    return rigtri.add_posereader(rig, driver=middle, target=("up=0,1,0",), joint=change, name="reader")
+    unit = float(np.linalg.norm(rig.world[rig.find(start), 0, :3]))
+    change = (("ahead", "helper_1", f"tx={0.1 * size / unit:.6g},rz=20"),)
+    return rigtri.add_posereader(rig, driver=middle, target=("ahead=0,0,1",), joint=change, name="reader")
 
 
 def _poses(rig: Rig) -> tuple[str, ...]:

@@ -5,7 +5,8 @@ A frame that is s times as large as another has world' = s·world; with row matr
     local' = s·local·sp⁻¹       inverse_bind' = inverse_bind·s⁻¹
 
 so translations are multiplied by sp⁻¹ and scales by s·sp⁻¹, at rest and at every key, tangents too: linear
-and constant in time. Rotations stay. Where a format wants bind matrices of scale 1
+and constant in time. Rotations stay. An offset of a constraint becomes s·offset·sd⁻¹ for its driver d.
+Where a format wants bind matrices of scale 1
 (`FormatRules.sized_binding`), the points of a skin are bound in another size instead, as far as all of its
 joints have one size.
 
@@ -14,7 +15,9 @@ Source: UsdSkel and glTF 2.0 §3.7.3 (skins).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +26,10 @@ from rigtri.maths.matrices import compose, identity, multiply
 from rigtri.maths.quaternions import IDENTITY, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import triple
 from rigtri.model.animation import Track
+from rigtri.model.constraints import constraint_record, constraints_of
+from rigtri.model.metadata import ConstraintRecord, OutputRecord, PoseReaderRecord, Record
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 
@@ -69,6 +75,7 @@ def rescale(rig: Rig, size: Floats) -> Rig:
         matrix=matrix,
         skins=tuple(skins),
         clips=clips,
+        metadata=_rescaled_metadata(rig, size),
         bound=tuple(
             replace(one, vector=one.vector / size[one.node])
             if size[one.node] != 1.0 and not one.is_direction
@@ -80,6 +87,36 @@ def rescale(rig: Rig, size: Floats) -> Rig:
     carriers = np.flatnonzero((size != 1.0) & (rig.attachment >= 0)).tolist()
     still = np.tile(IDENTITY, (len(carriers), 1))
     return hand_over_attachments(smaller, carriers, still, 1.0 / size[carriers])
+
+
+def _rescaled_metadata(rig: Rig, size: Floats) -> Mapping[int, Mapping[str, Any]]:
+    """The metadata of a rig whose nodes get ``size``, (n,): what constraints and readers hold of lengths.
+
+    Controls hold none: they move joints from where both stand in the world.
+    """
+    found: dict[int, Record] = {}
+    for node, rule in constraints_of(rig).items():
+        own, drivers = size[rule.child], size[list(rule.drivers)][:, np.newaxis]
+        if rule.kind in ("parent", "scale", "polevector") and ((drivers != 1.0).any() or own != 1.0):
+            offsets = rule.offsets.copy()
+            offsets[:, :3, :3] *= own / drivers[..., np.newaxis]
+            offsets[:, 3, :3] /= drivers
+            record = constraint_record(rig, replace(rule, offsets=offsets))
+            found[node] = replace(rig.records(ConstraintRecord)[node], offsets=record.offsets)
+    for node, reader in rig.records(PoseReaderRecord).items():
+        outputs = tuple(_rescaled_output(rig, output, size) for output in reader.outputs)
+        if outputs != reader.outputs:
+            found[node] = replace(reader, outputs=outputs)
+    return {**rig.metadata, **{node: record.to_dict() for node, record in found.items()}}
+
+
+def _rescaled_output(rig: Rig, output: OutputRecord, size: Floats) -> OutputRecord:
+    """What a pose reader does to a joint, in the units of the frame above that."""
+    joint = rig.known(output.joint) if output.joint else None
+    above = -1 if joint is None else int(rig.parents[joint])
+    if above < 0 or output.translation is None or size[above] == 1.0:
+        return output
+    return replace(output, translation=triple(np.array(output.translation) / size[above]))
 
 
 def _half_turned(rig: Rig, nodes: list[int]) -> Rig:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import UsageError
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
@@ -46,8 +46,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
 
     Mirrored axes are a scale of -1, and become right-handed. What has a scale that is not uniform keeps what
     is not uniform in it, with a warning. What each node
-    had is in ``report.joints``. Raises UsageError for a unit or up axis that the format does not have, and
-    GeometryError where what rigtri has built stands on joints whose scale changes.
+    had is in ``report.joints``. Raises UsageError for a unit or up axis that the format does not have.
     """
     rig = _converted(rig, options)
     nodes = _nodes(rig)
@@ -126,7 +125,6 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
     # Where nobody has scaled anything there is noise of exporters, which is left alone.
     size = np.where(off > ONE, 1.0 / total, 1.0) if off.max(initial=0.0) > SAME_SCALE else np.ones(len(rig))
     size = rig.rules.shared(size)
-    _refuse_built(rig, size)
     for node in np.flatnonzero(size != 1.0).tolist():
         report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
     left = [rig.title(node) for node in np.flatnonzero(uneven & inside).tolist()]
@@ -186,14 +184,3 @@ def _mirrored(rig: Rig, report: Report) -> Booleans:
                 values = key_values(track)
                 found[track.node] = bool((np.sign(values) == np.sign(rig.scale[track.node])).all())
     return found
-
-
-def _refuse_built(rig: Rig, size: Floats) -> None:
-    """GeometryError where a record of rigtri is about a node that gets another size."""
-    for node in rig.nodes_of(*_BUILT):
-        for other in (node, *sorted(rig.named_by(rig.metadata[node]))):
-            if size[other] != 1.0:
-                raise GeometryError(
-                    f"'{rig.title(node)}' was built on '{rig.title(other)}' by the scale that this has, and "
-                    "freeze would change it. Bake what is animated and strip first, freeze, then build again"
-                )

@@ -19,6 +19,7 @@ from places import SAMPLES, slow
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
+from rigtri.frames.rescale import rescale
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.registry import OPERATIONS
@@ -67,6 +68,21 @@ def test_motion_survives_an_edit(
     name: str, thing: str, edit: str, folder: Path, request: pytest.FixtureRequest
 ) -> None:
     _hold(SAMPLES / name, thing, edit, folder)
+
+
+SCALED = ("constraint: parent", "pose reader: joint", "controls", "constraint: pole vector", "twist joints")
+
+
+@pytest.mark.parametrize("thing", [SCALED[0], *map(slow, SCALED[1:])])
+@pytest.mark.parametrize(("name", "size"), [("biped.glb", 0.01), slow("biped.usda", 0.25)])
+def test_freeze_carries_what_is_built_on_scaled_joints(
+    name: str, size: float, thing: str, tmp_path: Path
+) -> None:
+    """An armature of a hundredth, as files that were FBX have it; scales in USD are halves."""
+    rig = rigtri.read(SAMPLES / name)
+    sizes = np.where(rig.is_joint, size, 1.0)
+    rigtri.write(rescale(rig, sizes), tmp_path / name)
+    assert carried(source_of(tmp_path / name, thing, tmp_path), "freeze", tmp_path) <= SAME_MOTION
 
 
 def test_controls_without_motion_take_the_new_axes_of_their_joints() -> None:

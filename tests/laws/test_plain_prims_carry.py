@@ -43,7 +43,7 @@ EDITS = {
     "strip": (),
 }
 # What says so where an edit or a bake refuses.
-REFUSED = "by the scale that this has|other paths"
+REFUSED = "other paths"
 
 
 def _save(path: Path, ops: str, *, animated: bool) -> Path:

@@ -15,7 +15,7 @@ from pxr import Sdf, Usd
 from scaled_limbs import Limb
 
 import rigtri
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import UsageError
 from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats
@@ -155,12 +155,6 @@ def test_only_what_is_above_or_only_what_joints_have(tmp_path: Path) -> None:
     assert np.allclose(length(above.world[wrist, :3, :3]), 50.0)
     assert np.allclose(length(own.world[wrist, :3, :3]), 0.01)
     assert np.allclose(above.scale[root], 100.0)
-
-
-def test_controls_on_scaled_joints_are_refused(tmp_path: Path) -> None:
-    rig = rigtri.add_controls(rigtri.read(source(tmp_path, ".glb")), joints=("wrist",))
-    with pytest.raises(GeometryError, match=r"strip first, freeze"):
-        rigtri.freeze(rig)
 
 
 @pytest.mark.parametrize("path", real_files())
