@@ -41,6 +41,11 @@ def add_joints(edit: UsdEdit) -> None:
     for path, nodes in added.items():
         skeleton = edit.source.skeletons[path]
         check_joints_editable(edit.source.stage, skeleton, "added")
+        if skeleton.unskinned:
+            raise FileError(
+                f"<{path}> has no restTransforms and no animation, so UsdSkel leaves its meshes where they "
+                "are, and with the rest pose that new joints need it would skin them. Add restTransforms."
+            )
         edits += _append(edit.source, skeleton, edit.rig, nodes)
     edit.prepare(edits)
     edit.rig = _in_order(edit.source, edit.rig, added)

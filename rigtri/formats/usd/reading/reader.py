@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from rigtri.errors import FileError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition.animation_binding import bound_animation
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
-from rigtri.formats.usd.composition.stage import quiet, why_locked
+from rigtri.formats.usd.composition.stage import DEFAULT, quiet, why_locked
 from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.animation_reader import (
     NOTHING,
@@ -163,10 +164,20 @@ class _Reader:
         for prim in prims:
             path = str(prim.GetPath())
             animations = self._animations_of(path)
-            skeleton = read_skeleton(prim, animations, world[self.nodes.node_of[path]], self.warnings)
+            place, bound = world[self.nodes.node_of[path]], partial(self._bound, path, world)
+            skeleton = read_skeleton(prim, animations, place, bound, self.warnings)
             if skeleton is not None:
                 self.skeletons[path] = skeleton
         self.nodes.add_joints(self.skeletons.values())
+
+    def _bound(self, skeleton: str, world: Floats) -> list[tuple[Floats, Floats]]:
+        """Where each mesh of a skeleton is bound, and where it stands."""
+        queries = [query for query in self.bindings.of({skeleton}) if query.HasJointInfluences()]
+        owners = [self.nodes.owner(str(query.GetPrim().GetPath())) for query in queries]
+        return [
+            (np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64), world[owner])
+            for query, owner in zip(queries, owners, strict=True)
+        ]
 
     def _animations_of(self, skeleton: str) -> list[Any]:
         """The SkelAnimation prims that drive a skeleton in any instance that it stands for."""

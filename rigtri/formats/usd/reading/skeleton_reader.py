@@ -6,7 +6,7 @@ restTransforms are joint-local, a joint's parent is its nearest *listed* ancesto
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,9 @@ from rigtri.report import Notice
 # A frame whose volume is a smaller share of its axes' lengths has no inverse worth the name.
 SINGULAR = 1e-12
 
+# Places that differ by a smaller share of their largest number are one: what a few products leave.
+_ONE_PLACE = 1e-9
+
 # What exporters that multiply in float32 leave in a column that should be 0, 0, 0, 1.
 PERSPECTIVE = 1e-5
 
@@ -34,6 +37,7 @@ class Skeleton:
 
     locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
     animations: the paths of the SkelAnimations that are bound to it, several where instances share it.
+    unskinned: the meshes that UsdSkel shows as they are, though no pose of the joints shows them all so.
     """
 
     path: str
@@ -44,14 +48,20 @@ class Skeleton:
     has_rest: bool
     locked: str
     animations: tuple[str, ...]
+    unskinned: bool = False
 
 
 def read_skeleton(
-    prim: Any, animations: Sequence[Any], world: Floats, warnings: list[Notice]
+    prim: Any,
+    animations: Sequence[Any],
+    world: Floats,
+    bound: Callable[[], Sequence[tuple[Floats, Floats]]],
+    warnings: list[Notice],
 ) -> Skeleton | None:
     """The skeleton of a Skeleton prim whose world matrix is ``world``; None if it has no joints.
 
-    animations: the SkelAnimation prims that are bound to it (`bound_animation`).
+    animations: the SkelAnimation prims that are bound to it (`bound_animation`). bound: where each of its
+    meshes is bound, and where it stands, as matrices of the world.
     FileError where its joints or matrices break UsdSkel's rules, naming them.
     """
     path = str(prim.GetPath())
@@ -79,10 +89,12 @@ def read_skeleton(
             "inverse (an axis is zero or two coincide), so its skin is undefined."
         )
     rest = _matrices(prim, "restTransforms", tokens)
-    for animation in animations if rest is None else ():
-        if animation.IsActive():
-            _check_covered(path, tokens, animation)
+    driving = [animation for animation in animations if animation.IsActive()]
+    shift: Floats | None = np.eye(4)
     if rest is None:
+        for animation in driving:
+            _check_covered(path, tokens, animation)
+        shift = shift if driving else _shift(bound())
         warnings.append(
             Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
         )
@@ -91,11 +103,30 @@ def read_skeleton(
         tokens=tokens,
         parents=parents,
         bind=bind,
-        rest=_local(bind, parents, world) if rest is None else rest,
+        rest=_local(_moved(bind, shift), parents, world) if rest is None else rest,
         has_rest=rest is not None,
         locked="",
         animations=tuple(str(animation.GetPath()) for animation in animations),
+        unskinned=shift is None,
     )
+
+
+def _shift(bound: Sequence[tuple[Floats, Floats]]) -> Floats | None:
+    """What takes all joints from where they are bound to where the skin is as UsdSkel shows it: unskinned.
+
+    Without any pose it leaves points where their prims are. None where meshes would need joints elsewhere.
+    """
+    shifts = [multiply(inverse(bind), world) for bind, world in bound if not singular(bind[np.newaxis])[0]]
+    if len(shifts) < len(bound):
+        return None
+    first = shifts[0] if shifts else np.eye(4)
+    size = max(1.0, float(np.abs(first).max()))
+    same = all(float(np.abs(shift - first).max()) <= _ONE_PLACE * size for shift in shifts)
+    return first if same else None
+
+
+def _moved(bind: Floats, shift: Floats | None) -> Floats:
+    return bind if shift is None else multiply(bind, shift)
 
 
 def joint_parents(path: str, tokens: Sequence[str]) -> Integers:
