@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gltf_files import glb_json
+from gltf_files import glb_bytes, glb_json, glb_parts
 from places import SAMPLES, real_files
 from program import cli
 
@@ -36,6 +36,24 @@ def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path)
     assert not any(before.type_of(before.names.index(name)) for name in gone)
     for skin in after.skins:
         assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
+
+
+def test_a_joint_of_a_physics_engine_keeps_its_node(tmp_path: Path) -> None:
+    """Source: KHR_physics_rigid_bodies, joint.connectedNode."""
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    rig = rigtri.add_socket(rigtri.read(SAMPLES / "biped.glb"), name="wpn", on="hand_L")
+    rigtri.write(rigtri.add_socket(rig, name="rope", on="hand_R"), source)
+    gltf, binary = glb_parts(source)
+    names = [node["name"] for node in gltf["nodes"]]
+    body = gltf["nodes"][names.index("body")]
+    body["extensions"] = {"KHR_physics_rigid_bodies": {"joint": {"connectedNode": names.index("rope")}}}
+    gltf["extensionsUsed"] = ["KHR_physics_rigid_bodies"]
+    source.write_bytes(glb_bytes(gltf, binary))
+    cli("prune-joints", source, "-o", out, "--ends", "--sockets", code=0)
+    nodes = glb_json(out)["nodes"]
+    assert "wpn" not in [node["name"] for node in nodes]
+    (holder,) = (node["extensions"] for node in nodes if "extensions" in node)
+    assert nodes[holder["KHR_physics_rigid_bodies"]["joint"]["connectedNode"]]["name"] == "rope"
 
 
 def test_sockets_stay_in_every_run_and_ends_go() -> None:

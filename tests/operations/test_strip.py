@@ -160,10 +160,13 @@ def test_rotations_of_what_goes_may_be_of_any_length_and_those_of_what_stays_may
         edit(built, bare, longer)
 
 
-def test_an_extension_that_may_count_nodes_is_named(samples: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["XX_unknown", "KHR_interactivity"])
+def test_an_extension_that_may_hold_numbers_of_nodes_is_named(
+    name: str, samples: Path, tmp_path: Path
+) -> None:
     edit(samples / "biped.glb", tmp_path / "built.glb", controls)
-    reordered(tmp_path / "built.glb", "XX_unknown")
-    with pytest.raises(FileError, match="XX_unknown may count nodes"):
+    reordered(tmp_path / "built.glb", name)
+    with pytest.raises(FileError, match=f"{name} may hold numbers of nodes"):
         edit(tmp_path / "built.glb", tmp_path / "bare.glb", stripped)
     assert not (tmp_path / "bare.glb").exists()
 

@@ -22,8 +22,29 @@ from rigtri.formats.gltf.references import take_out
 
 # Meshes and materials that rigtri draws shapes with; others stay, whoever used them.
 _OURS = {"meshes": re.compile("rigtri_"), "materials": re.compile("rigtri_[0-9a-f]{6}$")}
-# Extensions whose indices of these kinds all stand at those words, or that have none.
-_KNOWN = ("EXT_mesh", "EXT_texture", "GODOT_single_root", "KHR_", "MSFT_lod", "VRM")
+# How extensions begin whose indices of these kinds all stand at those words, or that have none. Not KHR_
+# alone: KHR_interactivity counts nodes in values of its graphs, and other drafts in words of their own.
+_KNOWN = (
+    "EXT_lights",
+    "EXT_mesh",
+    "EXT_texture",
+    "GODOT_single_root",
+    "KHR_animation_pointer",
+    "KHR_audio",
+    "KHR_draco",
+    "KHR_gaussian_splatting",
+    "KHR_implicit_shapes",
+    "KHR_lights",
+    "KHR_materials",
+    "KHR_mesh",
+    "KHR_node",
+    "KHR_physics_rigid_bodies",
+    "KHR_skeleton_bone",
+    "KHR_texture",
+    "KHR_xmp",
+    "MSFT_lod",
+    "VRM",
+)
 
 
 def prune(draft: CopyOnWrite, storage: Storage, nodes: Collection[int]) -> None:
@@ -88,8 +109,8 @@ def _drop(draft: CopyOnWrite, kind: str, gone: Collection[int]) -> bool:
         if kind != "nodes":
             return False
         raise FileError(
-            f"What rigtri added stands between other nodes, and {unknown} may count nodes in ways that "
-            "rigtri does not know. Take that extension out first"
+            f"Nodes that stay would get other numbers, and {unknown} may hold numbers of nodes at places "
+            "that rigtri does not know. Take that extension out first"
         )
     take_out(draft, kind, gone)
     if not draft.gltf[kind]:

@@ -16,7 +16,7 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 
 # Sections of the file that hold indices of a list, and the words that they stand at there.
-_NODE_WORDS = "node nodes children joints skeleton source center bones ids firstPersonBone"
+_NODE_WORDS = "node nodes children joints skeleton source center bones ids firstPersonBone connectedNode"
 _WORDS: dict[str, tuple[tuple[str, ...], frozenset[str]]] = {
     "nodes": (("nodes", "scenes", "skins", "animations", "extensions"), frozenset(_NODE_WORDS.split())),
     "meshes": (("nodes", "extensions"), frozenset({"mesh"})),
