@@ -76,7 +76,7 @@ class _Reader:
 
     def read(self) -> Scene:
         scene, rig = self.scene, self.scene.rig
-        self._omit_own()
+        scene.omit_built()
         scene.materials = [self._material(raw, k) for k, raw in enumerate(self._list("materials"))]
         self._primitives()
         lights = self._object(self.gltf.get("extensions"), LIGHTS).get("lights") or []
@@ -100,16 +100,6 @@ class _Reader:
                 scene.hidden.add(node)
         self._unsaid()
         return scene
-
-    def _omit_own(self) -> None:
-        """Leave out what rigtri has added, but joints."""
-        rig = self.scene.rig
-        own = [node for node in rig.own if not rig.is_joint[node]]
-        for node in own:
-            self.scene.omitted.update([node, *rig.below(node)])
-        self.scene.omitted -= set(rig.with_ancestors([k for k in range(len(rig)) if rig.is_joint[k]]))
-        if self.scene.omitted:
-            self.scene.lose(f"the rig that rigtri has added ({len(own)} nodes): build it again on the output")
 
     def _unsaid(self) -> None:
         scene = self.scene

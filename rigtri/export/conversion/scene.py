@@ -6,9 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+import numpy as np
+
 from rigtri.model.animation import Clip
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.unbaked import unbaked
+from rigtri.text import listed
 
 Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive"]
 Colour = tuple[float, float, float]
@@ -133,3 +137,18 @@ class Scene:
         """Note what the other format cannot say; the same words only once."""
         if what not in self.lost:
             self.lost.append(what)
+
+    def omit_built(self) -> None:
+        """Leave out what rigtri has added to the rig, but joints, and note what goes with it."""
+        rig = self.rig
+        own = [node for node in rig.own if not rig.is_joint[node]]
+        for node in own:
+            self.omitted.update([node, *rig.below(node)])
+        self.omitted -= rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
+        if own:
+            self.lose(f"the rig that rigtri has added ({len(own)} nodes): build it again on the output")
+        if motion := unbaked(rig) if own else "":
+            self.lose(f"motion that only controls have. {motion}: rigtri bake --to joints first")
+        if stored := [node for node in sorted(rig.metadata) if node not in own]:
+            names = listed([f"'{rig.title(node)}'" for node in stored], 6)
+            self.lose(f"what rigtri has stored on {names}: plain nodes in the output")

@@ -88,11 +88,7 @@ class _Reader:
     def _omit(self) -> None:
         """Leave out rigtri's own rig, guides and what is not there for everybody."""
         scene, rig = self.scene, self.scene.rig
-        own = [node for node in rig.own if not rig.is_joint[node]]
-        for node in own:
-            scene.omitted.update([node, *rig.below(node)])
-        if own:
-            scene.lose(f"the rig that rigtri has added ({len(own)} nodes): build it again on the output")
+        scene.omit_built()
         guides = 0
         for node, key in enumerate(rig.keys):
             prim = self.stage.GetPrimAtPath(rig.labels[node]) if key[0] == "prim" else None  # type: ignore[index]

@@ -24,19 +24,25 @@ UNBAKED = 1e-4
 
 
 def refuse_unbaked(rig: Rig) -> None:
-    """GeometryError where controls move joints at rest or in a clip, and the joints' own keys do not.
+    """GeometryError where controls move joints at rest or in a clip, and the joints' own keys do not."""
+    _refuse(unbaked(rig))
+
+
+def unbaked(rig: Rig) -> str:
+    """Where controls move joints at rest or in a clip as the joints' own keys do not, in words; "" for none.
 
     Constraints alone are no motion that somebody has made: they count where controls have keys.
     """
     size = size_of(rig)
     posed = moved_at_rest(rig, size)
-    if posed:
-        _refuse(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size)
+    found = _difference(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size) if posed else ""
     for timeline in timelines(rig):
         driven = controls_with_keys(rig, timeline)
-        if driven:
+        if driven and not found:
             sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
-            _refuse(Solver(rig, driven), sampled, PoseCache(rig, sampled), f"in clip '{timeline.name}'", size)
+            where = f"in clip '{timeline.name}'"
+            found = _difference(Solver(rig, driven), sampled, PoseCache(rig, sampled), where, size)
+    return found
 
 
 def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bound: float) -> None:
@@ -52,7 +58,7 @@ def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bo
     sampled = sample_parts(after, now.clip, times)
     posed = Solver(after, driven | controls_with_keys(after, now)).run(sampled)
     old = sample_parts(before, timeline.clip, times)
-    _refuse(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound)
+    _refuse(_difference(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound))
 
 
 def _times(rig: Rig, clip: Clip) -> Floats:
@@ -65,24 +71,31 @@ def _times(rig: Rig, clip: Clip) -> Floats:
     return found
 
 
-def _refuse(
+def _refuse(found: str) -> None:
+    """GeometryError about motion that is lost, where there is some."""
+    if found:
+        raise GeometryError(
+            f"{found}: that motion would be lost. Take it to the joints with rigtri bake --to joints first, "
+            "or give --discard-motion"
+        )
+
+
+def _difference(
     solver: Solver,
     sampled: Mapping[int, Parts],
     kept: PoseCache,
     where: str,
     size: float,
     bound: float = UNBAKED,
-) -> None:
-    """GeometryError where what a solver makes of a pose is not what is kept of it."""
+) -> str:
+    """Where what a solver makes of a pose is not what is kept of it, in words; "" where it is."""
     rig, posed = solver.rig, solver.run(sampled)
     found = {node: _apart(kept, posed, node, size) for node in _joints(rig, set(solver.sets) - rig.own)}
     worst = max(found, key=lambda node: found[node], default=-1)
-    if worst >= 0 and found[worst] > bound:
-        raise GeometryError(
-            f"Controls move '{rig.title(worst)}' {where} as its own keys do not ({found[worst]:.2g} of the "
-            "size): that motion would be lost. Take it to the joints with rigtri bake --to joints first, or "
-            "give --discard-motion"
-        )
+    if worst < 0 or found[worst] <= bound:
+        return ""
+    title, far = rig.title(worst), found[worst]
+    return f"Controls move '{title}' {where} as its own keys do not ({far:.2g} of the size)"
 
 
 def _joints(rig: Rig, nodes: Iterable[int]) -> list[int]:

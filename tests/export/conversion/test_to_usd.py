@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from convertible import write_everything
 from gltf_files import glb_bytes, glb_parts, small
-from places import asset_files, sample_files, slow
+from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 from second_opinions import usd_errors
@@ -161,6 +162,21 @@ def test_cameras_and_lights_keep_their_lenses(stage: Any) -> None:
     assert UsdLux.DistantLight(by_type["DistantLight"]).GetIntensityAttr().Get() == 3
     cone = UsdLux.ShapingAPI(by_type["SphereLight"]).GetShapingConeAngleAttr().Get()
     assert cone == pytest.approx(np.degrees(0.6))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_what_rigtri_has_built_is_told_and_motion_that_only_controls_have(name: str, tmp_path: Path) -> None:
+    built, out = tmp_path / name, tmp_path / ("out.usda" if name.endswith("glb") else "out.glb")
+    rig = rigtri.add_twist(rigtri.read(SAMPLES / name), limbs="auto")
+    rig = rigtri.add_controls(rig, joints=("head",))
+    rotation = rig.rotation.copy()
+    rotation[rig.find("head_ctl")] = (0.0, 0.6, 0.0, 0.8)
+    rigtri.write(replace(rig, rotation=rotation), built, verify=False)
+    lost = [notice.text for notice in rigtri.convert(built, out).report.warnings if notice.code == "lost"]
+    assert any("the rig that rigtri has added (" in text for text in lost)
+    assert any("Controls move 'head' at rest" in text and "bake --to joints" in text for text in lost)
+    assert any("stored on 'upper_arm_L_twist_1'" in text for text in lost)
+    assert "only controls" in cli("convert", built, "-o", out, "--overwrite", "--strict", code=5).stderr
 
 
 def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, tmp_path: Path) -> None:
