@@ -24,6 +24,7 @@ class FormatRules:
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
     per_second: units of clips' time in a second. dotted_names: nodes may have dots in their names.
+    resting: joints that show their rest pose in the midst of a clip, each with what makes them.
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     """
 
@@ -42,6 +43,7 @@ class FormatRules:
     sized_binding: bool = False
     per_second: float = 1.0
     dotted_names: bool = False
+    resting: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
 
     def reordered(self, new: Sequence[int]) -> FormatRules:
@@ -49,6 +51,7 @@ class FormatRules:
         return replace(
             self,
             fixed={new[k]: reason for k, reason in self.fixed.items()},
+            resting={new[k]: why for k, why in self.resting.items()},
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),

@@ -42,8 +42,9 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     """The rig with a pose for the rest pose of its joints; clips play as before, and so do bind poses.
 
     A clip that had no keys of a joint showed its rest pose, and gets a key of it. Raises GeometryError where
-    no body is known, where joints may have no rotations (VRM 0.x), and where VRM constraints or springs count
-    from the rest pose; UsageError and NameNotFoundError for moments that there are not.
+    no body is known, where joints may have no rotations (VRM 0.x), where VRM constraints or springs count
+    from the rest pose, and where it is seen in a clip whose samples are blocked (USD); UsageError and
+    NameNotFoundError for moments that there are not.
     """
     uneven, target = _unevenness(rig), _target(rig, options, report)
     parts = {node: part for node, part in target.items() if _differs(rig, node, part, uneven[node])}
@@ -218,6 +219,12 @@ def _refuse(rig: Rig, moved: list[int]) -> None:
         return
     if rig.rules.orient_locked:
         raise GeometryError(f"{rig.rules.orient_locked}, so its rest pose is that of its bind pose")
+    if resting := [node for node in moved if node in rig.rules.resting]:
+        why = rig.rules.resting[resting[0]]
+        raise GeometryError(
+            f"{why}, where '{rig.title(resting[0])}' shows its rest pose: with another one the clip would "
+            "look different. Give it values there first"
+        )
     tied = {node for c in rig.node_constraints if c.key is not None for node in (c.node, c.source)}
     if ties := sorted(tied & set(moved)):
         names = listed([rig.title(node) for node in ties], 6)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from places import SAMPLES, real_files
 from program import cli
-from usd_files import deviation, save
+from usd_files import MESH, SKELETON, animation, at, deviation, save, scene, skeleton
 from vrm_files import vrm_0
 
 import rigtri
@@ -130,3 +130,13 @@ def test_hips_that_rest_leaning_without_a_root_stand_as_they_were_bound(suffix: 
     stands = rigtri.set_rest(leaning, pose=pose)
     assert np.allclose(stands.world[hips], rig.world[hips], atol=1e-5)
     assert np.allclose(places(stands, 0), places(leaning, 0), atol=1e-5)
+
+
+def test_joints_that_rest_within_a_clip_are_refused(tmp_path: Path) -> None:
+    """Where samples of a USD animation are blocked, UsdSkel shows the rest pose."""
+    still = "[(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)]"
+    rest = SKELETON["rest"].replace(at(0, 2, 0), at(1, 2, 0))
+    blocked = f"quatf[] rotations.timeSamples = {{\n1: {still},\n5: None,\n}}"
+    source = save(tmp_path, scene(skeleton(rest=rest), animation(rotations=blocked), MESH))
+    ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=5)
+    assert "</Root/Anim>.rotations is blocked at 5" in " ".join(ran.stderr.split())

@@ -85,6 +85,7 @@ class _Reader:
             rig.rules,
             group_parent=self._group_parent(rig),
             group_name="rigtri",
+            resting=self._resting(),
             per_second=float(self.stage.GetTimeCodesPerSecond()),
         )
         rig = replace(rig, rules=rules)
@@ -225,6 +226,20 @@ class _Reader:
                     "from the source.",
                 )
             )
+
+    def _resting(self) -> dict[int, str]:
+        """Joints of skeletons whose animation has no value at times, when UsdSkel shows the rest pose of all."""
+        found: dict[int, str] = {}
+        for skeleton in self.skeletons.values():
+            nodes = self.nodes.joint_nodes[skeleton.path].values()
+            played = [self.animations[path] for path in skeleton.animations if path in self.animations]
+            for animation in (each for each in played if not each.idle):
+                for name, item in animation.properties.items():
+                    if item.blocked:
+                        found |= dict.fromkeys(
+                            nodes, f"<{animation.path}>.{name} is blocked at {item.blocked[0]:g}"
+                        )
+        return found
 
     def _clips(self) -> list[Clip]:
         names = [animation.name for animation in self.animations.values()]
