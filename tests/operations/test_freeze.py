@@ -13,6 +13,7 @@ from places import SAMPLES, real_files
 from program import cli
 from pxr import Sdf, Usd
 from scaled_limbs import Limb
+from usd_files import deviation
 
 import rigtri
 from rigtri.errors import UsageError
@@ -127,6 +128,19 @@ def test_a_root_that_holds_no_turn_is_not_noted_as_blenders_own(
     assert dict(Sdf.Layer.FindOrOpen(str(out)).GetPrimAtPath("/Root").customData) == left
     cli("freeze", path, "-o", other, "--scale", code=0)
     assert Usd.Stage.Open(str(other)).GetPrimAtPath("/Root").HasCustomDataKey("Blender:generated")
+
+
+@pytest.mark.parametrize("scale", ["(-1, 1, 1)", "(-2, -2, -2)"])
+def test_a_mirrored_prim_above_a_skeleton_is_frozen(scale: str, tmp_path: Path) -> None:
+    path, out = tmp_path / "in.usda", tmp_path / "out.usda"
+    order = 'uniform token[] xformOpOrder = ["xformOp:scale"]'
+    mirrored = f'def SkelRoot "figure"\n    {{\n        float3 xformOp:scale = {scale}\n        {order}\n'
+    path.write_text((SAMPLES / "biped.usda").read_text().replace('def SkelRoot "figure"\n    {\n', mirrored))
+    cli("freeze", path, "-o", out, code=0)
+    assert deviation(path, out) < 1e-6
+    rig = read(out).rig
+    assert np.allclose(rig.world[rig.find("figure"), :3, :3], np.eye(3), atol=1e-6)
+    assert np.linalg.det(rig.world[rig.find("hips"), :3, :3]) == pytest.approx(1.0)
 
 
 def test_a_stage_is_converted_to_another_unit_and_up_axis(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ from rigtri.formats.usd.reading.xform_hierarchy import FRAME, PARENT_INVERSE, va
 from rigtri.maths.matrices import (
     SKEW,
     compose,
+    determinant,
     inverse,
     multiply,
     orthonormal_axes,
@@ -111,7 +112,7 @@ def _without_generated(path: Any) -> Edit:
 
 
 class _Frame(NamedTuple):
-    """How a frame differs from the one that was: turned, (4,) xyzw, and so many times as large."""
+    """How a frame differs from the one that was: turned, (4,) xyzw, and times as large, below 0 mirrored."""
 
     rotation: Floats = IDENTITY
     size: float = 1.0
@@ -127,6 +128,7 @@ def _delta(before: Rig, after: Rig, node: int, above: _Frame) -> _Frame:
     lifted = multiply(new, compose(np.zeros(3), above.rotation, np.full(3, above.size)))
     change = multiply(lifted, inverse(old))
     q, size = from_axes(orthonormal_axes(change)), float(length(change[0, :3]))
+    size = -size if determinant(change) < 0 else size
     size = 1.0 if abs(size - 1.0) < SAME_ROTATION else size
     axes = compose(np.zeros(3), q, np.full(3, size))
     left = np.abs(multiply(axes, old) - lifted).max()

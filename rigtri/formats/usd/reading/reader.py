@@ -228,7 +228,7 @@ class _Reader:
             )
 
     def _resting(self) -> dict[int, str]:
-        """Joints of skeletons whose animation has no value at times, when UsdSkel shows the rest pose of all."""
+        """Joints whose animation has no value at times, when UsdSkel shows its rest pose for all of them."""
         found: dict[int, str] = {}
         for skeleton in self.skeletons.values():
             nodes = self.nodes.joint_nodes[skeleton.path].values()
