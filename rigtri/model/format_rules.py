@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from rigtri.maths.trigonometry import Floats
@@ -23,9 +23,9 @@ class FormatRules:
     named: nodes that extensions of the file refer to.
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
-    per_second: units of clips' time in a second. dotted_names: nodes may have dots in their names.
     resting: joints that show their rest pose in the midst of a clip, each with what makes them.
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
+    per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
 
     fixed: Mapping[int, str] = field(default_factory=dict)
@@ -42,9 +42,9 @@ class FormatRules:
     metres_per_unit: float = 1.0
     sized_binding: bool = False
     per_second: float = 1.0
-    dotted_names: bool = False
     resting: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
+    valid_name: Callable[[str], str] = str
 
     def reordered(self, new: Sequence[int]) -> FormatRules:
         """The rules with node k called ``new[k]``."""

@@ -26,8 +26,8 @@ from rigtri.operations.rigtri_nodes import (
     add,
     built_at_zero,
     find,
+    given_name,
     home,
-    plain_name,
     refuse_taken,
     renamed,
     stand,
@@ -65,6 +65,7 @@ def _with_poles(rig: Rig, options: AddPolevectorOptions, report: Report) -> Rig:
         raise UsageError(f"--name fits one limb, not {len(limbs)}")
     if options.name is not None:
         chain = tuple(map(rig.address, limbs[0].triple))
+        given_name(rig, options.name, report)
         refuse_taken(rig, options.name, find(rig, PoleVectorRecord, chain=chain))
     ref = posed(rig, options.pose)
     bends = _named_bends(rig, limbs, options)
@@ -275,7 +276,7 @@ def _placed(
     name = options.name or f"{_called(rig, limb)}_pole"
     if node is not None:
         joint = is_joint_kind(rig, node, options.as_)
-        if joint and options.name is not None and rig.names[node] != plain_name(options.name):
+        if joint and options.name is not None and rig.names[node] != rig.rules.valid_name(options.name):
             raise UsageError(f"--name {options.name}: the joint '{rig.title(node)}' keeps its name")
         rig = rig if options.name is None else renamed(rig, node, options.name)
         old = rig.records(PoleVectorRecord)[node]
@@ -286,14 +287,14 @@ def _placed(
         parent, like = beside(rig, limb.start)
         return add_joint(rig, name, parent, record, position, axes, like=like)
     rig, parent = home(rig)
-    rig, node = add(rig, name, parent, record, dots=rig.rules.dotted_names and options.name is None)
+    rig, node = add(rig, name, parent, record)
     return stand(rig, node, position, axes), node
 
 
 def _called(rig: Rig, limb: Limb) -> str:
     """What a limb's pole vector is named after: its middle joint, or what it was recognised as."""
     name = rig.names[limb.middle]
-    if any(letter.isascii() and letter.isalnum() for letter in name):
+    if any(letter.isalnum() for letter in name):
         return name
     return "_".join(filter(None, (limb.side, limb.kind))) or "limb"
 

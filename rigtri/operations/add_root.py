@@ -22,6 +22,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_root import AddRootOptions as AddRootOptions
 from rigtri.operations.prune_joints import weighted_joints
+from rigtri.operations.rigtri_nodes import given_name
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -39,6 +40,7 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     is the root already. In USD the paths of all joints below it begin with it. GeometryError where no body is
     known, UsageError for a name that is taken.
     """
+    options = replace(options, name=given_name(rig, options.name, report))
     start = rig.find(options.above) if options.above is not None else _start(rig)
     if (root := root_above(rig, start)) >= 0 and rig.names[root] != options.name:
         report.joints.append(joint_record(rig, root, "kept", reason="is the root already"))

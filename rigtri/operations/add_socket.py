@@ -19,6 +19,7 @@ from rigtri.model.skin import Skin
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_socket import AddSocketOptions as AddSocketOptions
+from rigtri.operations.rigtri_nodes import given_name, refuse_taken
 from rigtri.report import Report
 
 # A place that differs by less, as a share of its distance, is the one that is there.
@@ -32,14 +33,14 @@ def add_socket(rig: Rig, *, options: AddSocketOptions, report: Report) -> Rig:
     In glTF it is a plain node, in USD, where only joints follow joints, a joint without weight. Raises
     NameNotFoundError for a joint that is not there, UsageError for a name that another node has.
     """
-    joint = rig.find(options.on)
-    known = [node for node in rig.children[joint] if rig.names[node] == options.name]
-    if options.name in rig.names and not known:
-        raise UsageError(f"--name {options.name}: another node is called so")
+    joint, name = rig.find(options.on), given_name(rig, options.name, report)
+    known = [node for node in rig.children[joint] if rig.names[node] == name]
+    if not known:
+        refuse_taken(rig, name)
     place, rotation = np.array(options.at), _rotation(rig, joint, options)
     if known:
         return stood(rig, known[0], place, rotation, report)
-    made = rig.with_nodes([options.name], [joint], place[np.newaxis], rotation[np.newaxis])
+    made = rig.with_nodes([name], [joint], place[np.newaxis], rotation[np.newaxis])
     node = len(rig)
     if rig.rules.sized_binding:
         local = from_frame(to_axes(rotation), place)

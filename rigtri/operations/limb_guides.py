@@ -12,7 +12,6 @@ from rigtri.model.rig import Rig
 from rigtri.operations.declaration import check, options_of, point
 from rigtri.operations.operation import from_keywords
 from rigtri.operations.options.make_limb import MakeLimbOptions
-from rigtri.operations.rigtri_nodes import plain_name
 
 _COORDINATES = ("x", "y", "z")
 _SIDES = {"L": "left", "R": "right"}
@@ -81,7 +80,7 @@ def _node_guide(rig: Rig, title: str, limbs: Mapping[str, list[int]]) -> dict[st
         above, number = found
         name, _, letter = above.rpartition("_")
         joint = f"{name}_{number}_{letter}" if letter in _SIDES and name else f"{above}_{number}"
-        about["parent"] = plain_name(joint)
+        about["parent"] = rig.rules.valid_name(joint)
     return about
 
 

@@ -30,7 +30,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.options.make_limb import is_pattern
 from rigtri.operations.orient_joints.up_direction import crossing
-from rigtri.operations.rigtri_nodes import free_name, group, plain_name, with_record
+from rigtri.operations.rigtri_nodes import free_name, given_name, group, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import Limb
@@ -66,10 +66,9 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
 def _made(rig: Rig, options: MakeLimbOptions, report: Report) -> Rig:
     """The rig with one limb or chain."""
     options = _expanded(rig, options)
-    for name in (options.name, *options.names):
-        if (plain := plain_name(name)) != name:
-            text = f"'{name}' becomes '{plain}': USD and three.js know only names of a to z, digits and"
-            report.warn("name-changed", f"{text} underscores that do not begin with a digit")
+    given_name(rig, options.name, report)
+    for name in options.names:
+        given_name(rig, name, report, "--names")
     shape = _shape(rig, options, report)
     known = _known(rig, _title(options))
     if known:
@@ -103,7 +102,7 @@ def _expanded(rig: Rig, options: MakeLimbOptions) -> MakeLimbOptions:
 
 def _title(options: MakeLimbOptions) -> str:
     """What the limb is called, by which a second run finds it."""
-    return plain_name(options.name) + _SIDES[options.side or ""]
+    return options.name + _SIDES[options.side or ""]
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,9 +313,8 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
 
 def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
     suffix = _SIDES[options.side or ""]
-    names = [plain_name(f"{options.name}_{k + 1}{suffix}") for k in range(count)]
-    if options.names:
-        names = [plain_name(name) for name in options.names]
+    names = options.names or [f"{options.name}_{k + 1}{suffix}" for k in range(count)]
+    names = [*map(rig.rules.valid_name, names)]
     taken = [name for name in names if names.count(name) > 1 or free_name(rig, name, None) != name]
     if taken:
         raise UsageError(f"another node is called '{taken[0]}'; give the joints --names of their own")
@@ -340,7 +338,7 @@ def _update(
             f"the limb '{title}' hangs below '{rig.title(parent)}' already; strip the file first"
         )
     for node, name in zip(joints, options.names, strict=False):
-        if plain_name(name) != rig.names[node]:
+        if rig.rules.valid_name(name) != rig.names[node]:
             raise UsageError(f"joint {rig.title(node)} of the limb '{title}' keeps its name, not '{name}'")
     axes = _handed(rig, parent, shape.axes, options, report)
     for part, node in enumerate(joints):

@@ -15,7 +15,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.rename_joints import RenameJointsOptions as RenameJointsOptions
-from rigtri.operations.rigtri_nodes import plain_name, readdressed
+from rigtri.operations.rigtri_nodes import given_name, readdressed
 from rigtri.recognition.layout import CONFIDENT, Part
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import written_names
@@ -34,9 +34,11 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     names that several would have, NameNotFoundError for joints that are not there.
     """
     names = dict(_of_map(rig, options)) | dict(_of_scheme(rig, options))
-    names |= {rig.find(joint): name for joint, name in options.name.items()}
-    if not rig.rules.dotted_names:
-        names = {node: plain_name(name) if name else "" for node, name in names.items()}
+    names = {node: name and rig.rules.valid_name(name) for node, name in names.items()}
+    names |= {
+        rig.find(joint): given_name(rig, name, report, f"--name {joint}=")
+        for joint, name in options.name.items()
+    }
     _refuse_clashes(rig, names)
     names = {node: name for node, name in names.items() if rig.names[node] != name}
     for node, name in sorted(names.items()):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -44,13 +43,10 @@ def home(rig: Rig) -> tuple[Rig, int]:
     return (rig, root) if root is not None else group(rig)
 
 
-def add(rig: Rig, name: str, parent: int, record: Record, *, dots: bool = False) -> tuple[Rig, int]:
-    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a record; and its index.
-
-    dots: the name may hold dots, as those of the file that it is made of do.
-    """
+def add(rig: Rig, name: str, parent: int, record: Record) -> tuple[Rig, int]:
+    """A new node under ``parent`` (−1: a root) with a free name like ``name`` and a record; and its index."""
     node = len(rig)
-    free = free_name(rig, name, None, dots=dots)
+    free = free_name(rig, name, None)
     rig = rig.with_nodes([free], [parent], np.zeros((1, 3)), IDENTITY[np.newaxis])
     return with_record(rig, node, record), node
 
@@ -80,13 +76,10 @@ def renamed(rig: Rig, node: int, name: str) -> Rig:
     return replace(rig, names=tuple(names))
 
 
-def free_name(rig: Rig, base: str, own: int | None, *, dots: bool = False) -> str:
-    """A name of letters, digits and underscores that no other node has.
-
-    USD prims allow nothing else, and three.js alters other names.
-    """
+def free_name(rig: Rig, base: str, own: int | None) -> str:
+    """A name that the file's format allows and no other node has."""
     taken = {known for node, known in enumerate(rig.names) if node != own}
-    return free_of(taken, plain_name(base, dots=dots))
+    return free_of(taken, rig.rules.valid_name(base))
 
 
 def free_of(taken: Collection[str], name: str) -> str:
@@ -97,10 +90,21 @@ def free_of(taken: Collection[str], name: str) -> str:
     return free
 
 
-def plain_name(text: str, *, dots: bool = False) -> str:
-    """A name with every run of other signs than letters, digits and underscores made one underscore."""
-    name = re.sub(r"[^A-Za-z0-9_.]+" if dots else r"[^A-Za-z0-9_]+", "_", text).strip("_") or "locator"
-    return f"_{name}" if name[0].isdigit() else name
+def given_name(rig: Rig, name: str, report: Report, flag: str = "--name") -> str:
+    """A name that a user has given as the file's format can have it; where that is another, a warning.
+
+    UsageError for a name of blanks, or one of which the format leaves no letter and no digit: several
+    would become the same.
+    """
+    valid = rig.rules.valid_name(name)
+    if not name.strip():
+        raise UsageError(f"{flag} '{name}': a name needs a letter or a digit")
+    rule = "names in this format are letters, digits and underscores, and do not begin with a digit"
+    if valid != name and not any(sign.isalnum() for sign in valid):
+        raise UsageError(f"{flag} '{name}': {rule}")
+    if valid != name:
+        report.warn("name-changed", f"'{name}' becomes '{valid}': {rule}")
+    return valid
 
 
 def built_at_zero(rig: Rig, build: Callable[[Rig], Rig]) -> Rig:
@@ -195,7 +199,7 @@ class NewNodes:
     def add(self, name: str, parent: int, record: Record, place: Floats | None, noise: float = 0.0) -> int:
         """A new node, and its index. place: its local matrix, (4, 4); None: its parent's own."""
         node = self.first + len(self.names)
-        self.names.append(free_of(self.taken, plain_name(name)))
+        self.names.append(free_of(self.taken, self.rig.rules.valid_name(name)))
         self.taken.add(self.names[-1])
         self.parents.append(parent)
         self.parts.append((np.zeros(3), IDENTITY))
@@ -239,7 +243,7 @@ class NewNodes:
 
 def refuse_taken(rig: Rig, name: str, own: int | None = None) -> None:
     """UsageError for a name that a user has given and another node has."""
-    if free_name(rig, name, own) != plain_name(name):
+    if free_name(rig, name, own) != rig.rules.valid_name(name):
         raise UsageError(f"--name {name}: another node is called so")
 
 
@@ -248,7 +252,7 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
 
     UsageError where the rule gives several one name, or one that another node has.
     """
-    names = {node: plain_name(name) for node, name in targets.items()}
+    names = {node: rig.rules.valid_name(name) for node, name in targets.items()}
     names = {node: name for node, name in names.items() if _may_change(rig, node, name, report)}
     for name, count in Counter(names.values()).items():
         if count > 1:
@@ -272,7 +276,7 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
         used[every[offset]] -= 1
         if not used[every[offset]]:
             del used[every[offset]]
-        every[offset] = free_of(used, plain_name(name))
+        every[offset] = free_of(used, name)
         used[every[offset]] += 1
     rig = replace(rig, names=tuple(every))
     rig = readdressed(before, rig, [*names, *offsets])

@@ -67,7 +67,7 @@ def with_poles(body: PosedBody, *, preset: str = "article") -> Rig:
 def backwards(body: PosedBody) -> Rig:
     """A body whose pole vectors are nodes of somebody else, those of the knees behind them."""
     rig = with_poles(body)
-    knees = [rig.names.index(f"mixamorig_{side}Leg_pole") for side in ("Left", "Right")]
+    knees = [rig.names.index(f"mixamorig:{side}Leg_pole") for side in ("Left", "Right")]
     behind = rig.translation.copy()
     behind[knees, 2] = -behind[knees, 2]
     return replace(rig, translation=behind, metadata={})

@@ -11,6 +11,7 @@ from posed_bodies import Pose, PosedBody, posed_body, poses
 
 from rigtri import add_controls, add_polevector, make_limb, orient_joints, read
 from rigtri.errors import GeometryError, UsageError
+from rigtri.formats.usd.identifiers import identifier
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.metadata import ControlRecord
@@ -246,9 +247,9 @@ def test_knees_of_legs_stretched_ahead_are_above_and_elbows_of_such_arms_below()
 
 def test_a_pole_keeps_the_dots_of_the_file_where_the_format_has_them() -> None:
     body = posed_body(Pose("blender"))
-    dotted = replace(body.rig, rules=replace(body.rig.rules, dotted_names=True))
-    assert "forearm.L_pole" in add_polevector(dotted, limbs="auto").names
-    assert "forearm_L_pole" in add_polevector(body.rig, limbs="auto").names
+    strict = replace(body.rig, rules=replace(body.rig.rules, valid_name=identifier))
+    assert "forearm.L_pole" in add_polevector(body.rig, limbs="auto").names
+    assert "forearm_L_pole" in add_polevector(strict, limbs="auto").names
 
 
 def test_a_pole_of_nameless_joints_is_called_after_its_limb() -> None:

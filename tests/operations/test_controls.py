@@ -19,6 +19,7 @@ from second_opinions import validator
 
 from rigtri.errors import UsageError
 from rigtri.formats import read
+from rigtri.formats.usd.identifiers import identifier
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.metadata import ControlRecord
@@ -154,12 +155,12 @@ def test_offsets_follow_joints_that_were_reoriented_since(samples: Path) -> None
         assert_allclose(out.world[control], out.world[out.find(joint)], atol=1e-9)
 
 
-def test_names_follow_their_rule_and_fit_usd_and_three_js() -> None:
-    rig = replace(FINGER, names=("hand.L", "mixamorig:Index 1", "c", "d"))
+def test_names_follow_their_rule_and_fit_the_format() -> None:
+    rig = replace(FINGER, names=("hand.L", "mixamorig:Index 1", "左手", "d"))
     options = AddControlsOptions(joints=("*",), name="{side}_{joint}_{kind}")
-    out = add_controls(rig, options=options)
-    assert "left_hand_L_ctl" in out.names
-    assert "left_mixamorig_Index_1_ctl_offset" in out.names
+    assert {"left_hand.L_ctl", "left_左手_ctl"} <= {*add_controls(rig, options=options).names}
+    strict = add_controls(replace(rig, rules=replace(rig.rules, valid_name=identifier)), options=options)
+    assert {"left_hand_L_ctl", "left_左手_ctl", "left_mixamorig_Index_1_ctl_offset"} <= {*strict.names}
 
 
 @pytest.mark.parametrize(

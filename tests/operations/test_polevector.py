@@ -184,13 +184,14 @@ def test_the_foot_of_a_flat_rig_need_not_be_parented_below_the_shin() -> None:
     assert position(out, "shin_pole")[2] > 0.5
 
 
-def test_names_of_locators_are_plain_and_free() -> None:
+def test_names_of_locators_are_free() -> None:
     rig = replace(arm(), names=("up arm.L", "fore arm.L", "hand.L"))
     limb = (given(rig, *rig.names),)
     out = placed(rig, limb=limb)
-    assert out.names[-1] == "fore_arm_L_pole"
-    named = placed(rig, limb=limb, name="hand.L")
-    assert named.names[-1] == "hand_L"
+    assert out.names[-1] == "fore arm.L_pole"
+    with pytest.raises(UsageError, match="another node is called so"):
+        placed(rig, limb=limb, name="hand.L")
+    assert placed(rig, limb=limb, name="肘左").names[-1] == "肘左"
 
 
 def test_wrong_arguments_are_reported() -> None:

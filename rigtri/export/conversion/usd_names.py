@@ -4,19 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pxr import Sdf
-
-
-def identifier(name: str, otherwise: str) -> str:
-    """A name as USD spells it: letters of any script, digits and underscores.
-
-    >>> identifier("Arm.L 2", "node"), identifier("2nd", "node"), identifier("", "node")
-    ('Arm_L_2', '_2nd', 'node')
-    """
-    word = "".join(c if Sdf.Path.IsValidIdentifier(f"_{c}") else "_" for c in name)
-    if not word:
-        return otherwise
-    return word if Sdf.Path.IsValidIdentifier(word) else f"_{word}"
+from rigtri.formats.usd.identifiers import identifier
 
 
 class Names:

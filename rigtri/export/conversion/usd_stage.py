@@ -18,10 +18,11 @@ from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.scene import Image, Primitive, Scene
 from rigtri.export.conversion.usd_lenses import define_camera, define_light
 from rigtri.export.conversion.usd_materials import MaterialWriter
-from rigtri.export.conversion.usd_names import Names, distinct, identifier, node_identifiers
+from rigtri.export.conversion.usd_names import Names, distinct, node_identifiers
 from rigtri.export.conversion.usd_samples import motion_times, rate_of
 from rigtri.export.conversion.usd_skeletons import Skeleton, plan_skeletons
 from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.identifiers import identifier
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import decompose, identity
 from rigtri.maths.trigonometry import Floats

@@ -290,7 +290,6 @@ class GltfDocument:
                 split_locked=bindings.split_locked,
                 named=frozenset(tree.place[k] for k in named_nodes(gltf.object()) if k < len(tree.place)),
                 facing=bindings.facing,
-                dotted_names=True,
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(

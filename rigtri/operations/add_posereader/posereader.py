@@ -34,7 +34,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions
 from rigtri.operations.options.add_posereader import Goal as Goal
-from rigtri.operations.rigtri_nodes import add, find, group, refuse_taken, with_record
+from rigtri.operations.rigtri_nodes import add, find, given_name, group, refuse_taken, with_record
 from rigtri.recognition.limbs import with_recognised
 from rigtri.report import Report
 
@@ -140,6 +140,7 @@ class _Builder:
         corrective_joints.refuse_moving(rig, self.record, before)
         if node is None:
             if self.options.name:
+                given_name(rig, self.options.name, self.report)
                 refuse_taken(rig, self.options.name)
             rig, node = add(rig, self.name, parent, self.record)
         else:

@@ -33,7 +33,7 @@ from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
-from rigtri.operations.rigtri_nodes import add, find, group, stand, with_record
+from rigtri.operations.rigtri_nodes import add, find, given_name, group, stand, with_record
 from rigtri.report import Report
 
 # Something so long, as a share of the mesh, may be attached to a rivet: rotations count as its end moves.
@@ -66,6 +66,8 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
     Raises NameNotFoundError, UsageError, GeometryError (no triangles, out of range, no area), FileError.
     """
     ground = _Ground(rig, meshes_named(rig, options.mesh), options.mesh)
+    for name in options.name:
+        given_name(rig, name, report)
     for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):
         rig = _Rivet(rig, name, seat, ground.size, options, report).built()
     return rig

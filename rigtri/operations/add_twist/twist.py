@@ -27,7 +27,7 @@ from rigtri.operations.add_twist.key_baking import BOUND, keyed
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
-from rigtri.operations.rigtri_nodes import find, find_all, plain_name, refuse_taken, with_record
+from rigtri.operations.rigtri_nodes import find, find_all, refuse_taken, with_record
 from rigtri.operations.skin_joints import add_joint, bind_joint, move_joint
 from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report
@@ -100,9 +100,10 @@ def _check_names(rig: Rig, bones: list[_Bone], options: AddTwistOptions) -> None
             if find(rig, TwistRecord, **_ends(rig, of), number=number) is None:
                 name = _name(rig, of, number, options)
                 refuse_taken(rig, name)
-                if plain_name(name) in names:
+                valid = rig.rules.valid_name(name)
+                if valid in names:
                     raise UsageError(f"--name {options.name}: several twist joints would be called '{name}'")
-                names.add(plain_name(name))
+                names.add(valid)
 
 
 def _name(rig: Rig, of: _Bone, number: int, options: AddTwistOptions) -> str:

@@ -7,11 +7,12 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import refuse, why_locked
+from rigtri.formats.usd.identifiers import identifier
 from rigtri.formats.usd.opinions.edits import (
     Edit,
     apply_schema,
@@ -72,7 +73,7 @@ def write_rigtri_prims(edit: UsdEdit) -> None:
 def _renamed(before: Rig, rig: Rig) -> dict[Any, str]:
     """The new names of prims of rigtri that have others, by path, deepest first."""
     return {
-        Sdf.Path(before.labels[node]): Tf.MakeValidIdentifier(rig.names[node])
+        Sdf.Path(before.labels[node]): identifier(rig.names[node])
         for node, key in reversed(list(enumerate(before.keys)))
         if kind(key) == "prim"
         and node not in rig.pending.removed
@@ -95,7 +96,7 @@ def _is_control(rig: Rig, node: int) -> bool:
 def _values(rig: Rig, node: int, control: Any) -> list[Edit]:
     """The attribute of a control that a pose reader drives: the x translation of its value node."""
     metadata = rig.metadata.get(node, {})
-    name = TWIN + Tf.MakeValidIdentifier(str(metadata["attribute"]))
+    name = TWIN + identifier(str(metadata["attribute"]))
     samples = {
         float(time): float(row[0])
         for track in _tracks(rig, node)
@@ -222,8 +223,9 @@ class _Additions:
     def _free(self, parent: Any, name: str) -> Any:
         """A path below ``parent`` that no prim has."""
         stage = self.source.stage
-        name = Tf.MakeValidIdentifier(name)
-        path = free_path(parent, name, lambda path: path in self.taken or stage.GetPrimAtPath(path))
+        path = free_path(
+            parent, identifier(name), lambda path: path in self.taken or stage.GetPrimAtPath(path)
+        )
         self.taken.add(path)
         return path
 

@@ -13,6 +13,7 @@ from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.composition.value_types import ignored
+from rigtri.formats.usd.identifiers import identifier
 from rigtri.formats.usd.reading import joint_tokens, mesh_reader, metadata_attributes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton
 from rigtri.maths.matrices import compose, decompose, identity
@@ -200,6 +201,7 @@ class Nodes:
                     for path, first in self.instances.twins().items()
                     if str(path) in self.node_of
                 },
+                valid_name=identifier,
             ),
         )
 
