@@ -143,9 +143,11 @@ class _Reader:
                 continue
             name = raw.get("name") if isinstance(raw.get("name"), str) else ""
             primitive = raw["primitives"][number]
-            shared = (index, number)
+            shared, material = (index, number), primitive.get("material")
+            if material is not None and not (type(material) is int and 0 <= material < len(scene.materials)):
+                raise LookupError(f"there is no materials[{material!r:.20}] for mesh {mesh.name}")
             scene.primitives.setdefault(mesh.node, []).append(
-                Primitive(mesh, surface, name or f"mesh_{index}", primitive.get("material"), shared)
+                Primitive(mesh, surface, name or f"mesh_{index}", material, shared)
             )
 
     def _camera(self, raw: Mapping[str, Any]) -> Camera:

@@ -20,6 +20,7 @@ from rigtri.model.control_shapes import Lines, Shape
 from rigtri.model.rig import Rig
 
 LINES, LINE_LOOP = 1, 2
+_LOOK = "pbrMetallicRoughness"
 
 
 def read_lines(gltf: Value, accessors: Accessors, node: Hashable) -> Lines | None:
@@ -101,7 +102,7 @@ def _material(draft: CopyOnWrite, color: tuple[float, float, float]) -> int:
     name = "rigtri_" + "".join(f"{round(255 * part):02x}" for part in color)
     materials = draft.need("materials", empty=[])
     for number, material in enumerate(materials):
-        if material.get("name") == name and material.get("pbrMetallicRoughness") == look:
+        if isinstance(material, dict) and (material.get("name"), material.get(_LOOK)) == (name, look):
             return number
-    materials.append({"name": name, "pbrMetallicRoughness": look})
+    materials.append({"name": name, _LOOK: look})
     return len(materials) - 1

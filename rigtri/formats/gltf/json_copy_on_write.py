@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rigtri.errors import FileError
+
 
 class CopyOnWrite:
     """The JSON to be written. What `edit` has not named is the very object that was read."""
@@ -25,11 +27,17 @@ class CopyOnWrite:
         return holder
 
     def need(self, *path: str | int, empty: Any) -> Any:
-        """Like `edit`, but where the last step leads nowhere ``empty`` is put there."""
+        """Like `edit`, but where the last step leads nowhere ``empty`` is put there.
+
+        FileError where something of another type stands there.
+        """
         holder = self.edit(*path[:-1])
         if holder.get(path[-1]) is None:
             holder[path[-1]] = empty
             self._copies[id(empty)] = empty
+        elif not isinstance(found := holder[path[-1]], type(empty)):
+            where = ".".join(map(str, path))
+            raise FileError(f"{where} is to get an entry, and {found!r:.40} stands there: make it a list")
         return self._copied(holder, path[-1])
 
     def _copied(self, holder: Any, key: str | int) -> Any:

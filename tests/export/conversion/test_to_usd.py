@@ -262,6 +262,17 @@ def test_a_broken_reference_is_an_error_of_the_file(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize("materials", [[], {}, True])
+def test_a_material_that_is_not_there_is_an_error_of_the_file(materials: object, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["materials"] = materials
+    builder.gltf["meshes"][0]["primitives"][0]["material"] = 0
+    source = builder.glb(tmp_path / "in.glb")
+    with pytest.raises(FileError, match=r"there is no materials\[0\]"):
+        rigtri.convert(source, tmp_path / "out.usda")
+    assert list(tmp_path.iterdir()) == [source]
+
+
 def test_a_clip_is_chosen_by_its_number_and_by_a_name_that_could_be_a_glob(
     samples: Path, tmp_path: Path
 ) -> None:

@@ -48,6 +48,17 @@ def test_what_is_added_does_not_take_an_index_that_led_nowhere(damage: Any, tmp_
     assert not target.exists()
 
 
+@pytest.mark.parametrize("materials", [{}, True, "x"])
+def test_what_is_no_list_gets_no_entry(materials: object, tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["materials"] = materials
+    source, target = builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb"
+    options = AddControlsOptions(joints=("*",))
+    with pytest.raises(FileError, match="materials is to get an entry"):
+        edit(source, target, lambda rig, report: add_controls(rig, options=options, report=report))
+    assert not target.exists()
+
+
 def test_an_index_far_behind_the_end_is_left_alone(tmp_path: Path) -> None:
     builder = small()
     builder.gltf["nodes"][2]["mesh"] = 99
