@@ -53,6 +53,8 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     least = np.full(len(rig), 0.1 * NOTHING * size_of(rig))
     taken, moved = at_rest(rig, parts, least)
     _refuse(rig, moved)
+    if rig.clips:  # which get keys of them, and no clip can move a matrix
+        rig, taken = rig.with_parts(moved), taken.with_parts(moved)
     for node in moved:
         report.joints.append(joint_record(rig, node, "posed"))
     if not moved:

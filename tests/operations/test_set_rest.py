@@ -63,6 +63,22 @@ def test_clips_play_as_before(suffix: str, tmp_path: Path) -> None:
         assert np.abs(places(before, number) - places(after, number)).max() < 1e-6 * size
 
 
+def test_a_joint_that_rests_by_a_matrix_gets_keys(tmp_path: Path) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    arm = rig.find("upper_arm_L")
+    clips = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node != arm)) for c in rig.clips)
+    matrix, has_matrix = rig.matrix.copy(), rig.has_matrix.copy()
+    matrix[arm], has_matrix[arm] = rig.local[arm], True
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    rigtri.write(replace(rig, clips=clips, matrix=matrix, has_matrix=has_matrix), source, verify=False)
+    before = rigtri.read(source)
+    assert before.has_matrix[arm]
+    cli("set-rest", source, "-o", out, "--pose", "tpose", code=0)
+    after = rigtri.read(out)
+    for number in range(len(before.clips)):
+        assert np.abs(places(before, number) - places(after, number)).max() < 1e-6
+
+
 def test_each_of_two_characters_of_a_stage_plays_as_before(tmp_path: Path) -> None:
     shutil.copy(SAMPLES / "biped.usda", tmp_path / "hero.usda")
     arcs = "".join(f'def "{name}" (references = @./hero.usda@)\n{{\n}}\n' for name in ("A", "B"))
