@@ -36,6 +36,7 @@ SCHEMAS = (
     "rig",
     "steps",
     "verify",
+    "view",
 )
 _SCRIPT = Path(__file__).parent / "validate.mjs"
 

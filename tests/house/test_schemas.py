@@ -16,6 +16,28 @@ from places import ROOT, SAMPLES
 from program import cli
 from second_opinions import SCHEMAS, schema, validator
 
+BIPED = SAMPLES / "biped.glb"
+# By what prints JSON the schema that this keeps to; tests/laws hold the reports of all that edits.
+PRINTED = {
+    ("inspect", BIPED): "inspect",
+    ("inspect", BIPED, "--matrices"): "inspect",
+    ("recognise", BIPED): "recognise",
+    ("check", BIPED): "check",
+    ("check", "--list"): "check",
+    ("verify", BIPED, BIPED): "verify",
+    ("diff", BIPED, BIPED): "diff",
+    ("draw", BIPED, "-o", "out.svg"): "draw",
+    ("view", BIPED, "-o", "out.html"): "view",
+    ("explain", BIPED, "--limb", "forearm_L"): "explain",
+    ("explain", "0,0,0", "1,1,0", "2,0,0"): "explain",
+    ("pose", BIPED, "--at", "walk@0.5"): "pose",
+    ("mirror", BIPED, "--check"): "mirror",
+    ("auto", BIPED, "-o", "out.glb"): "report",
+    ("convert", BIPED, "-o", "out.usda"): "report",
+    ("add-root", SAMPLES / "biped.usda", "-o", "out.usda"): "report",
+    ("export-blender", BIPED): "error",
+}
+
 POLE: dict[str, Any] = {"v": 1, "type": "poleVector", "chain": ["shoulder", "elbow", "wrist"]}
 
 
@@ -25,6 +47,15 @@ def test_every_schema_is_one_and_states_what_it_is_for(name: str) -> None:
     Draft202012Validator.check_schema(text)
     assert text["title"]
     assert text["description"]
+
+
+@pytest.mark.parametrize("words", PRINTED, ids=lambda words: " ".join(Path(word).name for word in words))
+def test_what_commands_print_as_json_keeps_to_its_schema(
+    words: tuple[str | Path, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, reports had statuses of joints that the schema did not know, and check --list had none."""
+    monkeypatch.chdir(tmp_path)
+    validator(PRINTED[words]).validate(cli(*words, "--json").json)
 
 
 @pytest.mark.parametrize(

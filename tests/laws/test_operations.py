@@ -89,7 +89,8 @@ class Made:
     def again(self, source: Path, folder: Path, *more: str) -> Path:
         """Run the command once more, on another source or in another folder."""
         out = folder / self.result.name
-        cli(self.command, source, "-o", out, *self.words, *more, "--no-verify", code=0)
+        ran = cli(self.command, source, "-o", out, *self.words, *more, "--no-verify", "--json", code=0)
+        validator("report").validate(ran.json)
         return out
 
 
