@@ -1,7 +1,7 @@
 """Move what the hips of IN move over the ground to the root above them, or take it out of the clips.
 
-Extracted, no joint but the root and the hips has other keys, and none stands elsewhere; removed, the
-character stays in place. There must be a root above the hips: rigtri add-root.
+Extracted, nothing but the root stands elsewhere in any clip: hips, and what else is below the root, get other
+keys; removed, the character stays in place. There must be a root above the hips: rigtri add-root.
 
 \b
 Examples:

@@ -49,7 +49,8 @@ class Report:
 
     morph_changes: morph targets whose weights the edit changes on purpose, by the key of the node
     that shows them; the self-check compares all but these. reposed: the edit changes how joints move;
-    the self-check then compares with the rig in memory; keeps_clips: but not in clips.
+    the self-check then compares with the rig in memory. rekeyed: it gives joints other keys or another rest
+    pose, and clips look as before, but for ``moves``, the keys of nodes that move on purpose.
     records: whether joints are recorded; a batch, where nobody reads them, has warnings only.
     """
 
@@ -60,7 +61,8 @@ class Report:
     warnings: list[Notice] = field(default_factory=list)
     morph_changes: dict[Hashable, set[int]] = field(default_factory=dict)
     reposed: bool = False
-    keeps_clips: bool = False
+    rekeyed: bool = False
+    moves: set[Hashable] = field(default_factory=set)
     records: bool = True
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
@@ -91,4 +93,5 @@ class Report:
         for key, columns in other.morph_changes.items():
             self.morph_changes.setdefault(key, set()).update(columns)
         self.reposed |= other.reposed
-        self.keeps_clips |= other.keeps_clips
+        self.rekeyed |= other.rekeyed
+        self.moves |= other.moves

@@ -39,7 +39,11 @@ def add_socket(rig: Rig, *, options: AddSocketOptions, report: Report) -> Rig:
         refuse_taken(rig, name)
     place, rotation = np.array(options.at), _rotation(rig, joint, options)
     if known:
-        return stood(rig, known[0], place, rotation, report)
+        placed = stood(rig, known[0], place, rotation)
+        if placed is not rig:
+            report.joints.append(joint_record(rig, known[0], "posed"))
+            report.reposed = True
+        return placed
     made = rig.with_nodes([name], [joint], place[np.newaxis], rotation[np.newaxis])
     node = len(rig)
     if rig.rules.sized_binding:
@@ -82,7 +86,7 @@ def _rotation(rig: Rig, joint: int, options: AddSocketOptions) -> Floats:
     return np.asarray(from_axes(orthonormal_axes(seen)))
 
 
-def stood(rig: Rig, node: int, place: Floats, rotation: Floats, report: Report, size: float = 0.0) -> Rig:
+def stood(rig: Rig, node: int, place: Floats, rotation: Floats, size: float = 0.0) -> Rig:
     """The rig with a node in another place, seen from its parent; the same where it stands there already.
 
     size: what float32 has rounded, besides the way to the parent.
@@ -97,6 +101,4 @@ def stood(rig: Rig, node: int, place: Floats, rotation: Floats, report: Report, 
     translation[node], rotations[node] = place, rotation
     matrix = rig.matrix.copy()
     matrix[node] = from_frame(to_axes(rotation), place)
-    report.joints.append(joint_record(rig, node, "posed"))
-    report.reposed = True
     return replace(rig, translation=translation, rotation=rotations, matrix=matrix)

@@ -26,7 +26,7 @@ NONE = 1e-7
 # A yaw of no more, in radians, is what float32 leaves of one that was taken out.
 _NO_YAW = 1e-6
 # How far joints may be off between keys, of the size: keys of root and hips are as near as that needs.
-_WITHIN = 5e-7
+WITHIN = 5e-7
 
 
 def rests(track: Track, rig: Rig) -> bool:
@@ -109,7 +109,7 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
             near, along = _hips(_between(left, right, share), rig.scale[root])
             return np.asarray(length(place - near) + 0.5 * size * angle_between(turn, along))
 
-        times = adaptive_key_times(parts, error, times, within=_WITHIN * size)
+        times = adaptive_key_times(parts, error, times, within=WITHIN * size)
     way: Interpolation = "STEP" if holds else "LINEAR"
     keys = {(t.node, t.path): t.key for t in clip.tracks}
     values, made = parts(times), []

@@ -73,7 +73,7 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
     """
     bones = {bone: node for body in recognise(rig).characters for bone, node in sure_bones(body).items()}
     nodes, leaders, left_out = {"": root}, {"": root}, []
-    followers: list[_Follower] = []
+    followers, moved = list[_Follower](), set[int]()
     for name, (above, bone) in IK_BONES[profile].items():
         if above not in nodes or (bone and bone not in bones):
             left_out.append(f"{name} ({bone})")
@@ -81,8 +81,12 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
         leader, parent = bones.get(bone, root), nodes[above]
         still = leader == leaders[above]
         place = _STILL if still else _seen(rig.world[leader], rig.world[parent])
-        rig, nodes[name] = _placed(rig, name, parent, place, root, report)
+        before = rig
+        rig, nodes[name] = _placed(rig, name, parent, leader, place, report)
         leaders[name] = leader
+        if rig is not before or parent in moved:
+            moved.add(nodes[name])
+            rig = _bound(rig, nodes[name], root)
         if not still:
             followers.append(_Follower(nodes[name], parent, leader))
     if left_out:
@@ -91,28 +95,49 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
         # Keys that follow already stay to the bit: the rounding of what they were made of is in them.
         if not _follow(rig, timeline, followers):
             rig = put_tracks(rig, timeline, _tracks(rig, timeline, followers, root))
+            report.rekeyed = True
+            known = {record["joint"] for record in report.joints}
+            for node, _, leader in followers:
+                if rig.title(node) not in known:
+                    report.joints.append(joint_record(rig, node, "keyed", follows=rig.title(leader)))
+    report.moves |= {rig.keys[node] for node in nodes.values()} - {rig.keys[root], None}
     return rig
 
 
-def _placed(rig: Rig, name: str, parent: int, place: Floats, root: int, report: Report) -> tuple[Rig, int]:
-    """The rig with a joint of a name below another, in a place seen from it, (7,); and which it is."""
+def _placed(rig: Rig, name: str, parent: int, leader: int, place: Floats, report: Report) -> tuple[Rig, int]:
+    """The rig with a joint of a name in a place seen from its parent, (7,); and which it is."""
     known = [node for node in rig.children[parent] if rig.names[node] == name]
-    if known:
-        return stood(rig, known[0], place[:3], place[3:], report, size_of(rig)), known[0]
-    if name in rig.names:
+    if not known and name in rig.names:
         raise UsageError(f"Another node is called {name}, and is no child of '{rig.title(parent)}'")
-    node = len(rig)
-    made = rig.with_nodes([name], [parent], place[np.newaxis, :3], place[np.newaxis, 3:])
-    # It weighs nothing, and is bound to the root as it rests.
-    seen = multiply(made.world[root], inverse(made.world[node]))
+    if known:
+        node, made = known[0], stood(rig, known[0], place[:3], place[3:], size_of(rig))
+        if made is rig:
+            return rig, node
+        report.rekeyed = True
+    else:
+        node = len(rig)
+        made = rig.with_nodes([name], [parent], place[np.newaxis, :3], place[np.newaxis, 3:])
+    status = "posed" if known else "added"
+    report.joints.append(joint_record(made, node, status, follows=rig.title(leader)))
+    return made, node
+
+
+def _bound(rig: Rig, node: int, root: int) -> Rig:
+    """The rig with a joint in the skins of its root, bound to that as it rests; it weighs nothing."""
+    seen = multiply(rig.world[root], inverse(rig.world[node]))
     skins = []
-    for skin in made.skins:
-        if root in skin.joints:
-            first = multiply(skin.inverse_bind[skin.joints.tolist().index(root)], seen)
-            skin = with_joint(skin, node, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
+    for skin in rig.skins:
+        rows = skin.joints.tolist()
+        if root in rows:
+            bind = multiply(skin.inverse_bind[rows.index(root)], seen)
+            if node not in rows:
+                skin = with_joint(skin, node, np.concatenate([skin.inverse_bind, bind[np.newaxis]]))
+            else:
+                binds = skin.inverse_bind.copy()
+                binds[rows.index(node)] = bind
+                skin = replace(skin, inverse_bind=binds)
         skins.append(skin)
-    report.joints.append(joint_record(made, node, "added"))
-    return replace(made, skins=tuple(skins)), node
+    return replace(rig, skins=tuple(skins))
 
 
 def _seen(world: Floats, parent: Floats) -> Floats:

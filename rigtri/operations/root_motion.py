@@ -17,6 +17,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.ground_motion import NONE, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
+from rigtri.operations.root_children import besides, held
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
@@ -27,12 +28,14 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     """The rig whose root moves over the ground as its hips did, so that no other joint moves; or none does.
 
     Exact for every interpolation: both get keys at the times that the hips have; with ``yaw`` both get linear
-    keys, as many as it takes. What was done in each clip is in ``report.added``. Raises GeometryError where
-    there is no root above the hips, or it rotates or moves at other times.
+    keys, as many as it takes, as do other children of the root. What was done in each clip is in
+    ``report.added``. Raises GeometryError where there is no root above the hips, or it rotates or moves at
+    other times.
     """
     if options.axis is not None and rig.rules.up["xyz".index(options.axis)]:
         raise UsageError(f"--axis {options.axis}: this is up, and height stays with the hips")
     hips, root = _joints(rig, options)
+    going, others = besides(rig, hips, root)
     chosen = {k for each in chosen_timelines(rig, options.clip) for k in each.members}
     clips = []
     for k, clip in enumerate(rig.clips):
@@ -45,13 +48,19 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
             continue
         still = _without_roots_own(rig, clip, root, options) if options.mode == "remove" else clip
         made = move(rig, still, hips, root, options, report)
+        if made is not still:
+            made = held(rig, still, made, hips, others)
         if made is still and still is not clip:
             report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode})
         clips.append(made)
     if not report.added:
         return rig
-    report.reposed = True  # the root, or all
-    return replace(rig.with_parts([root]), clips=tuple(clips))
+    if options.mode == "extract":
+        report.rekeyed = True
+        report.moves |= {rig.keys[node] for node in going}
+    else:
+        report.reposed = True
+    return replace(rig.with_parts([root, *others]), clips=tuple(clips))
 
 
 def _warn_still_moving(rig: Rig, clip: Clip, root: int, report: Report) -> None:

@@ -59,7 +59,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
         report.joints.append(joint_record(rig, node, "posed"))
     if not moved:
         return rig
-    report.reposed = report.keeps_clips = True
+    report.rekeyed = True
     clips = tuple(_with_old_rest(clip, rig, taken, moved) for clip in rig.clips)
     return replace(taken, clips=clips)
 

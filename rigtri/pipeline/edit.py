@@ -288,8 +288,9 @@ def _compared(
     small = part.stat().st_size < _LARGE
     if small and rig is document.rig and filecmp.cmp(path, part, shallow=False):
         return self_check(document, document)
-    reposed = report.reposed and rig is not document.rig
-    expected = ExpectedResult(document, rig, report.morph_changes, reposed, report.keeps_clips)
+    reposed = (report.reposed or report.rekeyed) and rig is not document.rig
+    moves = frozenset(report.moves)
+    expected = ExpectedResult(document, rig, report.morph_changes, reposed, not report.reposed, moves)
     return check_result(expected, document.reopen(part), tolerance)
 
 

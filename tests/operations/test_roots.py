@@ -18,6 +18,7 @@ import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import read
+from rigtri.maths.matrices import inverse, multiply
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Track
@@ -211,6 +212,38 @@ def test_ground_of_one_axis_and_yaw_out_of_a_clip(rooted: Path) -> None:
         rigtri.root_motion(rig, axis="y")
 
 
+@pytest.mark.parametrize("yaw", [False, True])
+def test_what_hangs_beside_the_hips_stays_where_it_is(rooted: Path, yaw: bool) -> None:
+    """As an IK foot below the root does; also one with the keys of the hips, or with none."""
+    rig = walking_in_a_curve(rigtri.read(rooted))
+    root, hips, count = rig.find("root"), rig.find("hips"), len(rig)
+    still = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
+    grown = rig.with_nodes(["still", "same", "other"], [root] * 3, rig.translation[[hips] * 3] * 0.5, still)
+    (track,) = (t for t in grown.clips[0].tracks if t.node == hips and t.path == "translation")
+    steps = replace(track, node=count + 1, interpolation="STEP", times=track.times[[0, 4]] + 0.01)
+    others = (replace(track, node=count), steps.having(track.values[[0, 4]]))
+    grown = rigtri_with(grown, (*grown.clips[0].tracks, *others))
+    for mode in ("extract", "remove"):
+        made = rigtri.root_motion(grown, clip=["walk"], yaw=yaw, mode=mode)
+        times = np.linspace(0.0, 1.0, 211)
+        one, other = (worlds(each, locals_at(each, each.clips[0], times)) for each in (grown, made))
+        if mode == "remove":  # seen from the hips, which lost what all lost
+            one, other = (multiply(each, inverse(each[:, [hips]])) for each in (one, other))
+        for name in ("still", "same", "other", "hips", "foot_L"):
+            node = made.find(name)
+            assert np.abs(one[:, node] - other[:, node]).max() < 4e-6, (mode, name)
+
+
+def test_motion_that_a_root_with_weight_would_take_along_is_refused(rooted: Path, tmp_path: Path) -> None:
+    rig = rigtri.read(rooted)
+    spine, out = rig.find("spine"), tmp_path / "out.glb"
+    far = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 1.0]]) + rig.translation[spine]
+    sways = Track(spine, "translation", "LINEAR", np.array([0.0, 1.0]), far)
+    rigtri.write(rigtri_with(rig, (sways,)), tmp_path / "in.glb", verify=False)
+    ran = cli("root-motion", tmp_path / "in.glb", "-o", out, "--hips", "spine", "--to", "hips", code=6)
+    assert "moves otherwise" in ran.stderr
+
+
 def rigtri_with(rig: Rig, tracks: tuple[object, ...]) -> Rig:
     from dataclasses import replace
 
@@ -272,6 +305,23 @@ def test_ik_bones_follow_feet_and_hands_in_every_clip(suffix: str, tmp_path: Pat
     assert verify(read(SAMPLES / f"biped{suffix}"), read(out)).deviation < 1e-6
     cli("add-root", out, "-o", again, *words, code=0)
     assert again.read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_ik_bones_follow_after_root_motion_and_in_edited_clips(suffix: str, tmp_path: Path) -> None:
+    names = ("rooted", "in", "moved", "again")
+    rooted, source, moved, again = (tmp_path / f"{name}{suffix}" for name in names)
+    cli("add-root", SAMPLES / f"biped{suffix}", "-o", rooted, "--profile", "unreal", code=0)
+    rigtri.write(walking_in_a_curve(rigtri.read(rooted)), source, verify=False)
+    ran = cli("add-root", source, "-o", moved, "--profile", "unreal", code=0)
+    assert "4 IK bones made to follow again" in ran.stdout + ran.stderr
+    cli("root-motion", moved, "-o", moved, "--overwrite", "--clip", "walk", code=0)
+    rig = rigtri.read(moved)
+    for name, bone in {"ik_foot_l": "foot_L", "ik_hand_l": "hand_L"}.items():
+        assert np.abs(places(rig, name) - places(rig, bone)).max() < 6e-4
+    assert np.abs(places(rig, "ik_foot_root") - places(rig, "root")).max() == 0.0
+    cli("add-root", moved, "-o", again, "--profile", "unreal", code=0)
+    assert again.read_bytes() == moved.read_bytes()
 
 
 def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:

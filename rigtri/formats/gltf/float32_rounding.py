@@ -101,4 +101,6 @@ def _nudge(rows: Singles, before: Floats) -> None:
     turns = before / np.where(size > 0, size, 1.0)
     negative = dot(turns[:-1], turns[1:]) < 0
     for k, below in enumerate(negative.tolist()):
-        keep_way_round(rows, k, negative=below, limit=1.0)
+        # Elsewhere an edit may have taken −q for q, which is the same rotation.
+        if half_turns(rows[k : k + 2].astype(np.float64)).any():
+            keep_way_round(rows, k, negative=below, limit=1.0)

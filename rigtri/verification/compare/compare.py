@@ -6,7 +6,7 @@ of it, and looks only where something changed. Both look at rest and in every cl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
@@ -141,33 +141,41 @@ def self_check(
     return replace(result, boxed=() if detail == "boxes" else boxed)
 
 
-def motion_between(before: Source, after: Source, *, axes: bool = True) -> Motion:
+def motion_between(before: Source, after: Source, *, axes: bool = True, free: Collection[int] = ()) -> Motion:
     """How far joints, meshes and nodes of one file are from where they are in another, with keys alike.
 
     The corners of what each joint moves, as in `self_check`, and the axes of nodes that show nothing; what is
     the same to the bit is not evaluated. Not the lenses of cameras, nor what rigtri itself has added.
-    axes: also those of nodes that show nothing; not where joints get others.
+    axes: also those of nodes that show nothing; not where joints get others. free: nodes that may move, as
+    far as they show nothing.
     """
     mine, theirs = played_together(before.rig, after.rig, by_key=True)
     found = match(mine, theirs, by_key=True)
     meshes = _measurable(before, before.outlines)
     sizes = sizes_of(mine, meshes)
     moving = changed_nodes(mine, theirs, found)
+    watched = moving.copy()
+    watched[list(free)] = False
     probes: list[Probe] = [
-        *_box_probes(mine, theirs, found, meshes, moving),
-        *(rotations(mine, found, meshes, moving, sizes) if axes else ()),
+        *_box_probes(mine, theirs, found, meshes, moving, free),
+        *(rotations(mine, found, meshes, watched, sizes) if axes else ()),
         *instances(mine, theirs, found, moving, sizes),
-        origins(mine, found, moving),
+        origins(mine, found, watched),
     ]
     result = measure(*side_by_side(mine, theirs, found), probes, sizes)
     return Motion(result.largest, result.worst, result.clips)
 
 
 def _box_probes(
-    mine: Rig, theirs: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans
+    mine: Rig,
+    theirs: Rig,
+    m: Correspondence,
+    meshes: Sequence[Mesh],
+    moving: Booleans,
+    free: Collection[int] = (),
 ) -> list[Probe]:
     """The corners of what each joint and each node moves."""
-    return [*skin_corners(mine, theirs, m, meshes, moving), *rigid_corners(mine, m, meshes, moving)]
+    return [*skin_corners(mine, theirs, m, meshes, moving, free), *rigid_corners(mine, m, meshes, moving)]
 
 
 def _mesh_probes(

@@ -38,7 +38,8 @@ class ExpectedResult:
 
     rig: also declares redistributed skin weights (``pending.weight_redistributions``) and removed nodes
     (``pending.removed``). morph_changes: morph targets that get other weights, by the keys of nodes.
-    reposed: what the source shows moves as ``rig`` does. keeps_clips: but not in clips, only at rest.
+    reposed: what the source shows moves as ``rig`` does. keeps_clips: but not in clips, only at rest, besides
+    what shows nothing and is in ``moves``, by the keys of nodes.
     """
 
     source: Source
@@ -46,6 +47,7 @@ class ExpectedResult:
     morph_changes: MorphChanges = field(default_factory=dict)
     reposed: bool = False
     keeps_clips: bool = False
+    moves: frozenset[Hashable] = frozenset()
 
     def views(self, written: Source) -> Views:
         """The source as it is expected to look, and the written file, but for changes of morph weights.
@@ -259,7 +261,8 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
     metadata = {**{node: known[key] for node, key in enumerate(keys) if key in known}, **rig.metadata}
     rig = _bound_in(rig, expected.rig.pending.bind_sizes)
     was = PosedView(source, replace(rig, keys=keys, metadata=metadata), made, keys, range(len(rig)))
-    found = motion_between(was, made, axes=not expected.keeps_clips)
+    free = {node for node, key in enumerate(source.rig.keys) if key in expected.moves}
+    found = motion_between(was, made, axes=not expected.keeps_clips, free=free)
     others = {key: () for key in _other_weights(was.rig, made.rig) if key not in expected.morph_changes}
     if not others:
         return found

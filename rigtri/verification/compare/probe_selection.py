@@ -5,7 +5,7 @@ Comparing costs in proportion to what changed: what is the same to the bit is no
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -87,9 +87,18 @@ def _mark_tracks(mine: Clip, theirs: Clip, m: Correspondence, differs: list[bool
 
 
 def skin_corners(
-    before: Rig, after: Rig, m: Correspondence, meshes: Sequence[Mesh], moving: Booleans
+    before: Rig,
+    after: Rig,
+    m: Correspondence,
+    meshes: Sequence[Mesh],
+    moving: Booleans,
+    free: Collection[int] = (),
 ) -> Iterator[FramePoints]:
-    """The corners of what each joint moves, and the joint's own place in the bind pose."""
+    """The corners of what each joint moves, and the joint's own place in the bind pose.
+
+    free: joints of which only what they move counts, as of ours.
+    """
+    loose = [*before.own, *free]
     for number, partner in enumerate(m.skin.tolist()):
         if partner < 0:
             continue
@@ -106,9 +115,9 @@ def skin_corners(
         if not differ.any():
             continue
         owner = mine.name or f"skin #{number}"
-        own = np.isin(mine.joints, list(before.own)) if before.own else np.zeros(count, dtype=bool)
+        own = np.isin(mine.joints, loose)
         for bind, low, high in _skin_boxes(mine, [x for x in meshes if x.skin == number]):
-            # A joint of ours may move, but not what somebody has bound to it.
+            # Such a joint may move, but not what somebody has bound to it.
             rows = np.flatnonzero(differ & ~(own & ~np.isfinite(low).all(axis=1)))
             if not len(rows):
                 continue
