@@ -13,7 +13,7 @@ from places import SAMPLES, real_files
 from program import cli
 from pxr import Sdf, Usd
 from scaled_limbs import Limb
-from usd_files import deviation
+from usd_files import MESH, SKELETON, animation, deviation, save, scene, skeleton
 
 import rigtri
 from rigtri.errors import UsageError
@@ -185,3 +185,15 @@ def test_real_files_look_as_before(path: Path, tmp_path: Path) -> None:
     found = sizes(read(out, ReadOptions(allow_external_paths=True)).rig)
     uneven = "is not uniform" in ran.stderr
     assert uneven or not len(found) or abs(found - 1.0).max() < 1e-4  # noise of the source stays
+
+
+def test_scales_that_sixteen_bits_cannot_hold_are_named_with_what_keeps_them(tmp_path: Path) -> None:
+    """The middle joint rests at a scale of 1.7389 and is keyed with 1.5, which becomes 0.8626."""
+    scaled = "((1.7389, 0, 0, 0), (0, 1.7389, 0, 0), (0, 0, 1.7389, 0), (0, 2, 0, 1))"
+    rest = SKELETON["rest"].replace("((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 2, 0, 1))", scaled, 1)
+    keys = "1: [(1, 1, 1), (1, 1, 1), (1, 1, 1)], 5: [(1.5, 1.5, 1.5), (1, 1, 1), (1, 1, 1)]"
+    keyed = f"half3[] scales.timeSamples = {{{keys}}}"
+    source = save(tmp_path, scene(skeleton(rest=rest), animation(scales=keyed), MESH))
+    ran = cli("freeze", source, "-o", tmp_path / "out.usda", code=6)
+    assert "cannot say the new ones of 'b' closely enough" in " ".join(ran.stderr.split())
+    cli("freeze", source, "--above", "-o", tmp_path / "out.usda", code=0)

@@ -110,7 +110,7 @@ class WeightWriter:
         if skins:
             raise FixedWeightsError(
                 f"{self._where}: mesh '{self._title(mesh)}' is drawn with several skins, so its weights "
-                "cannot be split for one. Give each skin a mesh of its own, or leave out --split-weights"
+                "cannot be changed for one. Give each skin a mesh of its own, or leave weights as they are"
             )
 
     def _title(self, mesh: int) -> str:
@@ -132,7 +132,7 @@ class WeightWriter:
         if DRACO in raw.get("extensions", {}):
             raise FixedWeightsError(
                 f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights "
-                "cannot be split. Store it uncompressed, or leave out --split-weights"
+                "cannot be changed. Store it uncompressed, or leave the weights as they are"
             )
         key = (skin, attributes["POSITION"], *(attributes[name] for name in sets))
         if key not in self._known:

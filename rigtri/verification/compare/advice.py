@@ -13,6 +13,8 @@ from rigtri.verification.compare.compare import Comparison
 
 # A joint of which less than this share of the tolerance can come is not to blame.
 _BLAME = 0.1
+# Clips that scale joints may hold what hangs there up to so many times as large as it is at rest.
+_GROWN = 2.0
 
 
 def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
@@ -30,7 +32,8 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
-            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale as it was, or {allow}"
+            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale (freeze: --above), "
+            f"or {allow}"
         )
     if not result.shown < 10 * tolerance:
         return ""
@@ -67,7 +70,7 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
         if track.path == "scale" and track.node < len(before) and before.is_joint[track.node]:
             values = key_values(track)
             apart = np.abs(values - values.astype(np.float16).astype(np.float64))
-            share = apart / np.maximum(np.abs(before.scale[track.node]), np.finfo(np.float64).tiny)
+            share = apart / np.maximum(np.abs(values), np.finfo(np.float64).tiny)
             off[track.node] = max(off[track.node], float(share.max(initial=0.0)))
     if not off.any():
         return []
@@ -76,7 +79,8 @@ def rough_scales(before: Rig, after: Rig, shown: float) -> list[int]:
     except FileError:
         return []
     # A reach is that of bones in one line; in a pose they are not.
-    found = np.flatnonzero((effect > _BLAME * shown) & (sum(effect.tolist()) > shown)).tolist()
+    whole = _GROWN * sum(effect.tolist())
+    found = np.flatnonzero((effect > _BLAME * shown) & (whole > shown)).tolist()
     return sorted(found, key=lambda node: -float(effect[node]))
 
 

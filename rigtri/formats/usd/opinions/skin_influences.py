@@ -19,7 +19,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 
 WEIGHTS = "primvars:skel:jointWeights"
-_OTHERWISE = "Leave out --split-weights"
+_OTHERWISE = "Leave the weights as they are"
 
 
 def read_influences(query: Any, points: int) -> tuple[Integers, Floats] | None:
@@ -42,10 +42,10 @@ def check_editable(query: Any) -> None:
     for primvar in (query.GetJointIndicesPrimvar(), query.GetJointWeightsPrimvar()):
         path = primvar.GetAttr().GetPath()
         if primvar.IsIndexed():
-            raise FixedWeightsError(f"<{path}> is indexed, so its weights cannot be split. {_OTHERWISE}.")
+            raise FixedWeightsError(f"<{path}> is indexed, so its weights cannot be changed. {_OTHERWISE}.")
         if primvar.GetAttr().GetNumTimeSamples():
             raise FixedWeightsError(
-                f"<{path}> has time samples, so its weights cannot be split. {_OTHERWISE}."
+                f"<{path}> has time samples, so its weights cannot be changed. {_OTHERWISE}."
             )
 
 
