@@ -99,7 +99,7 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
             known = {record["joint"] for record in report.joints}
             for node, _, leader in followers:
                 if rig.title(node) not in known:
-                    report.joints.append(joint_record(rig, node, "keyed", follows=rig.title(leader)))
+                    report.joints.append(joint_record(rig, node, "posed", follows=rig.title(leader)))
     report.moves |= {rig.keys[node] for node in nodes.values()} - {rig.keys[root], None}
     return rig
 

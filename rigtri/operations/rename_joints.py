@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import count
 from typing import Any
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
@@ -33,7 +33,7 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     ``report.joints``. Raises GeometryError for joints of which it is not sure what they are, UsageError for
     names that several would have, NameNotFoundError for joints that are not there.
     """
-    names = dict(_of_map(rig, options)) | dict(_of_scheme(rig, options))
+    names = dict(_of_map(rig, options, report)) | dict(_of_scheme(rig, options))
     names = {node: name and rig.rules.valid_name(name) for node, name in names.items()}
     names |= {
         rig.find(joint): given_name(rig, name, report, f"--name {joint}=")
@@ -41,9 +41,14 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     }
     _refuse_clashes(rig, names)
     names = {node: name for node, name in names.items() if rig.names[node] != name}
+    _refuse_taken(rig, names, [rig.find(joint) for joint in options.name])
+    if not names:
+        return rig
+    after = renamed(rig, names)
     for node, name in sorted(names.items()):
-        report.joints.append(joint_record(rig, node, "renamed", name=name))
-    return renamed(rig, names) if names else rig
+        known = {"name": name, "was": rig.names[node], "now": after.address(node)}
+        report.joints.append(joint_record(rig, node, "renamed", **known))
+    return after
 
 
 def renamed(rig: Rig, names: Mapping[int, str]) -> Rig:
@@ -67,24 +72,53 @@ def set_aside(rig: Rig, to: str) -> dict[str, str]:
 
 
 def names_json(report: Report) -> dict[str, Any]:
-    """What --save-map writes: by the address that each joint had its new name."""
-    return {"format": FORMAT, "names": {each["address"]: each["name"] for each in report.joints}}
+    """What --save-map writes: by the address that each joint had its new name.
+
+    And by the address that it has its old name, where the names alone do not lead back: several share one.
+    """
+    names = {each["address"]: each["name"] for each in report.joints}
+    plain = {"was": "address", "now": "name"}
+    back = {
+        each["now"]: each["was"]
+        for each in report.joints
+        if any(each[side] != each[name] for side, name in plain.items())
+    }
+    return {"format": FORMAT, "names": names, **({"back": back} if back else {})}
 
 
-def _of_map(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, str]]:
-    """Nodes and names of a map; those that the file does not have are left out."""
+def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[tuple[int, str]]:
+    """Nodes and names of a map; those that the file does not have are left out.
+
+    NameNotFoundError for a map of others alone: none has its old name here, nor its new one.
+    """
     if options.map is None:
         return
-    table = options.map.get("names") if isinstance(options.map, Mapping) else None
-    if not isinstance(table, Mapping) or not all(isinstance(name, str) for name in table.values()):
-        raise FileError('--map: this is no map of names: {"names": {"old": "new", …}}, as --save-map writes')
-    for old, new in table.items():
-        # A node without a name was found by its number.
-        before = old.rpartition("/")[2]
-        was, name = (new, re.sub("^#[0-9]+$", "", before)) if options.inverse else (old, new)
-        node = rig.known(was)
+    table, back = _tables(options.map)
+    # A node without a name was found by its number.
+    plain = {new: re.sub("^#[0-9]+$", "", old.rpartition("/")[2]) for old, new in table.items()}
+    found = (plain | back) if options.inverse else table
+    if found and not any(map(rig.has, found)):
+        new = set(found.values())
+        if not (there := sum(map(rig.has, new))):
+            raise NameNotFoundError("joint that --map renames", next(iter(found)), rig.names)
+        if there < len(new):
+            text = f"Of the joints that --map renames, {there} of {len(new)} have their new names already"
+            report.warn("map-unknown", f"{text}, and the others are not here: is it of another skeleton?")
+    for name, new in found.items():
+        node = rig.known(name)
         if node is not None:
-            yield node, name
+            yield node, new
+
+
+def _tables(read: Mapping[str, Any]) -> Iterator[Mapping[str, str]]:
+    """The tables of a map: of new names, and of those that lead back. FileError for what is no map."""
+    for key, default in (("names", None), ("back", {})):
+        table = read.get(key, default) if isinstance(read, Mapping) else None
+        if not isinstance(table, Mapping) or not all(isinstance(name, str) for name in table.values()):
+            raise FileError(
+                '--map: this is no map of names: {"names": {"old": "new", …}}, as --save-map writes'
+            )
+        yield table
 
 
 def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, str]]:
@@ -137,3 +171,15 @@ def _refuse_clashes(rig: Rig, names: Mapping[int, str]) -> None:
                 "one out with --exclude; of two characters rename one at a time with --below NAME"
             )
         taken.setdefault(name, node)
+
+
+def _refuse_taken(rig: Rig, names: Mapping[int, str], given: Iterable[int]) -> None:
+    """UsageError for a name given to one joint that another node of the file has and keeps.
+
+    Prims of USD are no joints, and may be called as one.
+    """
+    for node in given:
+        name = names.get(node, "")
+        others = [k for k, known in enumerate(rig.names) if name and known == name and k not in names]
+        if any(rig.is_joint[k] or not rig.rules.sized_binding for k in others):
+            raise UsageError(f"--name {rig.title(node)}={name}: another node is called so")

@@ -67,6 +67,37 @@ def test_a_map_leads_back_to_names_that_no_scheme_has(suffix: str, tmp_path: Pat
     assert back.read_bytes() == source.read_bytes()
 
 
+def test_two_characters_with_the_same_names_get_theirs_back(tmp_path: Path) -> None:
+    source, out, back = (tmp_path / f"{name}.gltf" for name in ("in", "out", "back"))
+    gltf = json.loads((SAMPLES / "biped.gltf").read_text())
+    nodes, skin, count = gltf["nodes"], gltf["skins"][0], len(gltf["nodes"])
+    tops = gltf["scenes"][0]["nodes"]
+    for node in nodes[:count]:
+        below = {"children": [child + count for child in node["children"]]} if "children" in node else {}
+        nodes.append({key: node[key] for key in node if key not in ("mesh", "skin")} | below)
+    gltf["skins"].append({"joints": [joint + count for joint in skin["joints"]]})
+    nodes.append({"name": "second", "children": [top + count for top in tops]})
+    tops.append(2 * count)
+    source.write_text(json.dumps(gltf))
+    (tmp_path / "biped.bin").write_bytes((SAMPLES / "biped.bin").read_bytes())
+    names = tmp_path / "names.json"
+    cli("rename-joints", source, "-o", out, "--to", "unreal", "--save-map", names, code=0)
+    assert rigtri.read(out).names.count("upperarm_l") == 2
+    cli("rename-joints", out, "-o", back, "--map", names, "--inverse", code=0)
+    assert back.read_bytes() == source.read_bytes()
+
+
+def test_a_map_of_others_and_a_name_that_is_taken_are_refused(tmp_path: Path) -> None:
+    names, out = tmp_path / "names.json", tmp_path / "out.glb"
+    names.write_text(json.dumps({"names": {"Bip01": "pelvis", "Bip01 Spine": "spine_01"}}))
+    words = ("rename-joints", SAMPLES / "biped.glb", "-o", out)
+    assert "No joint that --map renames is named 'Bip01'" in cli(*words, "--map", names, code=4).stderr
+    names.write_text(json.dumps({"names": {"Bip01": "hips", "Bip01 Spine": "spine_01"}}))
+    assert "1 of 2 have their new names already" in cli(*words, "--map", names, code=0).stderr
+    ran = cli(*words, "--overwrite", "--name", "head=body", code=2)
+    assert "another node is called so" in ran.stderr
+
+
 def test_tokens_follow_everywhere_in_usd(tmp_path: Path) -> None:
     from pxr import Usd, UsdSkel
 
