@@ -98,11 +98,11 @@ def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[
     plain = {new: re.sub("^#[0-9]+$", "", old.rpartition("/")[2]) for old, new in table.items()}
     found = (plain | back) if options.inverse else table
     if found and not any(map(rig.has, found)):
-        new = set(found.values())
-        if not (there := sum(map(rig.has, new))):
+        later = set(found.values())
+        if not (there := sum(map(rig.has, later))):
             raise NameNotFoundError("joint that --map renames", next(iter(found)), rig.names)
-        if there < len(new):
-            text = f"Of the joints that --map renames, {there} of {len(new)} have their new names already"
+        if there < len(later):
+            text = f"Of the joints that --map renames, {there} of {len(later)} have their new names already"
             report.warn("map-unknown", f"{text}, and the others are not here: is it of another skeleton?")
     for name, new in found.items():
         node = rig.known(name)
@@ -110,7 +110,7 @@ def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[
             yield node, new
 
 
-def _tables(read: Mapping[str, Any]) -> Iterator[Mapping[str, str]]:
+def _tables(read: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     """The tables of a map: of new names, and of those that lead back. FileError for what is no map."""
     for key, default in (("names", None), ("back", {})):
         table = read.get(key, default) if isinstance(read, Mapping) else None
@@ -118,7 +118,7 @@ def _tables(read: Mapping[str, Any]) -> Iterator[Mapping[str, str]]:
             raise FileError(
                 '--map: this is no map of names: {"names": {"old": "new", …}}, as --save-map writes'
             )
-        yield table
+        yield dict(table)
 
 
 def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, str]]:
