@@ -74,7 +74,6 @@ class StagedOutput:
         self.placed: list[tuple[Path, Path | None]] = []
         self._folders: list[Path] = []  # those that were not there before
         self.beside: list[Path] = []  # all companions, also those that were there
-        self._orphans = _our_buffers(final, final)
         self._backup = _backup_path(final, os.getpid())
 
     def add(self, companion: Companion) -> None:
@@ -139,7 +138,9 @@ class StagedOutput:
         """Rename the part into place; remove buffers of ours that nothing refers to any more."""
         backups = [backup for _, backup in self.placed if backup is not None]
         with as_file_error(self.final):
-            if backups or self._orphans:
+            # Of what is there now: another run may have put it there since this one began.
+            orphans = _our_buffers(self.final, self.final)
+            if backups or orphans:
                 _link(self.final if self.final.exists() else self.part, self._backup)
             commit(self.part, self.final, synced=self._fsynced(), named=not self._shared)
         # The new file is there; what cannot be tidied up any more is no reason to fail.
@@ -147,7 +148,7 @@ class StagedOutput:
             for backup in backups:
                 backup.unlink()
             others = [self.final] if self._shared else self.final.parent.glob("*.gltf")
-            _remove_unnamed(self._orphans, others)
+            _remove_unnamed(orphans, others)
             self._backup.unlink(missing_ok=True)
 
     def undo(self) -> None:

@@ -285,6 +285,19 @@ def test_a_file_about_to_appear_is_announced_before_it_does(samples: Path, tmp_p
     assert {path.name for path in written.beside} == {p.name for p in tmp_path.iterdir()} - {"out.gltf"}
 
 
+def test_of_two_runs_at_once_the_buffers_of_the_last_stay(samples: Path, tmp_path: Path) -> None:
+    source, target = samples / "biped.gltf", tmp_path / "out.gltf"
+
+    def meanwhile(*_: object) -> None:
+        """What another process has written since this one began."""
+        (tmp_path / "out.rigtri-0123abcd.bin").write_bytes(b"keys")
+        target.write_text('{"buffers": [{"uri": "out.rigtri-0123abcd.bin"}]}')
+
+    edit(source, target, lambda rig, _: orient_joints(rig), ready=meanwhile, overwrite=True)
+    (ours,) = tmp_path.glob("out.rigtri-*.bin")
+    assert ours.name in target.read_text()
+
+
 def test_who_is_notified_can_still_prevent_it(samples: Path, tmp_path: Path) -> None:
     def ready(*_: object) -> None:
         raise FileError("no room in the books")
