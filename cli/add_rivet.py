@@ -24,9 +24,11 @@ def summary(report: Report) -> str:
     new = sum(entry["new"] for entry in report.added)
     keys = sum(count for entry in report.added for count in entry["keys"].values())
     off = max((entry["deviation"] for entry in report.added), default=0.0)
+    away = max((entry["distance"] for entry in report.added), default=0.0)
+    at = f"; the nearest points of the mesh are up to {away:.4g} from those given" if away else ""
     return (
         f"{counted(len(report.added), 'rivet')}, {new} of them new, {counted(keys, 'key')}, "
-        f"at most {off:.2g} of the mesh's size off the surface"
+        f"at most {off:.2g} of the mesh's size off the surface{at}"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import sys
@@ -17,7 +18,7 @@ from . import output_file
 from .help_format import Command, option
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .parameters import read_options
-from .printing import print_json
+from .printing import print_json, print_warnings
 from .terminal_text import plain
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
     output, report = values["output"], Report()
     if output is not None:
         output_file.check_picture(output, points[:1], values)
-    found = _explained(points, values)
+    found = _explained(points, values, report)
     if output is not None:
         output_file.write_picture(picture(found, view=values["view"]), output)
     if values["as_json"]:
@@ -74,9 +75,11 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         click.echo(plain(text(found, width=wide)))
     if output is not None:
         output_file.print_result(report, output, values)
+    elif not values["quiet"]:
+        print_warnings(report.warnings)
 
 
-def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
+def _explained(points: tuple[str, ...], values: dict[str, Any], report: Report) -> Explanation:
     """What is to be explained: numbers as they are given, or a limb of a file."""
     from rigtri.export.explain.explain import explain_points
 
@@ -85,7 +88,7 @@ def _explained(points: tuple[str, ...], values: dict[str, Any]) -> Explanation:
         raise UsageError(f"there is no option {unknown[0]}; see: rigtri explain --help")
     numbers = _numbers(points)
     if numbers is None:
-        return _of_file(points, values)
+        return _of_file(points, values, report)
     if values["limb"] is not None:
         raise UsageError("--limb names a joint of a file; give the file instead of points")
     if values["at"] is not None:
@@ -106,16 +109,17 @@ def _numbers(words: tuple[str, ...]) -> list[float] | None:
     for part in parts:
         try:
             found.append(float(part))
+            valid = math.isfinite(found[-1])
         except ValueError:
-            raise UsageError(
-                f"'{part}' is not a valid number: give three points as x,y,z x,y,z x,y,z"
-            ) from None
+            valid = False
+        if not valid:
+            raise UsageError(f"'{part}' is not a valid number: give three points as x,y,z x,y,z x,y,z")
     if len(found) != 9:
         raise UsageError(f"three points are nine numbers, not {len(found)}: give x,y,z x,y,z x,y,z")
     return found
 
 
-def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
+def _of_file(words: tuple[str, ...], values: dict[str, Any], report: Report) -> Explanation:
     """A limb of a file: the one that --limb names a joint of, or three joints."""
     from rigtri.export.explain.limb_points import explain_limb, limb_with
     from rigtri.files.input_stream import opened
@@ -127,4 +131,4 @@ def _of_file(words: tuple[str, ...], values: dict[str, Any]) -> Explanation:
     with opened(words[0]) as path:
         rig = read(path, read_options({**values, "empty": True})).rig
         joints = tuple(map(rig.find, named)) if named else limb_with(rig, values["limb"])
-        return explain_limb(rig, joints, values["at"] or "rest")
+        return explain_limb(rig, joints, values["at"] or "rest", report)

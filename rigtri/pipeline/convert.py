@@ -15,7 +15,7 @@ from rigtri.files.input_stream import opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
 from rigtri.formats import read
 from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
-from rigtri.formats.registry import need_usd
+from rigtri.formats.registry import need_usd, unknown_format
 from rigtri.model.rig import Rig
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.pipeline.edit import KEYWORDS, Clock, EditRequest, Outcome, allowed_target, working_folder
@@ -53,6 +53,8 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
     clock = Clock()
     with opened(request.source) as path:
         final = _checked(path, request)
+        if final.suffix.lower() in GLTF_SUFFIXES:
+            options.refuse_usd_only()
         begin_stage("read")
         document = read(path, replace(request.options, empty=True))
         needed = list(document.needed())
@@ -136,6 +138,8 @@ def _checked(path: Path, request: EditRequest) -> Path:
     """Where the output goes. UsageError for one that is of IN's own format, or may not be replaced."""
     if request.to_stdout:
         raise UsageError("convert writes files with their images beside them; give OUT a name")
+    if path.suffix.lower() not in (*GLTF_SUFFIXES, *USD_SUFFIXES):
+        raise unknown_format(path)
     allowed = USD_SUFFIXES if path.suffix.lower() in GLTF_SUFFIXES else (".glb", ".gltf")
     if request.dry_run and request.target == request.source:
         return path.with_suffix(allowed[-2])

@@ -185,6 +185,8 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
     fits = output_suffixes(path, options)  # writers know it more closely, when the file has been read
     if fits and final.suffix.lower() not in fits:
         what = "an override is a layer" if options.is_override else "the output has the format of the input"
+        if path.suffix.lower() not in fits and not options.is_override:
+            what = f"{path.name} is {fits[0]} inside, and {what}"
         raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
     return final
 

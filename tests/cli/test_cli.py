@@ -151,6 +151,10 @@ CODES = {
     "inverse of nothing": (["orient-joints", "{biped}", "-o", "out.glb", "--inverse"], 2),
     "strict": (["orient-joints", "{tpose}", "-o", "out.glb", "--strict"], 5),
     "no frames": (["orient-joints", "{biped}", "-o", "out.glb", "--frames", "{biped}"], 3),
+    "seconds alone": (["convert", "{usda}", "-o", "out.glb", "--fps", "30"], 2),
+    "no suffix": (["convert", "nameless", "-o", "out.usda"], 3),
+    "no number": (["explain", "nan,0,0", "1,1,1", "2,2,2"], 2),
+    "no layer": (["orient-joints", "{usda}", "-o", "out.usda", "--edit-target", ""], 4),
     "two distances": (
         ["add-polevector", "{biped}", "-o", "out.glb", "--limbs", "auto", "--reach", "1", "--distance", "2"],
         2,
@@ -165,10 +169,29 @@ def test_a_users_mistake_gets_one_line_and_its_exit_code(
     monkeypatch.chdir(tmp_path)
     arguments, code = CODES[case]
     files = {name: samples / f"{name}.glb" for name in ("biped", "tail", "tpose")}
+    files["usda"] = samples / "biped.usda"
     result = run(*(argument.format(**files) for argument in arguments), code=code)
     assert "Traceback" not in result.output
+    assert "anon:" not in result.output
     assert result.stderr.strip()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_errors_and_warnings_name_what_the_user_gave(samples: Path, tmp_path: Path) -> None:
+    """A GLB called .gltf, a name without suffix, a moment outside the clip, a point far from the mesh."""
+    biped, out = samples / "biped.glb", tmp_path / "out.glb"
+    inside, bare = tmp_path / "wrong.gltf", tmp_path / "bare"
+    for copy in (inside, bare):
+        shutil.copy(biped, copy)
+    told = run("orient-joints", inside, "-o", tmp_path / "out.gltf", code=2).stderr
+    assert "wrong.gltf is .glb inside" in told
+    assert "bare: the name has no suffix" in run("convert", bare, "-o", tmp_path / "o.usda", code=3).stderr
+    told = run("explain", biped, "--limb", "forearm_L", "--at", "walk@7", code=0).stderr
+    assert "Clip 'walk' has keys from 0 to 1; at 7 it holds the nearest pose" in told
+    far = run("add-rivet", biped, "-o", out, "--mesh", "body", "--at", "1e9,1,0", code=0).stderr
+    assert "is 1e+09 away from mesh 'body'" in far
+    goal = ("--driver", "hand_L", "--target", "怒り 2=wave@0.4", "--overwrite")
+    assert "at rest 怒り 2" in run("add-posereader", biped, "-o", out, *goal, code=0).stderr
 
 
 COMMANDS = {

@@ -15,6 +15,7 @@ from rigtri.maths.matrices import local
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.recognition.limbs import recognise
+from rigtri.report import Report
 
 
 def explain(
@@ -69,10 +70,15 @@ def limb_with(rig: Rig, name: str) -> tuple[int, int, int]:
     )
 
 
-def explain_limb(rig: Rig, joints: Sequence[int], at: str = "rest") -> Explanation:
-    """Three joints where they stand at a moment, ``rest`` or CLIP@TIME, with their matrices."""
+def explain_limb(
+    rig: Rig, joints: Sequence[int], at: str = "rest", report: Report | None = None
+) -> Explanation:
+    """Three joints where they stand at a moment, ``rest`` or CLIP@TIME, with their matrices.
+
+    What that moment cannot be as requested is a warning of the report.
+    """
     a, b, c = joints
-    posed = pose_of(rig, PoseOptions(at=at))
+    posed = pose_of(rig, PoseOptions(at=at), report)
     above, *placed = (posed.world(node)[0] for node in (int(rig.parents[a]), a, b, c))
     at_rest = pose_of(rig, PoseOptions())
     rest = local(at_rest.world(b)[0], at_rest.world(a)[0])

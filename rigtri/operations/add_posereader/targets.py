@@ -25,7 +25,7 @@ from rigtri.operations.options.add_posereader import AddPosereaderOptions, Goal
 from rigtri.report import Report
 from rigtri.text import is_number
 
-_NAMED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)", re.S)
+_NAMED = re.compile(r"([^=,@]*[^=,@\s][^=,@]*)=(.*)", re.S)
 
 
 def named_goals(rig: Rig, options: AddPosereaderOptions) -> tuple[Goal, ...]:

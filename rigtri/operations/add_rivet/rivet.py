@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +25,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import angle_between, from_axes, make_continuous, slerp, to_axes
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, length
+from rigtri.maths.vectors import cross, distance, length
 from rigtri.model.animation import Interpolation, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
@@ -40,19 +40,25 @@ from rigtri.report import Report
 ARM = 0.1
 # What moves less than this share of the mesh stands still, and gets one key.
 STILL = 1e-8
+# A point that is farther from the mesh, as a share of its size, may be in other units or of another mesh.
+FAR = 0.1
 
 Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class _Seat:
-    """Where a rivet sits: a primitive, three of its points, and their weights. number: for messages."""
+    """Where a rivet sits: a primitive, three of its points, and their weights.
+
+    number: for messages. aside: how far it is from the point that was given, in file units.
+    """
 
     mesh: Mesh
     primitive: int
     vertices: Integers
     weights: Floats
     number: int
+    aside: float = 0.0
 
 
 @operation(AddRivetOptions)
@@ -69,6 +75,9 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
     for name in options.name:
         given_name(rig, name, report)
     for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):
+        if seat.aside > FAR * ground.size:
+            text = f"The point of rivet '{name}' is {seat.aside:.4g} away from mesh '{ground.name}'"
+            report.warn("rivet-far", f"{text}: the rivet is at the nearest point there", geometry=True)
         rig = _Rivet(rig, name, seat, ground.size, options, report).built()
     return rig
 
@@ -179,7 +188,10 @@ class _Ground:
         )
         found, weights = nearest(np.array(place, dtype=np.float64), corners)
         primitive = int(np.searchsorted(np.cumsum(sizes), found, side="right"))
-        return self._seat(primitive, found - sum(sizes[:primitive]), weights)
+        seat = self._seat(primitive, found - sum(sizes[:primitive]), weights)
+        a, b, c = self.points[primitive][seat.vertices]
+        here = weights[0] * a + weights[1] * b + weights[2] * c
+        return replace(seat, aside=float(distance(np.array(place, dtype=np.float64), here)))
 
     def _of_vertex(self, vertex: int) -> _Seat:
         count = len(self.meshes[0].points)
@@ -328,5 +340,6 @@ class _Rivet:
                 "position": [float(x) for x in rig.world[node, 3, :3]],
                 "keys": counts,
                 "deviation": worst / self.size,
+                "distance": self.seat.aside,
             }
         )

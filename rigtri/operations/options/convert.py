@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from rigtri.operations.declaration import Above, Names, option
+from rigtri.errors import UsageError
+from rigtri.operations.declaration import Above, Names, option, options_of
 
 
 @dataclass(frozen=True)
@@ -23,3 +24,9 @@ class ConvertOptions:
     meters_per_unit: Above = option(
         1.0, metavar="METRES", help="To USD: how many metres the stage's unit is.", group="what"
     )
+
+    def refuse_usd_only(self) -> None:
+        """UsageError for what a glTF cannot have: its times are seconds, y is up, and lengths are metres."""
+        for name, one in options_of(type(self)).items():
+            if name != "clip" and getattr(self, name) != one.default:
+                raise UsageError(f"{one.flag} means nothing for glTF: it has seconds, y up and metres")

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.arrays import Booleans
@@ -91,7 +91,8 @@ class Targets:
 def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     """The joints that ``options`` select.
 
-    Raises NameNotFoundError, UsageError, FileError (no skeleton; axes that the format prescribes).
+    Raises NameNotFoundError, UsageError, FileError (no skeleton), GeometryError (axes that the format
+    prescribes).
     """
     # Frames from elsewhere name their joints: all that match are meant, with or without a skin.
     elsewhere = options.like is not None or options.frames is not None
@@ -206,13 +207,13 @@ def _check_aims(
 def _check_world_aligned(rig: Rig, options: OrientJointsOptions) -> None:
     """Let nothing through but zero rotations on every bone, where a format asks for that.
 
-    Raises FileError for axes of any other kind, UsageError for a part of the joints.
+    Raises GeometryError for axes of any other kind, UsageError for a part of the joints.
     """
     locked = rig.rules.orient_locked
     style = options.style.world and all(style.world for _, _, style in options.chain_styles)
     elsewhere = options.like is not None or options.frames is not None or options.mirror is not None
     if not rig.rules.world_aligned or not style or elsewhere or options.snap or any(options.offset):
-        raise FileError(
+        raise GeometryError(
             f"No joint of this file may have axes of its own: {locked}. Take --world, "
             "which makes all of them zero, or convert the file to VRM 1.0 first."
         )

@@ -32,7 +32,7 @@ def sublayer(stage: Any, name: str) -> Any:
                     "layer by itself, or write to the root layer"
                 )
         return found[0]
-    others = [layer for layer in stage.GetUsedLayers(False) if layer not in own]
+    others = [layer for layer in stage.GetUsedLayers(False) if layer not in own and not layer.anonymous]
     for layer in others:
         if name in _names(layer, folder):
             raise FileError(

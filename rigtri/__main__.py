@@ -1,0 +1,5 @@
+"""``python -m rigtri``: the command line."""
+
+from rigtri.cli.main import program
+
+program()
