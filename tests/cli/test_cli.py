@@ -177,6 +177,13 @@ def test_a_users_mistake_gets_one_line_and_its_exit_code(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_package_runs_as_a_module() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "rigtri", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == run("--version").stdout
+
+
 def test_errors_and_warnings_name_what_the_user_gave(samples: Path, tmp_path: Path) -> None:
     """A GLB called .gltf, a name without suffix, a moment outside the clip, a point far from the mesh."""
     biped, out = samples / "biped.glb", tmp_path / "out.glb"

@@ -164,8 +164,7 @@ def test_nobody_imports_the_program_or_the_schemas() -> None:
     """They are found by entry point and importlib.resources; commands know their siblings."""
     wrong = []
     for path in SOURCES:
-        program = path.parent.name == "cli" or path.name == "__main__.py"
-        known = ("rigtri.schemas",) if program else ("rigtri.schemas", "rigtri.cli")
+        known = ("rigtri.schemas",) if path.parent.name == "cli" else ("rigtri.schemas", "rigtri.cli")
         every = imports(path, annotations=True)
         wrong += [f"{shown(path)} imports {name}" for name in every if name.startswith(known)]
     assert wrong == []
