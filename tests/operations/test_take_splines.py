@@ -148,3 +148,15 @@ def test_a_clip_is_played_at_the_rigs_keys_too_where_edited_has_few(monkeypatch:
             playing(RIG, had),
             from_=playing(RIG, replace(had, times=had.times[::4], values=had.values[::4])),
         )
+
+
+def test_splines_that_were_kept_are_kept_by_a_second_run_too() -> None:
+    """Another spline has EDITED's tangents by then, which says nothing of what a DCC did to the rest."""
+    slopes = 0.3 * np.cos(np.arange(20.0))[:, np.newaxis] * np.ones(4)
+    moved = from_axis_angle([0.0, 0.0, 1.0], np.sin(np.arange(20.0)) * 0.4)
+    had, other = spline(1, "rotation", TURNS, slopes), spline(2, "rotation", TURNS, slopes)
+    edited = playing(RIG, respline(had, natural(TURNS)), spline(2, "rotation", moved, natural(moved)))
+    once = take_clips(playing(RIG, had, other), from_=edited)
+    assert np.array_equal(once.clips[0].tracks[0].values, had.values)
+    assert not np.array_equal(once.clips[0].tracks[1].values, other.values)
+    assert take_clips(once, from_=edited) is once
