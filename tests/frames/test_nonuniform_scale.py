@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from flat_options import axes_of
 from places import NO_ASSETS, USD, asset_files, every_other
 from program import cli
+from rigs import chain
 from scaled_limbs import NAMES, STRETCH, Limb, gltf, usd
 from second_opinions import validator
 from usd_files import deviation
@@ -19,11 +21,14 @@ from usd_files import deviation
 from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.formats import ReadOptions, read
+from rigtri.frames.nonuniform_scale import ScaleTable
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
+from rigtri.operations.orient_joints.scale_policy import first_uneven
 from rigtri.pipeline.edit import Outcome, edit
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
@@ -176,6 +181,14 @@ def test_the_policy_error_names_joint_scale_and_time(suffix: str, tmp_path: Path
     with pytest.raises(GeometryError, match=r"'elbow' \(1\.\S+ 0\.7\S* 1\.\S+ in Bend at "):
         oriented(source, tmp_path / f"out{suffix}", "error")
     assert not (tmp_path / f"out{suffix}").exists()
+
+
+def test_a_tangent_that_is_not_uniform_is_told_as_one() -> None:
+    rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0))
+    values = np.array([[[0, 0, 0], [1, 1, 1], [1, 2, 1]], [[0, 0, 0], [1.4, 1.4, 1.4], [0, 0, 0]]])
+    track = Track(1, "scale", "CUBICSPLINE", np.array([0.0, 1.0]), values)
+    swells = replace(rig, clips=(Clip("swell", (track,)),))
+    assert str(first_uneven(swells, 1, ScaleTable.of(swells))) == "tangent 1 2 1 in swell at 0"
 
 
 def test_vrm_1_takes_no_split_and_gives_the_reason(tmp_path: Path) -> None:

@@ -71,6 +71,11 @@ def test_a_second_root_is_not_added(rooted: Path) -> None:
     assert rigtri.add_root(rig).names == rig.names
 
 
+def test_hips_are_no_root_because_they_have_its_name() -> None:
+    with pytest.raises(UsageError, match="the root is to be above"):
+        rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"), name="hips")
+
+
 @pytest.mark.parametrize("tokens", ["listed by the mesh", "those of the skeleton"])
 def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Path) -> None:
     source, out, again, moved = (tmp_path / f"{name}.usda" for name in ("source", "out", "again", "moved"))

@@ -230,14 +230,16 @@ def _freed(cardinals: Floats, axis: int, requested: Floats, aim: int) -> Floats:
 
 @dataclass(frozen=True)
 class Uneven:
-    """A scale that is not uniform: at rest, or at the first key of a clip where it is not."""
+    """A scale that is not uniform: at rest, or at the first key of a clip where it, or a tangent, is not."""
 
     value: tuple[float, float, float]
     clip: str | None = None
     time: float | None = None
+    tangent: bool = False
 
     def __str__(self) -> str:
         words = " ".join(f"{x:.6g}" for x in self.value)
+        words = f"tangent {words}" if self.tangent else words
         return words if self.clip is None else f"{words} in {self.clip} at {self.time:.6g}"
 
     def as_json(self) -> dict[str, Any]:
@@ -246,21 +248,27 @@ class Uneven:
 
 def first_uneven(rig: Rig, node: int, scales: ScaleTable) -> Uneven:
     """Where the scale of a node that has one is first seen not to be uniform."""
-    found = [
-        (clip.name or f"#{k}", column.times, column.key_values[row])
+    columns = [
+        (clip.name or f"#{k}", column, row)
         for k, clip in enumerate(rig.clips)
         for column in clip.columns
         if column.path == "scale"
         for row in np.flatnonzero(column.nodes == node).tolist()
     ]
-    rows = np.concatenate([scales.rows[[node]], *(values for _, _, values in found)])
+    found = [(name, c.times, c.key_values[row], False) for name, c, row in columns]
+    found += [
+        (name, np.repeat(c.times, 2), c.values[row, :, ::2].reshape(-1, 3), True)
+        for name, c, row in columns
+        if c.interpolation == "CUBICSPLINE"
+    ]
+    rows = np.concatenate([scales.rows[[node]], *(values for _, _, values, _ in found)])
     largest = np.abs(rows).max(axis=1)
     spread = np.ptp(rows * scales.sign[node], axis=1) / np.where(largest == 0, 1.0, largest)
     over = spread > scales.same[node]
     first = int(np.argmax(over if over.any() else spread))
     key = first - 1
-    for name, times, _ in found if first else ():
+    for name, times, _, tangent in found if first else ():
         if key < len(times):
-            return Uneven(triple(rows[first]), name, float(times[key]))
+            return Uneven(triple(rows[first]), name, float(times[key]), tangent)
         key -= len(times)
     return Uneven(triple(rows[first]))
