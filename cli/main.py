@@ -113,5 +113,6 @@ def program() -> None:
 
     \b
     Then: rigtri COMMAND --help, or rigtri help COMMAND for all of its options.
-    The pages that help names: https://github.com/rigtri/rigtri/blob/main/docs/index.md
+    The pages that help names:
+    https://github.com/rigtri/rigtri/blob/main/docs/index.md
     """

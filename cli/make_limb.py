@@ -81,9 +81,10 @@ def _blank(folder: Path, values: dict[str, Any]) -> str:
 
     if values["output"] in (None, "-"):
         raise UsageError("-o: a new file needs a name, whose suffix says its format")
-    for flag in ("locators", "guide_nodes"):
+    for flag in ("locators", "guide_nodes", "parent"):
         if values[flag]:
-            raise UsageError(f"--{flag.replace('_', '-')}: these are nodes of a file: give IN, or --points")
+            what = f"--{flag.replace('_', '-')} names nodes of a file"
+            raise UsageError(f"{what}: give IN, or " + ("leave it out" if flag == "parent" else "--points"))
     target = Path(values["output"])
     path = folder / target.name
     if target.suffix.lower() in GLTF_SUFFIXES:

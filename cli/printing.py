@@ -65,7 +65,8 @@ def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo("The result was not compared with the source (--no-verify).", err=True)
     else:
         unread = len(outcome.unread)
-        more = f"; {unread} meshes could not be read and were not measured" if unread else ""
+        meshes = "1 mesh" if unread == 1 else f"{unread} meshes"
+        more = f"; {meshes} could not be read, nor measured" if unread else ""
         click.echo(plain(outcome.verification.summary(values["tolerance"]) + more, one_line=True), err=True)
     if values.get("explain"):
         click.echo("Nothing was written (--explain).", err=True)

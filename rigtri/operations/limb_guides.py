@@ -131,11 +131,16 @@ def _readable(keywords: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _number(cell: Any) -> float:
-    """A cell as a number; ValueError for what Python takes for one and no table means: 1_0, ٣."""
-    if isinstance(cell, str) and ("_" in cell or not cell.isascii()):
-        raise ValueError
-    return float(cell)
+def _number(row: Mapping[str, Any], column: str, where: str) -> float:
+    """A cell as a number; UsageError also for what Python takes for one and no table means: 1_0, ٣."""
+    cell = row.get(column)
+    try:
+        if isinstance(cell, str) and ("_" in cell or not cell.isascii()):
+            raise ValueError
+        return float(cell)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        what = f"'{cell}' is not a number" if cell else "there is no number"
+        raise UsageError(f"--guides, {where}, column {column}: {what}") from None
 
 
 def _of_rows(rows: Sequence[Any]) -> dict[str, dict[str, Any]]:
@@ -150,12 +155,7 @@ def _of_rows(rows: Sequence[Any]) -> dict[str, dict[str, Any]]:
                 f"--guides, row {number}: there is no name; the columns are name, x, y, z and options"
             )
         about = guides.setdefault(str(row["name"]), {"points": []})
-        try:
-            about["points"].append([_number(row[axis]) for axis in _COORDINATES])
-        except (KeyError, TypeError, ValueError):
-            raise UsageError(
-                f"--guides, row {number}, {row['name']}: x, y and z are not three numbers"
-            ) from None
+        about["points"].append([_number(row, axis, f"row {number}, {row['name']}") for axis in _COORDINATES])
         if row.get("joint"):
             about.setdefault("names", []).append(str(row["joint"]))
         others = {k: v for k, v in row.items() if k not in ("name", "joint", *_COORDINATES) and k and v}

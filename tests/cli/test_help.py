@@ -32,6 +32,7 @@ def completed(*words: object) -> list[str]:
 
 def test_commands_stand_under_headings() -> None:
     text = run("--help").stdout
+    assert max(map(len, text.splitlines())) <= 80
     assert [line[:-1] for line in text.splitlines() if line[:1].isalpha() and line.endswith(":")] == [
         "Options",
         *GROUPS,

@@ -270,7 +270,7 @@ def test_words_of_lists_are_taken_up_to_the_next_option() -> None:
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--preset", "vrm", "--up", "z"], 2, "leave out --aim"),
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--aim", "y"], 2, "same letter"),
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--up-from", "moon"], 2, "none of plane"),
-        (["--points", "0,0,0", "1,1,0", "2,0,0", "--parent", "hips"], 4, "hips"),
+        (["--points", "0,0,0", "1,1,0", "2,0,0", "--parent", "hips"], 2, "--parent names nodes of a file"),
         (["--points", "0,0,0", "1,1,0", "2,0,0", "--edit-target", "bare"], 2, "there is no IN"),
     ],
 )
@@ -521,8 +521,8 @@ def test_what_is_no_guide_is_refused_by_name(guides: Any, words: str) -> None:
     [
         ("more.csv", "name,x,y,z\narm,0,0,0,left\n", "row 1: it has more cells than the header"),
         ("columns.csv", "name,x,x,z\narm,0,0,0\n", "two columns 'x'"),
-        ("digits.csv", "name,x,y,z\narm,1_0,0,0\n", "row 1, arm: x, y and z are not three numbers"),
-        ("arabic.csv", "name,x,y,z\narm,٣,0,0\n", "row 1, arm: x, y and z are not three numbers"),
+        ("digits.csv", "name,x,y,z\narm,1_0,0,0\n", "row 1, arm, column x: '1_0' is not a number"),
+        ("arabic.csv", "name,x,y,z\narm,٣,0,0\n", "row 1, arm, column x: '٣' is not a number"),
         ("twice.json", '{"arm": [[0, 0, 0]], "arm": [[0, 1, 0]]}', "'arm' is there twice"),
     ],
 )

@@ -367,6 +367,7 @@ def test_words_in_braces_make_a_step_for_each(tmp_path: Path) -> None:
         ), "more values"),
         ("steps: " + "[" * 500 + "]" * 500, "deeper, than a spec can have"),
         ("extends: rig.yaml\n", "in a cycle"),
+        ("extends: ../x\n", "extends ../x: a spec is a"),
         ("extends: nowhere.yaml\n", "There is no file"),
     ],
 )  # fmt: skip

@@ -248,6 +248,7 @@ def _check_size(shown: Sequence[Shown], limit: float) -> None:
     if whole > limit * MEGABYTE:
         names = " and ".join(one.name for one in shown)
         raise UsageError(
-            f"{names}: {whole / MEGABYTE:.0f} MB of meshes and images would make a page a third larger, and "
-            f"browsers open pages of some hundred MB. Allow it with --limit {whole / MEGABYTE + 1:.0f}"
+            f"{names}: {whole / MEGABYTE:.3g} MB of meshes and images are more than --limit {limit:g}, and "
+            "would make a page a third larger; browsers open pages of some hundred MB. Allow it with --limit "
+            f"{whole / MEGABYTE + 1:.0f}"
         )

@@ -82,7 +82,8 @@ def _extended(path: Path, chain: tuple[Path, ...], trees: dict[Path, Tree], lost
         except SpecError as error:
             lost += error.found
         except FileError as error:
-            lost.append(Fault(tree.place(("extends", number)), "", f"extends {base}: {error}"))
+            text = str(error).removeprefix(f"{path.parent / base}: ")  # which is named once
+            lost.append(Fault(tree.place(("extends", number)), "", f"extends {base}: {text}"))
     whole.values.pop("version", None)  # each file has its own
     _over(whole, tree)
     whole.file = tree.file

@@ -95,7 +95,7 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
     if kind == "extra_forbidden":
         text = f"there is no option '{name}'.{_near(tree, loc)}"
     elif kind == "missing" and name.isdigit():
-        text = f"{option}: there are too few values"
+        text = f"{option.partition('.')[0]}: there are too few values: number {int(name) + 1} is missing"
     elif kind == "missing":
         text = f"'{name}' is missing"
     elif kind == "string_pattern_mismatch" and keys[:1] == ("variables",):

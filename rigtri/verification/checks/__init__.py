@@ -52,7 +52,7 @@ def unreadable(path: Path, error: FileError) -> list[Finding]:
     """The finding of a file that cannot be read."""
     # The finding has a remedy of its own.
     text = str(error).removeprefix(f"{path}: ").rstrip(". ")
-    text = text.removesuffix(RULES[UNREADABLE].remedy.rstrip(".")).rstrip(". ")
+    text = text.removesuffix("Copy or export it again").rstrip(". ")
     findings = Findings(RULES)
     findings.add(UNREADABLE, "file", "", text)
     return findings.all()

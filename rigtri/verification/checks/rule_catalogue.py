@@ -20,7 +20,7 @@ _FILE = (
         UNREADABLE,
         "error",
         "The file is no glTF, VRM or USD file at all, is cut off or damaged, or is not there.",
-        "Copy or export it again.",
+        "Give a file that is there and of these formats; copy or export it again.",
     ),
 )
 _ORIENT = "Give it other axes with rigtri orient-joints, or leave it: nothing is broken."
