@@ -24,9 +24,16 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
 from rigtri.model.control_shapes import COLORS, Kind
 from rigtri.model.joint_names import Side, side
-from rigtri.model.metadata import ControlKind, ControlRecord, OffsetRecord, PoleVectorRecord
+from rigtri.model.metadata import (
+    ControlKind,
+    ControlRecord,
+    OffsetRecord,
+    PoleVectorRecord,
+    PoseReaderRecord,
+)
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
+from rigtri.operations.add_posereader.corrective_joints import driven_paths
 from rigtri.operations.aim_targets import Rules, aim_targets, limb_children
 from rigtri.operations.control_drawing import Drawing, draw, draw_anew, lines_of
 from rigtri.operations.control_frames import ControlAxes, stored_style
@@ -160,7 +167,8 @@ class _Builder:
         self.rig = remembered(self.rig, [c for c, _, _ in self.made if self.rig.keys[c] is None])
 
     def _joints(self) -> list[int]:
-        """The joints that get FK controls, parents first; twist joints follow by themselves.
+        """The joints that get FK controls, parents first; twist joints follow by themselves, and so do joints
+        that a pose reader drives, unless they are named.
 
         Those of limbs with IK always do, whatever carries weight: theirs hold what IK cannot.
         """
@@ -169,6 +177,8 @@ class _Builder:
             found = [k for k in chosen(self.tree, options.selection) if self.rig.type_of(k) != "twist"]
             if not options.selection.named:
                 idle = self.above_controls.union(np.flatnonzero(~self.tree.carries).tolist())
+                for reader in self.rig.records(PoseReaderRecord).values():
+                    idle |= driven_paths(reader, self.rig).keys()
                 found = [joint for joint in found if joint not in idle]
         missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
         return sorted({*found, *missing}) if missing else found

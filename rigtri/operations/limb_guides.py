@@ -42,6 +42,13 @@ def guided(rig: Rig, options: MakeLimbOptions) -> Iterator[MakeLimbOptions]:
         yield each
 
 
+def in_guides(options: MakeLimbOptions, name: str) -> str:
+    """Where an option of one limb stands among guides."""
+    if options.guide_nodes is not None:
+        return f"For '{name}' alone: name its nodes with --locators, and leave it out of --guide-nodes"
+    return f'In a guides file it is a key of \'{name}\', "bend": [0, 0, 1] or "up-from", or a column'
+
+
 def _flag(options: MakeLimbOptions) -> str:
     return "--guides" if options.guide_nodes is None else "--guide-nodes"
 

@@ -25,7 +25,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.declaration import check, vector
-from rigtri.operations.limb_guides import guided, natural
+from rigtri.operations.limb_guides import guided, in_guides, natural
 from rigtri.operations.operation import operation
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.options.make_limb import is_pattern
@@ -58,7 +58,10 @@ def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
     """
     if options.guides is not None or options.guide_nodes is not None:
         for each in guided(rig, options):
-            rig = _made(rig, each, report)
+            try:
+                rig = _made(rig, each, report)
+            except GeometryError as error:
+                raise GeometryError(f"{error}. {in_guides(options, each.name)}") from None
         return rig
     return _made(rig, options, report)
 

@@ -17,6 +17,7 @@ from program import cli
 from rigs import chain
 from second_opinions import validator
 
+import rigtri
 from rigtri.errors import UsageError
 from rigtri.formats import read
 from rigtri.formats.usd.identifiers import identifier
@@ -437,3 +438,16 @@ def test_what_a_hand_holds_does_not_make_its_control_larger() -> None:
     rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
     sizes = [rig.records(ControlRecord)[rig.find(f"hand_{side}_ik_ctl")].size for side in "LR"]
     assert sizes[1] == pytest.approx(sizes[0], rel=1e-3)
+
+
+def test_a_joint_that_a_pose_reader_drives_gets_a_control_only_where_it_is_named() -> None:
+    """It follows by itself, and what an animator set there would be replaced by each bake."""
+    start = rigtri.read(SAMPLES / "tpose.glb")
+    rig = rigtri.add_posereader(
+        start, driver="forearm_L", target=("up=0,1,0",), joint=(("up", "head", "rz=10"),), name="reader"
+    )
+    whole, named = rigtri.add_controls(rig, whole_character=True), rigtri.add_controls(rig, joints=("head",))
+    assert "head_ctl" in rigtri.add_controls(start, whole_character=True).names
+    assert "head_ctl" not in whole.names
+    assert "neck_ctl" in whole.names
+    assert "head_ctl" in named.names
