@@ -129,3 +129,9 @@ def test_new_axes_are_refused_where_ik_makes_much_of_a_scale_that_is_not_quite_u
         rigtri.orient_joints(reaching(2e-6), offset=(0.0, 40.0, 30.0))
     rigtri.orient_joints(reaching(2e-6), offset=(0.0, 40.0, 30.0), exclude=("upper_arm_L",))
     rigtri.orient_joints(reaching(0.2), offset=(0.0, 40.0, 30.0))
+    # A leg of the same noise has keys that leave it where it is.
+    scale[rig.find("thigh_R"), 0] += 1.5e-5
+    still = Track(rig.find("foot_R_ik_ctl"), "translation", "STEP", np.zeros(1), np.zeros((1, 3)))
+    both = replace(reaching(0.2), scale=scale)
+    clip = replace(both.clips[0], tracks=(*both.clips[0].tracks, still))
+    rigtri.orient_joints(replace(both, clips=(clip,)), offset=(0.0, 40.0, 30.0))

@@ -63,7 +63,11 @@ def _apart(
         Solver(rig, controls_with_keys(rig, line)).run(sample_parts(rig, line.clip, times))
         for rig, line in (one, other)
     ]
-    off = [length(posed[0].world(k)[:, 3, :3] - posed[1].world(k)[:, 3, :3]) for k in joints]
-    far = np.nan_to_num(np.array(off))
-    row, column = np.unravel_index(int(far.argmax()), far.shape)
-    return float(far[row, column]) / size_of(one[0]), joints[int(row)], float(times[int(column)])
+    worst = (0.0, -1, 0.0)
+    for joint in joints:
+        # Of a joint that stands still there is one row.
+        off = posed[0].world(joint)[:, 3, :3] - posed[1].world(joint)[:, 3, :3]
+        far = np.broadcast_to(np.nan_to_num(length(off)), times.shape)
+        at = int(far.argmax())
+        worst = max(worst, (float(far[at]) / size_of(one[0]), joint, float(times[at])))
+    return worst
