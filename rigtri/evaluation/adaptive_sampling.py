@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation.timelines import as_float32
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
@@ -62,7 +63,7 @@ def adaptive_key_times(sample: Sampled, error: Error, times: Floats, *, within: 
 
     sample: times (f,) → values (f, c). error: how far values (f, c) are from what keys give there,
     from (values, left values, right values, share (f,), times) → (f,).
-    OverflowError where more than `MOST_KEYS` would be needed.
+    GeometryError where more than `MOST_KEYS` would be needed, as for numbers that float32 does not hold.
     """
     rounds = iter(range(_DEEPEST))
 
@@ -80,7 +81,7 @@ def adaptive_key_times(sample: Sampled, error: Error, times: Floats, *, within: 
     def halved(start: Floats, span: Floats, off: Floats) -> Integers:
         wide = (off > within) & (next(rounds, None) is not None)
         if np.count_nonzero(wide) > MOST_KEYS:
-            raise OverflowError(f"more than {MOST_KEYS} keys would be needed")
+            raise GeometryError(f"more than {MOST_KEYS} keys of a clip would be needed")
         return np.where(wide, 2, 1)
 
     return refine_times(times, deviations, halved)

@@ -83,7 +83,7 @@ def reader_keys(
     if not steps_only(moving):
         try:
             times = adaptive_key_times(read, _error, times, within=within)
-        except OverflowError as error:
+        except GeometryError as error:
             raise GeometryError(
                 f"'{name}' in clip '{timeline.name}': {error}. Allow more with --within"
             ) from None

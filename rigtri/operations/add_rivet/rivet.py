@@ -274,7 +274,7 @@ class _Rivet:
             bound = self.options.within * self.size
             try:
                 times = adaptive_key_times(seats, self._error, times, within=bound)
-            except OverflowError as error:
+            except GeometryError as error:
                 raise GeometryError(
                     f"Rivet '{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
                 ) from None
