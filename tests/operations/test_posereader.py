@@ -305,6 +305,18 @@ def test_a_control_has_the_value_as_an_attribute_over_time(tmp_path: Path) -> No
     assert value.Get(24.0) == pytest.approx(1.0)
 
 
+def test_values_of_a_control_that_usd_would_call_alike_are_refused(tmp_path: Path) -> None:
+    """Before, both were written into one attribute."""
+    rig = add_controls(read(arm_usd(tmp_path)).rig, options=AddControlsOptions(joints=("b",)))
+    goals, values = (
+        (SIDE, Goal("up", direction=(0, 1, 0))),
+        (("side", "b_ctl", "手 1"), ("up", "b_ctl", "手_1")),
+    )
+    options = replace(for_kind("usda"), morph=(), target=goals, attribute=values)
+    with pytest.raises(UsageError, match="two targets would drive the value '手_1' of 'b_ctl'"):
+        add_posereader(rig, options=options)
+
+
 def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     for kind in ("dot", "cone", "rbf"):

@@ -52,8 +52,26 @@ def add_posereader(rig: Rig, *, options: AddPosereaderOptions, report: Report) -
 
     Raises NameNotFoundError, UsageError, GeometryError (no morphs, poses that coincide), FileError.
     """
+    options = replace(options, attribute=_valid_attributes(rig, options, report))
     builder = _Builder(rig, options, report)
     return rebind_rivets(builder.build(), {drive.mesh.node for drive in builder.drives}, report)
+
+
+def _valid_attributes(
+    rig: Rig, options: AddPosereaderOptions, report: Report
+) -> tuple[tuple[str, str, str], ...]:
+    """Targets, controls and the names of their values as the format can have them.
+
+    UsageError where two values of a control would have one name.
+    """
+    found = [
+        (t, control, given_name(rig, name, report, "--attribute")) for t, control, name in options.attribute
+    ]
+    values = [(rig.known(control), name) for _, control, name in found]
+    for (_, control, name), value in zip(found, values, strict=True):
+        if values.count(value) > 1:
+            raise UsageError(f"--attribute: two targets would drive the value '{name}' of '{control}'")
+    return tuple(found)
 
 
 def options_of(record: PoseReaderRecord) -> AddPosereaderOptions:
