@@ -50,12 +50,12 @@ def without_nodes(rig: Rig, gone: Collection[int], folds: Sequence[JointMerge]) 
 
 def warn_lost_clips(before: Rig, after: Rig, report: Report) -> None:
     """Say which clips have nothing left to move where nodes went: a glTF holds no clip without channels."""
-    for clip, left in zip(before.clips, after.clips, strict=True):
+    for number, (clip, left) in enumerate(zip(before.clips, after.clips, strict=True)):
         if clip.tracks and not left.tracks:
             titles = dict.fromkeys(before.title(track.node) for track in clip.tracks)
             report.warn(
                 "clip-lost",
-                f"Clip '{clip.name}' moved nothing but {listed(list(titles), 4)}, and is lost with that: to "
+                f"Clip '{clip.name or f'#{number}'}' moved nothing but {listed(list(titles), 4)}, and is lost with that: to "
                 "keep it, leave one out with --exclude",
             )
 
