@@ -53,8 +53,10 @@ def warn_lost_clips(before: Rig, after: Rig, report: Report) -> None:
     for number, (clip, left) in enumerate(zip(before.clips, after.clips, strict=True)):
         if clip.tracks and not left.tracks:
             titles = list(dict.fromkeys(before.title(track.node) for track in clip.tracks))
-            what = f"Clip '{clip.name or f'#{number}'}' moved nothing but {listed(titles, 4)}"
-            report.warn("clip-lost", f"{what}, and is lost with that: to keep it, leave one out with --exclude")
+            text = (
+                f"Clip '{clip.name or f'#{number}'}' moved nothing but {listed(titles, 4)}, and is lost with"
+            )
+            report.warn("clip-lost", f"{text} that: to keep it, leave one out with --exclude")
 
 
 def _without(skin: Skin, gone: frozenset[int], fold: JointMerge | None) -> Skin:
