@@ -50,8 +50,8 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
                 f"In clip '{was.name}' controls would move '{rig.title(joint)}' otherwise than now, by "
                 f"{far:.2g} of the size at {time:g}: the scale of {listed(names, 6)} is not quite uniform, "
                 "and IK that is straight or folded makes much of what other axes lose of it. Keep these axes "
-                "with --exclude, or allow more with --tolerance; or bake --to joints and strip, orient-joints, "
-                "and build the controls again"
+                "with --exclude, or allow more with --tolerance; or bake --to joints and strip, "
+                "orient-joints, and build the controls again"
             )
 
 
