@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from places import SAMPLES
+from program import cli
 from taken_clips import apart, notices, rig_of, turned_key, with_tracks
 
+import rigtri
 from rigtri.errors import GeometryError
-from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.sampling import locals_at, sample
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
@@ -155,3 +158,19 @@ def test_a_track_that_was_cut_goes_the_same_way_inside_and_one_that_was_held_eve
     np.testing.assert_allclose(sample(long, times), sample(track, times), atol=1e-14)
     assert cut(track, 0.0, 3.0) is track
     assert cut(track, 4.0, 5.0).times.tolist() == [4.0]
+
+
+def test_steps_become_samples_just_before_each_jump_in_usd(tmp_path: Path) -> None:
+    """A clip that an animator has made stepped: samples of USD go straight from one to the next."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    walk = next(clip for clip in rig.clips if clip.name == "walk")
+    stepped = (replace(walk, tracks=tuple(replace(track, interpolation="STEP") for track in walk.tracks)),)
+    edited, out = tmp_path / "edited.glb", tmp_path / "out.usda"
+    rigtri.write(replace(rig, clips=stepped), edited, verify=False)
+    cli("take-clips", SAMPLES / "biped.usda", "--from", edited, "-o", out, code=0)
+    before, after = rigtri.read(SAMPLES / "biped.usda"), rigtri.read(out)
+    arm = after.find("forearm_R")
+    held = locals_at(after, after.clips[0], np.array([3.0, 5.9]))[:, arm]
+    assert np.abs(held[0] - held[1]).max() < 1e-6
+    there = locals_at(before, before.clips[0], np.array([6.0]))[0, arm]
+    assert np.abs(locals_at(after, after.clips[0], np.array([6.0]))[0, arm] - there).max() < 1e-6

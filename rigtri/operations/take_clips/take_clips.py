@@ -14,7 +14,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import to_parts
 from rigtri.evaluation.key_reduction import key_tolerances
-from rigtri.evaluation.timelines import put_tracks, timelines
+from rigtri.evaluation.timelines import put_tracks, timelines, without_steps
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track, key_values
@@ -185,6 +185,8 @@ class _Taking:
             rig = self._with_new_clip()
         else:
             self._one_range()
+            if self.rig.rules.raw_quaternions:  # of USD, whose samples know no steps
+                self.changed = [without_steps(track) for track in self.changed]
             rig = put_tracks(self.rig, home, self.changed) if self.changed else self.rig
         self._warn()
         if rig is not self.rig:
