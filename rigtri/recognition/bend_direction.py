@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
-from rigtri.maths.matrices import inverse, transform_directions
+from rigtri.maths.matrices import determinant, inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.triangle import bend_direction, bend_sine, hinge
@@ -116,7 +116,7 @@ def in_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) ->
     mean = normals[heard].cumsum(axis=0)[-1] / len(normals[heard])
     if not length(mean) >= AGREEMENT:
         return None
-    normal = normalise(transform_directions(mean, world[limb.start]))
+    normal = normalise(_carried(mean, world[limb.start]))
     a, _, c = world[list(limb.triple), 3, :3]
     source: Source = "clips" if heard[len(shown[0][1]) :].any() else "other pose"
     return towards(limb, world, cross(c - a, normal), source, float(sines[heard].min()))
@@ -140,9 +140,14 @@ def _bent_hinges(limb: Limb, world: Floats) -> tuple[Floats, Floats]:
     sines = bend_sine(points[:, 0], points[:, 1], points[:, 2])
     bent = sines >= BENT
     points, root = points[bent], world[bent, limb.start]
-    n = normalise(transform_directions(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root)))
+    n = normalise(_carried(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root)))
     finite = np.isfinite(n).all(axis=1)
     return n[finite], sines[bent][finite]
+
+
+def _carried(normals: Floats, m: Floats) -> Floats:
+    """Hinges, (..., 3), in another space, m: (..., 4, 4). In a mirror the same turn goes the other way."""
+    return transform_directions(normals, m) * np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
 
 
 def mirrored(direction: Floats, here: Floats, there: Floats) -> Floats:
@@ -182,7 +187,7 @@ def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple
     points = world[:, [a, b, c], 3, :3]
     sine = bend_sine(points[:, 0], points[:, 1], points[:, 2])
     normal = hinge(points[:, 0], points[:, 1], points[:, 2])
-    seen = transform_directions(np.nan_to_num(normal), inverse(world[:, a]))
+    seen = _carried(np.nan_to_num(normal), inverse(world[:, a]))
     found: list[tuple[float, str]] = []
     last: Floats | None = None
     for k, time in enumerate(times.tolist()):

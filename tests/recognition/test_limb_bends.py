@@ -34,6 +34,27 @@ def moved(body: PosedBody, parts: tuple[str, ...], degrees: float, axis: Floats 
     return replace(rig, clips=(Clip("walk", tuple(tracks)),))
 
 
+def left_handed(rig: Rig, root: int) -> Rig:
+    """The same places and motion: all joints from one on have left-handed axes, by its scale."""
+    below = [node for node in range(len(rig.names)) if node != root and rig.is_below(node, root)]
+    scale, translation, rotation = rig.scale.copy(), rig.translation.copy(), rig.rotation.copy()
+    scale[root, 0] *= -1.0
+    translation[below, 0] *= -1.0
+    rotation[below, 1:3] *= -1.0
+    clips = []
+    for clip in rig.clips:
+        signs = {track.node: [1.0, -1.0, -1.0, 1.0] for track in clip.tracks if track.node in below}
+        turned = (replace(each, values=each.values * signs.get(each.node, 1.0)) for each in clip.tracks)
+        clips.append(replace(clip, tracks=tuple(turned)))
+    (skin,) = rig.skins
+    bind = skin.inverse_bind.copy()
+    bind[np.isin(skin.joints, [root, *below]), :, 0] *= -1.0
+    skins = (replace(skin, inverse_bind=bind),)
+    return replace(
+        rig, translation=translation, rotation=rotation, scale=scale, clips=tuple(clips), skins=skins
+    )
+
+
 def off(rig: Rig, body: PosedBody) -> dict[str, tuple[float, float]]:
     """Degrees by which each middle joint's hinge and its pole are off what the body is made with."""
     out = orient_joints(rig)
@@ -99,6 +120,14 @@ def test_clips_that_bend_clearly_are_the_truth(degrees: float) -> None:
         for part in KNEES:
             assert max(found[part]) < 1 if degrees > 0 else min(found[part]) > 179
         assert "axes.pole" not in broken(rig)
+
+
+@pytest.mark.parametrize("above", ["hips", "left upper leg", "left clavicle"])
+def test_the_motion_of_straight_limbs_is_seen_below_a_negative_scale(above: str) -> None:
+    body = posed_body(Pose())
+    rig = left_handed(moved(body, (*KNEES, *ELBOWS), 40.0), body.parts[above])
+    assert (np.linalg.det(rig.world[:, :3, :3]) < 0).any()
+    assert max(max(both) for both in off(rig, body).values()) < 1
 
 
 def test_a_clear_motion_near_the_natural_side_confirms_it_against_the_pose() -> None:
