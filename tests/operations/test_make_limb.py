@@ -93,6 +93,11 @@ def test_a_count_that_makes_no_bone_is_reported(count: int) -> None:
         made(((0.0, 0.0, 0.0),) * count)
 
 
+def test_positions_are_given_once() -> None:
+    with pytest.raises(UsageError, match="--locators and --points both"):
+        made(((0.0, 0, 0), (1.0, 0, 0), (2.0, 0, 0)), locators=("hips", "spine", "head"))
+
+
 def test_points_on_a_line_need_a_bend_direction() -> None:
     line = ((0.0, 0, 0), (1.0, 0, 0), (2.0, 0, 0))
     with pytest.raises(GeometryError, match=r"lie on a line.*--bend"):

@@ -134,7 +134,9 @@ class MakeLimbOptions(PlacementOptions):
             raise UsageError(f"--preset vrm: its frames are parallel to the world; leave out {flags}")
         if many:
             return
-        if bool(self.locators) == bool(self.points):
+        if self.locators and self.points:
+            raise UsageError("--locators and --points both say where the joints are: give one of them")
+        if not (self.locators or self.points):
             raise UsageError(
                 "give the positions of the joints: --locators A B C, or --points x,y,z x,y,z x,y,z"
             )
