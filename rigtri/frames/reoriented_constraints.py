@@ -146,8 +146,14 @@ def _axis_in(constraint: NodeConstraint, delta: Floats) -> Floats:
     return rotate(conjugate(delta), constraint.axis)
 
 
-def reoriented_metadata(rig: Rig, delta: Floats) -> Mapping[int, Mapping[str, Any]]:
-    """The metadata of a rig, with its constraints expressed in frames reoriented by ``delta``, (n, 4)."""
+def reoriented_metadata(
+    rig: Rig, delta: Floats, outside: Floats = IDENTITY
+) -> Mapping[int, Mapping[str, Any]]:
+    """The metadata of a rig, with its constraints expressed in frames reoriented by ``delta``, (n, 4).
+
+    outside: (4,), of the world, which stands above the roots.
+    """
+    delta = np.concatenate([delta, outside[np.newaxis]])  # −1 is the parent of a root
     found: dict[int, Record] = {}
     for node, rule in constraints_of(rig).items():
         if _touched(rig, rule, delta):
@@ -178,7 +184,7 @@ def _reoriented_reader(rig: Rig, reader: PoseReaderRecord, delta: Floats) -> Pos
     driver, frame = rig.known(reader.driver), rig.known(reader.frame)
     if driver is None or (frame is None and reader.frame):
         return reader
-    own, above = _of(delta, driver), IDENTITY if frame is None else _of(delta, frame)
+    own, above = _of(delta, driver), _of(delta, -1 if frame is None else frame)
 
     def target(one: TargetRecord) -> TargetRecord:
         direction = None if one.direction is None else _seen(one.direction, above)
@@ -221,12 +227,12 @@ def _rotation_seen(rotation: Quaternion | None, own: Floats, above: Floats) -> Q
 
 
 def _of(delta: Floats, node: int) -> Floats:
-    return np.asarray(delta[node]) if node >= 0 else IDENTITY
+    return np.asarray(delta[node])
 
 
 def _touched(rig: Rig, rule: Constraint, delta: Floats) -> bool:
-    nodes = [rule.child, *rule.sources]
-    nodes += [int(rig.parents[node]) for node in nodes]
+    nodes = [rule.child, *rule.sources, -1]
+    nodes += [int(rig.parents[node]) for node in nodes[:-1]]
     return any((_of(delta, node) != IDENTITY).any() for node in nodes)
 
 
@@ -242,8 +248,9 @@ def _reoriented(rig: Rig, rule: Constraint, delta: Floats) -> Constraint:
         roll = _AXES[int(np.argmax(seen))]
     aim, up = (rotate(conjugate(own), np.array(axis)) for axis in (rule.aim, rule.up))
     up_vector = np.array(rule.up_vector)
-    if rule.world_up == "objectrotation":
-        up_vector = rotate(conjugate(_of(delta, rule.up_object)), up_vector)
+    if rule.world_up in ("vector", "objectrotation"):
+        seen_from = rule.up_object if rule.world_up == "objectrotation" else -1
+        up_vector = rotate(conjugate(_of(delta, seen_from)), up_vector)
     return replace(
         rule,
         offsets=_offsets(rig, rule, delta, own, above),
@@ -258,8 +265,12 @@ def _reoriented(rig: Rig, rule: Constraint, delta: Floats) -> Constraint:
 
 def _offsets(rig: Rig, rule: Constraint, delta: Floats, own: Floats, above: Floats) -> Floats:
     drivers = np.stack([_of(delta, node) for node in rule.drivers])
-    if rule.kind in ("point", "scale"):
+    if rule.kind == "scale":
         return rule.offsets
+    if rule.kind == "point":  # lengths along the axes of the world
+        offsets = rule.offsets.copy()
+        offsets[:, 3, :3] = rotate(conjugate(_of(delta, -1)), offsets[:, 3, :3])
+        return offsets
     if rule.kind == "polevector":  # a place in the frame of the driver; its axes mean nothing
         return rotate_after(rotate_before(drivers, rule.offsets), conjugate(drivers))
     if rule.kind == "aim":

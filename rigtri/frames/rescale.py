@@ -22,8 +22,9 @@ from typing import Any
 import numpy as np
 
 from rigtri.frames.reframe import hand_over_attachments
+from rigtri.frames.reoriented_constraints import reoriented_metadata
 from rigtri.maths.matrices import compose, identity, multiply
-from rigtri.maths.quaternions import IDENTITY, rotate
+from rigtri.maths.quaternions import IDENTITY, conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
@@ -89,11 +90,12 @@ def rescale(rig: Rig, size: Floats) -> Rig:
     return hand_over_attachments(smaller, carriers, still, 1.0 / size[carriers])
 
 
-def _rescaled_metadata(rig: Rig, size: Floats) -> Mapping[int, Mapping[str, Any]]:
+def _rescaled_metadata(rig: Rig, size: Floats, outside: float = 1.0) -> Mapping[int, Mapping[str, Any]]:
     """The metadata of a rig whose nodes get ``size``, (n,): what constraints and readers hold of lengths.
 
-    Controls hold none: they move joints from where both stand in the world.
+    Controls hold none: they move joints from where both stand in the world. outside: the size of the world.
     """
+    size = np.append(size, outside)  # −1 is the parent of a root
     found: dict[int, Record] = {}
     for node, rule in constraints_of(rig).items():
         own, drivers = size[rule.child], size[list(rule.drivers)][:, np.newaxis]
@@ -101,6 +103,11 @@ def _rescaled_metadata(rig: Rig, size: Floats) -> Mapping[int, Mapping[str, Any]
             offsets = rule.offsets.copy()
             offsets[:, :3, :3] *= own / drivers[..., np.newaxis]
             offsets[:, 3, :3] /= drivers
+            record = constraint_record(rig, replace(rule, offsets=offsets))
+            found[node] = replace(rig.records(ConstraintRecord)[node], offsets=record.offsets)
+        elif rule.kind == "point" and outside != 1.0:
+            offsets = rule.offsets.copy()
+            offsets[:, 3, :3] /= outside
             record = constraint_record(rig, replace(rule, offsets=offsets))
             found[node] = replace(rig.records(ConstraintRecord)[node], offsets=record.offsets)
     for node, reader in rig.records(PoseReaderRecord).items():
@@ -113,10 +120,9 @@ def _rescaled_metadata(rig: Rig, size: Floats) -> Mapping[int, Mapping[str, Any]
 def _rescaled_output(rig: Rig, output: OutputRecord, size: Floats) -> OutputRecord:
     """What a pose reader does to a joint, in the units of the frame above that."""
     joint = rig.known(output.joint) if output.joint else None
-    above = -1 if joint is None else int(rig.parents[joint])
-    if above < 0 or output.translation is None or size[above] == 1.0:
+    if joint is None or output.translation is None or size[rig.parents[joint]] == 1.0:
         return output
-    return replace(output, translation=triple(np.array(output.translation) / size[above]))
+    return replace(output, translation=triple(np.array(output.translation) / size[rig.parents[joint]]))
 
 
 def _half_turned(rig: Rig, nodes: list[int]) -> Rig:
@@ -157,7 +163,10 @@ def _scaling(sizes: Floats) -> Floats:
 
 
 def convert(rig: Rig, conversion: Conversion) -> Rig:
-    """The rig in a scene of another unit and up axis: all that stands in the world turns and scales."""
+    """The rig in a scene of another unit and up axis: all that stands in the world turns and scales.
+
+    So do lengths and directions of the world that constraints and pose readers hold.
+    """
     roots = rig.parents < 0
     size, rotation = conversion.size, conversion.rotation
     translation, turned, matrix = rig.translation.copy(), rig.rotation.copy(), rig.matrix.copy()
@@ -176,8 +185,11 @@ def convert(rig: Rig, conversion: Conversion) -> Rig:
 
     clips = tuple(replace(clip, tracks=tuple(map(moved, clip.tracks))) for clip in rig.clips)
     up = (0.0, 1.0, 0.0) if conversion.up == "y" else (0.0, 0.0, 1.0)
+    still = np.tile(IDENTITY, (len(rig), 1))
+    rig = replace(rig, metadata=reoriented_metadata(rig, still, conjugate(rotation)))
     return replace(
         rig,
+        metadata=_rescaled_metadata(rig, np.ones(len(rig)), 1.0 / size),
         translation=translation,
         rotation=turned,
         scale=scale,

@@ -17,6 +17,7 @@ from usd_files import MESH, SKELETON, animation, deviation, save, scene, skeleto
 
 import rigtri
 from rigtri.errors import UsageError
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import determinant
 from rigtri.maths.trigonometry import Floats
@@ -154,6 +155,36 @@ def test_a_stage_is_converted_to_another_unit_and_up_axis(tmp_path: Path) -> Non
     x, y, z = before.world[before.find("wrist"), 3, :3]
     assert np.allclose(after.world[after.find("wrist"), 3, :3], (100 * x, -100 * z, 100 * y))
     assert abs(sizes(after) - 1.0).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "built",
+    [
+        "constrain --type point --child hand_R --driver head",
+        "constrain --type aim --child head --driver hand_L --world-up vector --up-vector 0,1,0.3",
+        "add-posereader --driver upper_arm_L --target up=0,1,0 --frame world --joint up hand_R tx=0.1",
+    ],
+)
+def test_what_was_built_along_the_world_follows_it_to_another_unit_and_up_axis(
+    built: str, tmp_path: Path
+) -> None:
+    rig, out, baked = (tmp_path / f"{name}.usda" for name in ("built", "frozen", "baked"))
+    command, *words = built.split()
+    cli(command, SAMPLES / "biped.usda", "-o", rig, *words, code=0)
+    cli("freeze", rig, "-o", out, "--up-axis", "z", "--unit", "0.01", code=0)
+    places = []
+    for path in (rig, out):
+        cli("bake", path, "-o", baked, "--overwrite", code=0)
+        made = read(baked).rig
+        clip = max(made.clips, key=lambda each: len(each.tracks))
+        joints = [made.find(name) for name in ("head", "hand_L", "hand_R")]
+        places.append(worlds(made, locals_at(made, clip, key_times(clip)))[:, joints])
+    turned = np.diag([100.0, 100.0, 100.0]) @ [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+    assert np.allclose(places[0][..., 3, :3] @ turned, places[1][..., 3, :3], atol=1e-4)
+    sizes = np.linalg.norm(places[0][..., :3, :3], axis=-1, keepdims=True)
+    axes = (places[0][..., :3, :3] / sizes) @ turned / 100.0
+    # The axes of joints stay as they are.
+    assert np.allclose(axes, places[1][..., :3, :3], atol=1e-5)
 
 
 def test_gltf_has_one_unit_and_one_up_axis(tmp_path: Path) -> None:
