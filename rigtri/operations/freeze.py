@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rigtri.errors import UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
@@ -20,6 +20,7 @@ from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
+from rigtri.model.constraints import constraints_of
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
@@ -70,6 +71,12 @@ def _converted(rig: Rig, options: FreezeOptions) -> Rig:
             "--up-axis and --unit: glTF has the up axis y and the unit 1 m, by its specification"
         )
     quarter = 0.0 if new_up == up else HALF if new_up == "z" else -HALF
+    for rule in constraints_of(rig).values():
+        if quarter and rule.skip and rig.parents[rule.child] < 0:
+            raise GeometryError(
+                f"'{rig.title(rule.child)}' keeps channels of its own along the world's axes, beside a "
+                "constraint (--skip), and --up-axis would give it others. Bake and strip first"
+            )
     rotation = np.array([quarter, 0.0, 0.0, HALF if quarter else 1.0])
     return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))
 

@@ -187,6 +187,15 @@ def test_what_was_built_along_the_world_follows_it_to_another_unit_and_up_axis(
     assert np.allclose(axes, places[1][..., :3, :3], atol=1e-5)
 
 
+def test_channels_along_the_axes_of_the_world_are_not_turned(tmp_path: Path) -> None:
+    rig, built, out = (tmp_path / f"{name}.usda" for name in ("prop", "built", "out"))
+    rig.write_text((SAMPLES / "biped.usda").read_text() + '\ndef Xform "prop"\n{\n}\n')
+    cli("constrain", rig, "-o", built, "--child", "prop", "--driver", "head", "--skip", "ry", code=0)
+    ran = cli("freeze", built, "-o", out, "--up-axis", "z", code=5)
+    assert "'prop' keeps channels of its own" in ran.stderr
+    cli("freeze", built, "-o", out, "--unit", "0.01", code=0)
+
+
 def test_gltf_has_one_unit_and_one_up_axis(tmp_path: Path) -> None:
     rig = rigtri.read(source(tmp_path, ".glb"))
     with pytest.raises(UsageError, match="by its specification"):
