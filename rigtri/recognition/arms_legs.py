@@ -268,7 +268,8 @@ def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, 
     """How sure it is by its shape where a body faces, and why; sets that, where names do not tell it."""
     plane = draft.shape.plane
     assert plane is not None
-    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses)
+    named = draft.facing if by_names else None
+    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named)
     if not by_names:
         draft.stand(body.up, ahead)
     elif sure > 0.6 and draft.facing.dot(ahead) < -0.5:

@@ -27,6 +27,8 @@ _CUSTOM = 0.4
 _STEP = 0.25
 # Bends from 10° on are no noise; smaller ones count less, and where twins have them alike, up to this part.
 _CLEAR, _ALIKE = 0.17453292519943295, 0.25
+# What names and the format say to this part (a cosine) the other way denies a small bend.
+_DENIED = 0.5
 # So far beside its line, a part of the whole limb, is a middle that is bent by 10°, or by 5°.
 _FULL, _SLIGHT = 0.04, 0.02
 # What a foot moves reaches this part of the leg further ahead than back to count in full, or a third at all.
@@ -41,19 +43,23 @@ _ENDS = ("face", "skull", "tail")
 
 
 def facing_of(
-    tree: Tree, body: Body, plane: Plane, poses: Poses, *, bends: bool = True
+    tree: Tree, body: Body, plane: Plane, poses: Poses, *, bends: bool = True, named: Vector | None = None
 ) -> tuple[Vector, float, tuple[str, ...]]:
     """Where a body looks, unit, how sure that is, 0 to 1, and why, in words.
 
-    bends: ask knees and elbows, too: it is known which joints these are.
+    bends: ask knees and elbows, too: it is known which joints these are. named: where it looks, unit, by
+    the names of its sides. Bends below 10° are sure of nothing that these and the format deny.
     """
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
     clear, slight = list(_votes(tree, body, plane, ahead, poses)), []
-    for weight, noise, words in _bends(tree, body, plane, ahead, poses) if bends else ():
-        clear.append((weight, words))
-        slight.append((noise, words))
-    slight.append((_CUSTOM * Vector(*(tree.rig.rules.facing or ())).dot(ahead), "the format says so"))
+    custom = Vector(*(tree.rig.rules.facing or ())).dot(ahead)
+    said = custom + (named.dot(ahead) if named is not None else 0.0)
+    for weight, small, noise, words in _bends(tree, body, plane, ahead, poses) if bends else ():
+        denied = small * said < -_DENIED * abs(small)
+        clear.append((weight if denied else weight + small, words))
+        slight.append((noise + small if denied else noise, words))
+    slight.append((_CUSTOM * custom, "the format says so"))
     seen, most = fsum(weight for weight, _ in clear), fsum(abs(weight) for weight, _ in clear)
     total = seen + fsum(weight for weight, _ in slight)
     sure = abs(seen) / max(most, _ENOUGH) if seen * total > 0 else 0.0
@@ -102,13 +108,13 @@ def _middle(places: Sequence[Vector]) -> Vector | None:
 
 def _bends(
     tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses
-) -> Iterator[tuple[float, float, str]]:
-    """As `_votes`, of knees and elbows; and what bends add that may be noise."""
+) -> Iterator[tuple[float, float, float, str]]:
+    """As `_votes`, of knees and elbows: of clear bends, of small ones of twins, and of what may be noise."""
     moments = np.concatenate([tree.places[np.newaxis], poses.rest[np.newaxis], poses.moving], axis=0)
-    for limbs, clear, all_ in _bent(body, plane.normal, ahead, moments):
+    for limbs, clear, small, all_ in _bent(body, plane.normal, ahead, moments):
         weight = -0.5 if limbs is body.arms else 0.3 if _goes_on(tree, limbs) else 1.0
         words = "the elbows bend away from there" if limbs is body.arms else "the knees bend there"
-        yield weight * clear, weight * (all_ - clear), words
+        yield weight * clear, weight * small, weight * (all_ - clear - small), words
 
 
 def _goes_on(tree: Tree, legs: Limbs) -> bool:
@@ -166,12 +172,14 @@ def _toes(tree: Tree, legs: Limbs, ahead: Vector) -> float:
     return total
 
 
-def _bent(body: Body, lateral: Vector, level: Vector, places: Floats) -> Iterator[tuple[Limbs, float, float]]:
+def _bent(
+    body: Body, lateral: Vector, level: Vector, places: Floats
+) -> Iterator[tuple[Limbs, float, float, float]]:
     """How far the middles of limbs stand ahead, at rest and in motion, places (f, n, 3): −1 to 1.
 
-    Of legs and arms those that bend: where that is no noise, and in all. In each pose ahead is what lies
-    across the line between both limbs and the spine; of a trunk that lies, the spine itself, on the side
-    of ``level``.
+    Of legs and arms: where both bend clearly, where they bend less, but alike, and in all. In each pose
+    ahead is what lies across the line between both limbs and the spine; of a trunk that lies, the spine
+    itself, on the side of ``level``.
     """
     pairs = [k for k in (body.legs, body.arms) if k is not None and len(k.at) == 3]
     if not pairs:
@@ -192,9 +200,11 @@ def _bent(body: Body, lateral: Vector, level: Vector, places: Floats) -> Iterato
     ahead = normalise(cross(across, spine))[:, :, np.newaxis]
     aside = offset(start, middle, end)
     along = finite(dot(aside, ahead))
-    clear = along * _is_bend(aside, across, bend_angle(start, middle, end))
+    clear = np.asarray((bend_angle(start, middle, end) > _CLEAR).all(axis=-1, keepdims=True))
+    small = _are_alike(aside, across) & ~clear
     for k, limbs in enumerate(pairs):
-        yield limbs, _share(clear[:, k], _FULL * limbs.size), _share(along[:, k], _SLIGHT * limbs.size)
+        plain, alike = (_share((along * which)[:, k], _FULL * limbs.size) for which in (clear, small))
+        yield limbs, plain, alike, _share(along[:, k], _SLIGHT * limbs.size)
 
 
 def _share(along: Floats, full: float) -> float:
@@ -203,7 +213,7 @@ def _share(along: Floats, full: float) -> float:
     return fsum(share.ravel().tolist()) / share.size
 
 
-def _is_bend(aside: Floats, across: Floats, angles: Floats) -> Booleans:
+def _are_alike(aside: Floats, across: Floats) -> Booleans:
     """Whether the middles of both limbs stand ``aside``, (f, k, 2, 3), by more than noise, (f, k, 1).
 
     Noise is not its own mirror image.
@@ -212,7 +222,7 @@ def _is_bend(aside: Floats, across: Floats, angles: Floats) -> Booleans:
     one, other = aside[:, :, 0], aside[:, :, 1]
     apart = length(one - (other - 2.0 * dot(other, lateral)[..., np.newaxis] * lateral))
     alike = apart <= _ALIKE * np.maximum(length(one), length(other))
-    return np.asarray((angles > _CLEAR).all(axis=-1) | alike)[..., np.newaxis]
+    return np.asarray(alike)[..., np.newaxis]
 
 
 def _spine(body: Body, places: Floats) -> Floats:

@@ -18,6 +18,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.limbs import facing, forward
 from rigtri.recognition.recognise import recognise
@@ -98,3 +99,16 @@ def test_bodies_without_toes_and_names_face_as_what_is_no_noise_says(evidence: s
 @pytest.mark.parametrize("seed", range(8))
 def test_noise_and_what_formats_say_of_front_make_no_side_sure(seed: int) -> None:
     assert not any(c.is_sure for c in recognise(nameless("", -1.0, seed)).chains if c.kind in ("arm", "leg"))
+
+
+@pytest.mark.parametrize("yaw", [0.0, 30.0, 90.0])
+def test_small_bends_the_wrong_way_turn_no_body_round_that_its_names_and_format_know(yaw: float) -> None:
+    """Without toes, knees and elbows at 4° to the wrong side: names decide, and nothing else is sure."""
+    body = posed_body(Pose(names="unreal", yaw=yaw, elbow=-4.0, knee=-4.0, toes=False, fingers=0))
+    ahead = np.array([np.sin(np.radians(yaw)), 0.0, np.cos(np.radians(yaw))])
+    (named,) = recognise(body.rig).characters
+    assert float(np.array(named.facing) @ ahead) > 0.99
+    if yaw < 60.0:
+        rules = replace(body.rig.rules, facing=(0.0, 0.0, 1.0))
+        bare = recognise(replace(body.rig, names=("",) * len(body.rig.names), rules=rules)).characters
+        assert max((limb.confidence for each in bare for limb in each.limbs), default=0.0) < CONFIDENT
