@@ -44,6 +44,8 @@ _NEAR, _APART = 0.7, 0.9396926207859084
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
 _WRONG_WAY, _BENT = 0.35, 0.08
+# Knees and hocks bend less far aside than this (a sine, 30°).
+_SIDEWAYS = 0.5
 # What is left of a shape that is hardly a limb's where names tell all three joints.
 _LITTLE = 0.01
 # Three joints so much less limb-like than others of the chain are not what names say, or names are wrong.
@@ -196,11 +198,30 @@ def _leads_aside(tree: Tree, paths: Sequence[Sequence[int]], count: int) -> bool
 
 def _away(tree: Tree, joints: Sequence[int], towards: Vector) -> float:
     """How far the middle of three joints stands to the other side than knees, or elbows, do: 0 to 1."""
+    return max(0.0, min(1.0, -_beside(tree, joints).dot(towards) / _BENT))
+
+
+def _beside(tree: Tree, joints: Sequence[int]) -> Vector:
+    """How far the middle of three joints stands beside the line of both ends, as a part of that."""
     start, middle, end = (tree.at[k] for k in joints)
-    line = (end - start).unit
-    arm = middle - start
-    off = arm - line * arm.dot(line)
-    return max(0.0, min(1.0, -off.dot(towards) / max(_BENT * (end - start).length, 1e-30)))
+    line, arm = end - start, middle - start
+    return (arm - line.unit * arm.dot(line.unit)) * (1.0 / max(line.length, 1e-30))
+
+
+def first_bend(tree: Tree, path: Sequence[int], at: Sequence[int], lateral: Vector) -> Vector | None:
+    """Where a leg that bends to and fro bends first, unit: its knee points there, and its hock back.
+
+    at: start, middle and end that it is taken to have in its path. None where no long bone comes before
+    these, or it bends aside, along ``lateral``, or on.
+    """
+    start, middle, end = at
+    if start == 0 or tree.bone[path[start]] < _SHORT * tree.bone[path[middle]]:
+        return None
+    first = _beside(tree, [path[start - 1], path[start], path[middle]])
+    second = _beside(tree, [path[start], path[middle], path[end]])
+    aside = any(abs(bend.unit.dot(lateral)) > _SIDEWAYS for bend in (first, second))
+    to_and_fro = min(first.length, second.length) > _BENT and first.dot(second) < 0.0
+    return first.unit if to_and_fro and not aside else None
 
 
 def _cosines(tree: Tree, path: Sequence[int]) -> list[float]:

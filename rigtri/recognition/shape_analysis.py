@@ -14,6 +14,7 @@ from rigtri.maths.vectors import dot, length
 from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of, many_legs
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.limb_triples import first_bend
 from rigtri.recognition.limb_words import LimbWords
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
@@ -98,8 +99,12 @@ def _pointed(
     ahead, sure, _ = facing_of(tree, body, plane, poses, bends=False)
     found: dict[Limbs | None, Limbs] = {}
     for limbs, side in ((body.legs, ahead), (body.arms, -ahead)):
-        towards, arms = side if sure >= _LOOKS else None, limbs is body.arms and body.form == "biped"
-        if limbs is not None and len(limbs.at) == 3 and (arms or towards is not None):
+        if limbs is None or len(limbs.at) < 3:
+            continue
+        arms, towards = limbs is body.arms and body.form == "biped", side if sure >= _LOOKS else None
+        if towards is None and limbs is body.legs:
+            towards = first_bend(tree, limbs.pair.paths[0], limbs.at, plane.normal)
+        if arms or towards is not None:
             again = limbs_of(tree, [limbs.pair], poses, names, towards, arms)
             found |= {limbs: again[0]} if again else {}
     return found

@@ -12,7 +12,7 @@ from broken_vrm import avatar_0, avatar_1
 from places import asset_files, sample_files, slow
 from posed_bodies import Pose, posed_body
 from program import cli
-from recognition_bodies.skeletons import MAN, Joint, rig_with
+from recognition_bodies.skeletons import MAN, Joint, both, line, rig_with
 
 from rigtri.formats import ReadOptions, read
 from rigtri.model.content import Content
@@ -112,3 +112,21 @@ def test_small_bends_the_wrong_way_turn_no_body_round_that_its_names_and_format_
         rules = replace(body.rig.rules, facing=(0.0, 0.0, 1.0))
         bare = recognise(replace(body.rig, names=("",) * len(body.rig.names), rules=rules)).characters
         assert max((limb.confidence for each in bare for limb in each.limbs), default=0.0) < CONFIDENT
+
+
+@pytest.mark.parametrize("ahead", [1.0, -1.0])
+@pytest.mark.parametrize("shin", [0.9, 1.0, 1.1])
+def test_a_bird_without_names_faces_where_its_knees_point_not_its_hocks(ahead: float, shin: float) -> None:
+    trunk = line("hips spine chest", "", (0, 0.5, -0.05), (0, 0.55, 0.05), (0, 0.62, 0.14))
+    trunk += line("neck head", "chest", (0, 0.7, 0.2), (0, 0.83, 0.24))
+    trunk += line("tail1 tail2", "hips", (0, 0.49, -0.2), (0, 0.47, -0.33))
+    leg = [(0.07, 0.47, -0.03), (0.08, 0.36, 0.06), (0.08, 0.36 - 0.16 * shin, -0.04), (0.08, 0.03, 0.02)]
+    wing = [(0.08, 0.64, 0.14), (0.28, 0.64, 0.12), (0.5, 0.64, 0.14)]
+    limbs = line("thigh.L shin.L foot.L toe.L", "hips", *leg)
+    limbs += line("upper.L lower.L hand.L", "chest", *wing)
+    joints = [(name, above, (x, y, ahead * z)) for name, above, (x, y, z) in [*trunk, *both(limbs)]]
+    (bird,) = recognise(rig_with(joints, named=False)).characters
+    assert bird.facing[2] * ahead > 0.9
+    legs = [limb.bend for limb in bird.limbs if limb.kind == "leg"]
+    place = [name for name, _, _ in joints]
+    assert sorted(place[leg[1]] for leg in legs) == ["shin.L", "shin.R"]
