@@ -413,7 +413,10 @@ def _clip_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
 
 def _joint_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
     """By the name of a joint its new one: ``JOINT=NAME``, where the first may hold ``=`` itself."""
-    found = dict(_assignment(flag, text, "JOINT=NAME, a joint and its new name") for text in texts)
+    pairs = [_assignment(flag, text, "JOINT=NAME, a joint and its new name") for text in texts]
+    found = dict(pairs)
+    if twice := [joint for joint, name in pairs if found[joint] != name]:
+        raise UsageError(f"{flag} {twice[0]}: two names are given for it")
     if empty := [joint for joint, name in found.items() if not name]:
         raise UsageError(f"{flag} {empty[0]}=: give JOINT=NAME, a joint and its new name")
     return found

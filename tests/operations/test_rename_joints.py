@@ -200,3 +200,8 @@ def test_real_files_look_as_before_and_come_back(path: Path, tmp_path: Path) -> 
     assert verify(read(path), read(back)).deviation == 0
     if path.suffix == ".glb":
         assert glb_json(back)["nodes"] == glb_json(path)["nodes"]
+
+
+def test_two_names_for_one_joint_are_an_error(tmp_path: Path) -> None:
+    words = ("rename-joints", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--name", "hand_L=a")
+    assert "two names" in cli(*words, "--name", "hand_L=b", code=2).stderr

@@ -95,6 +95,11 @@ def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Pat
     assert np.ptp(places(rigtri.read(moved), "root"), axis=0).max() > 0
 
 
+def test_a_root_is_above_joints_alone(tmp_path: Path) -> None:
+    words = ("add-root", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--above", "staff")
+    assert "staff: this is no joint" in cli(*words, code=2).stderr
+
+
 def test_a_root_comes_above_joints_whose_clip_moves_blend_shapes(tmp_path: Path) -> None:
     source, out = arm_usd(tmp_path), tmp_path / "rooted.usda"
     cli("add-root", source, "-o", out, "--above", "a", code=0)

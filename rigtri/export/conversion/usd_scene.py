@@ -19,6 +19,7 @@ from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.reader import read_source
+from rigtri.formats.usd.reading.source import blocked_samples
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -203,13 +204,26 @@ class _Reader:
     def _clips(self) -> list[Clip]:
         """What the stage plays, as one clip, and each animation that it does not play as one of its own."""
         rig = self.scene.rig
-        playing = [clip for clip in rig.clips if clip.key[0] in ("samples", "xforms") and not clip.idle]  # type: ignore[index]
+        for at, times in blocked_samples(self.source).items():
+            self.scene.lose(f"the rest pose that {at} shows where it is blocked (at {times[0]:g})")
+        sampled = {clip.key[1] for clip in rig.clips if clip.key[0] == "samples"}  # type: ignore[index]
+        playing = [
+            clip
+            for clip in rig.clips
+            if not clip.idle
+            and (
+                clip.key[0] in ("samples", "xforms")  # type: ignore[index]
+                # An animation without samples shows its defaults at all times.
+                or (clip.key[0] == "default" and clip.key[1] not in sampled)  # type: ignore[index]
+            )
+        ]
         tracks = [track for clip in playing for track in self._followed(clip)]
         found: dict[str, list[Track]] = {}
         if tracks:
-            bound = next((clip for clip in playing if clip.key[0] == "samples"), playing[0])  # type: ignore[index]
-            prim = self.stage.GetPrimAtPath(bound.key[1]) if bound.key[0] == "samples" else None  # type: ignore[index]
+            bound = next((clip for clip in playing if clip.key[0] != "xforms"), playing[0])  # type: ignore[index]
+            prim = self.stage.GetPrimAtPath(bound.key[1]) if bound.key[0] != "xforms" else None  # type: ignore[index]
             name = ((prim and prim.GetDisplayName()) or bound.name) if prim else self.scene.name
+            name = name.removesuffix("@default")
             found[name] = tracks
         for path, skeleton in self._loose():
             prim = self.stage.GetPrimAtPath(path)

@@ -21,7 +21,12 @@ from rigtri.formats.usd.opinions.instance_edits import instance_of
 from rigtri.formats.usd.reading.control_shape_reader import read_lines
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.scene_facts import read_scenery
-from rigtri.formats.usd.reading.source import Source, played_by_instances, read_meshes
+from rigtri.formats.usd.reading.source import (
+    Source,
+    blocked_samples,
+    played_by_instances,
+    read_meshes,
+)
 from rigtri.formats.usd.run_passes import edit_stage
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
@@ -87,7 +92,8 @@ class UsdDocument:
         shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.attachment >= 0).tolist()}
         with quiet(f"{self._source.path}: USD cannot read what it shows"):
             facts = read_scenery(self._source.stage, shown, closely=closely)
-            return replace(facts, own=played_by_instances(self._source))
+            blocked = {f"blocked times of {at}": times for at, times in blocked_samples(self._source).items()}
+            return replace(facts, whole={**facts.whole, **blocked}, own=played_by_instances(self._source))
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
         """Write the file, or only the opinions for an override; see `formats.Document`.

@@ -96,7 +96,8 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     mesh_node, number = rig.known(record.mesh), record.primitive
     meshes = [mesh for mesh in rig.meshes if mesh.node == mesh_node]
     rows = np.array(record.vertices, dtype=np.int64)
-    if not number < len(meshes) or rows.min() < 0 or rows.max() >= len(meshes[number].points):
+    count = len(meshes[number].points) if number < len(meshes) else 0
+    if len(rows) != 3 or rows.min() < 0 or rows.max() >= count:
         raise GeometryError(
             f"Rivet '{rig.title(node)}': mesh '{record.mesh}' has no such triangle, or cannot be read; "
             "make it anew with: rigtri add-rivet"

@@ -14,6 +14,7 @@ from places import asset_files, sample_files, slow
 from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 from second_opinions import khronos_errors
+from usd_files import MESH, animation, save, scene, skeleton
 
 import rigtri
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
@@ -174,3 +175,21 @@ def test_names_that_several_have_become_distinct_and_come_home(tmp_path: Path) -
     home = glb_json(tmp_path / "home.glb")
     assert {"hip/1 x", "hip/1 x_1"} <= {node.get("name") for node in home["nodes"]}
     assert [clip["name"] for clip in home["animations"][:2]] == ["walk", "walk_1"]
+
+
+def test_a_pose_that_an_animation_holds_without_samples_is_a_clip(tmp_path: Path) -> None:
+    held = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
+    out = tmp_path / "pose.glb"
+    rigtri.convert(save(tmp_path, scene(skeleton(), animation(rotations=held), MESH)), out)
+    (clip,) = rigtri.read(out).clips
+    (turn,) = (track.values for track in clip.tracks if track.path == "rotation" and track.values[0, 3] < 0.9)
+    assert np.allclose(turn[0], (0.0, 0.0, 0.8, 0.6))
+
+
+def test_the_rest_pose_of_blocked_samples_is_listed_and_seen_by_verify(tmp_path: Path) -> None:
+    whole = save(tmp_path, scene(skeleton(), animation(), MESH), "whole.usda")
+    text = whole.read_text().replace("timeSamples = {", "timeSamples = {\n3: None,", 1)
+    blocked = save(tmp_path, text, "blocked.usda")
+    ran = cli("convert", blocked, "-o", tmp_path / "out.glb", code=0)
+    assert "not converted: the rest pose" in ran.output
+    assert "blocked times" in cli("verify", whole, blocked, code=6).stdout

@@ -13,6 +13,7 @@ from pxr import UsdSkel
 
 from rigtri.formats.usd.composition.shared_instances import SharedInstances
 from rigtri.formats.usd.composition.stage import quiet
+from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.animation_reader import Animation
 from rigtri.formats.usd.reading.node_keys import kind, parts
@@ -65,6 +66,21 @@ def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
             number = skeleton.animations.index(known) + 1 if known in skeleton.animations else 0
             above = next(str(at) for at in prim.GetPath().GetAncestorsRange() if str(at) in nodes)
             found.setdefault(nodes[above], {})[f"animation of '{prim.GetName()}'"] = str(number)
+    return found
+
+
+def blocked_samples(source: Source) -> dict[str, tuple[float, ...]]:
+    """When arrays of the animations that play are blocked, by their paths.
+
+    USD shows the rest pose, or no weights, from there to the next sample; rigtri goes on from the one before.
+    """
+    found: dict[str, tuple[float, ...]] = {}
+    for path, animation in source.animations.items():
+        blocked = {name: item.blocked for name, item in animation.properties.items()}
+        weights = source.stage.GetPrimAtPath(path).GetAttribute("blendShapeWeights")
+        if weights:
+            blocked["blendShapeWeights"] = tuple(t for t, value in time_samples(weights) if value is None)
+        found |= {f"<{path}>.{name}": times for name, times in blocked.items() if times}
     return found
 
 
