@@ -99,15 +99,13 @@ def _rescaled_metadata(rig: Rig, size: Floats, outside: float = 1.0) -> Mapping[
     found: dict[int, Record] = {}
     for node, rule in constraints_of(rig).items():
         own, drivers = size[rule.child], size[list(rule.drivers)][:, np.newaxis]
-        if rule.kind in ("parent", "scale", "polevector") and ((drivers != 1.0).any() or own != 1.0):
-            offsets = rule.offsets.copy()
+        offsets = rule.offsets.copy()
+        if rule.kind in ("parent", "scale", "polevector"):
             offsets[:, :3, :3] *= own / drivers[..., np.newaxis]
             offsets[:, 3, :3] /= drivers
-            record = constraint_record(rig, replace(rule, offsets=offsets))
-            found[node] = replace(rig.records(ConstraintRecord)[node], offsets=record.offsets)
-        elif rule.kind == "point" and outside != 1.0:
-            offsets = rule.offsets.copy()
+        elif rule.kind == "point":
             offsets[:, 3, :3] /= outside
+        if (offsets != rule.offsets).any():
             record = constraint_record(rig, replace(rule, offsets=offsets))
             found[node] = replace(rig.records(ConstraintRecord)[node], offsets=record.offsets)
     for node, reader in rig.records(PoseReaderRecord).items():

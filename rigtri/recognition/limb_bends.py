@@ -9,7 +9,7 @@ bend them a little backwards. So what is small is believed only where limbs of t
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -51,6 +51,8 @@ class LimbBends:
     limbs: Sequence[Limb]
     bodies: Sequence[Body]
     facing: Floats | None = None
+    # Limbs are asked for as themselves and as twins, and the motion of each is read once.
+    _moved: dict[tuple[int, ...], Bend | None] = field(default_factory=dict, init=False)
 
     def of(self, limb: Limb, report: Report, given: Floats | None = None) -> Bend | None:
         """Where a limb bends to, or None when nothing tells. given: the user's word, (3,).
@@ -128,7 +130,9 @@ class LimbBends:
         (posed,) = in_pose([limb], self.world)
         if posed.sine >= STRAIGHT_SINE:
             yield posed
-        moved = in_motion(self.rig, limb, self.world, self.other_pose)
+        if limb.triple not in self._moved:
+            self._moved[limb.triple] = in_motion(self.rig, limb, self.world, self.other_pose)
+        moved = self._moved[limb.triple]
         if moved is not None and (posed.sine < STRAIGHT_SINE or moved.sine >= CLEAR):
             yield moved
 

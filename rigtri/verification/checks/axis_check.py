@@ -131,6 +131,11 @@ class _Seen:
         ]
 
     @cached_property
+    def bends(self) -> LimbBends:
+        known = [] if self.body is None else [self.body]
+        return LimbBends(self.rig, self.world, self.other, recognised(self.rig), known)
+
+    @cached_property
     def trunk(self) -> list[int]:
         """From hips to head, each below the one before."""
         found = [self.character.hips] if self.character.hips >= 0 else []
@@ -317,9 +322,7 @@ class _Seen:
 
     def _flexing(self, limb: Limb, aim: Signed) -> set[Signed] | None:
         """The axes of the middle joint about which a positive rotation bends the limb; None: nobody knows."""
-        known = [] if self.body is None else [self.body]
-        bends = LimbBends(self.rig, self.world, self.other, recognised(self.rig), known)
-        found = bends.of(limb, Report())
+        found = self.bends.of(limb, Report())
         if found is None:
             return None
         axes = self.axes[limb.middle] * self.turning[limb.middle]
