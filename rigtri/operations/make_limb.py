@@ -320,7 +320,8 @@ def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
     names = [*map(rig.rules.valid_name, names)]
     taken = [name for name in names if names.count(name) > 1 or free_name(rig, name, None) != name]
     if taken:
-        raise UsageError(f"another node is called '{taken[0]}'; give the joints --names of their own")
+        other = "joint or node" if options.names else "node"
+        raise UsageError(f"another {other} is called '{taken[0]}'; give the joints --names of their own")
     return names
 
 

@@ -93,12 +93,12 @@ def free_of(taken: Collection[str], name: str) -> str:
 def given_name(rig: Rig, name: str, report: Report, flag: str = "--name") -> str:
     """A name that a user has given as the file's format can have it; where that is another, a warning.
 
-    UsageError for a name of blanks, or one of which the format leaves no letter and no digit: several
-    would become the same.
+    UsageError for a name without a letter or a digit, also where the format leaves none: several would
+    become the same, and ``*`` or ``.`` mean something else wherever nodes are named.
     """
     valid = rig.rules.valid_name(name)
-    if not name.strip():
-        raise UsageError(f"{flag} '{name}': a name needs a letter or a digit")
+    if not name.isprintable() or not any(sign.isalnum() for sign in name):
+        raise UsageError(f"{flag} {name!r}: a name needs a letter or a digit, and nothing that is not seen")
     rule = "names in this format are letters, digits and underscores, and do not begin with a digit"
     if valid != name and not any(sign.isalnum() for sign in valid):
         raise UsageError(f"{flag} '{name}': {rule}")

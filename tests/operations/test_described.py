@@ -256,6 +256,14 @@ def test_names_that_several_nodes_have_are_reported() -> None:
         as_described(twice, rig)
 
 
+def test_a_rig_of_whose_controls_none_is_here_is_refused_by_their_names() -> None:
+    """Before, "no node of the file of --rig" was in this file, where all its joints were."""
+    rig = biped()
+    bare = replace(rig, metadata={}, names=tuple(f"n{node}" for node in range(len(rig))))
+    with pytest.raises(rigtri.RigtriError, match=r"Nothing that rigtri built .* 'hips_root_ctl'"):
+        as_described(bare, rig)
+
+
 @pytest.mark.slow
 def test_an_op_of_a_control_without_a_default_reports_that_it_is_zero_at_rest(tmp_path: Path) -> None:
     _, up = rigged(tmp_path, "biped.usda")

@@ -10,6 +10,7 @@ from pxr import Usd, UsdSkel
 
 from rigtri.errors import UsageError
 from rigtri.formats import read
+from rigtri.operations.add_rivet.rivet import AddRivetOptions, add_rivet
 from rigtri.operations.add_root import AddRootOptions, add_root
 from rigtri.operations.add_socket import AddSocketOptions, add_socket
 from rigtri.operations.make_limb import MakeLimbOptions, make_limb
@@ -55,6 +56,24 @@ def test_names_of_which_nothing_is_left_are_refused(name: str, samples: Path) ->
         add_socket(rig, options=AddSocketOptions(on="hand_L", name=name))
     with pytest.raises(UsageError, match="digit"):
         add_root(rig, options=AddRootOptions(name=name))
+
+
+@pytest.mark.parametrize("name", [".", "_", "*", "a\tb", "\x01"])
+def test_names_that_mean_something_else_or_are_not_seen_are_refused_in_gltf(name: str, samples: Path) -> None:
+    """Before, a joint was called "*", and every command took it for a pattern."""
+    with pytest.raises(UsageError, match="digit"):
+        add_socket(read(samples / "biped.glb").rig, options=AddSocketOptions(on="hand_L", name=name))
+
+
+def test_a_rivet_does_not_get_another_name_than_the_one_given(samples: Path) -> None:
+    """Before, it became "head_2" without a word."""
+    rig = read(samples / "biped.glb").rig
+    with pytest.raises(UsageError, match="--name head: another node"):
+        add_rivet(rig, options=AddRivetOptions(mesh="body", vertex=(3,), name=("head",)))
+    options = AddRivetOptions(mesh="body", vertex=(3, 4), name=("button",))
+    out = add_rivet(rig, options=options)
+    assert {"button", "button_2"} <= {*out.names}
+    assert add_rivet(out, options=options).names == out.names
 
 
 def test_usd_joints_are_renamed_to_a_japanese_scheme_and_rigged(samples: Path) -> None:

@@ -249,10 +249,17 @@ def test_what_is_of_another_kind_altogether_is_described_in_words_of_specs(tmp_p
     text += "- {do: orient-joints, offset: [1e30, 0, 0]}\n- {do: strip, splits: 1}\nroot: [1]\n"
     found = list(faults(write(tmp_path, text)).values())
     assert "there is no operation" in found[0]
-    assert "input should be a mapping (it is null)" in found[1]
+    assert "it is null: give it a value, or remove it" in found[1]
     assert all(words not in " ".join(found) for words in ("tuple", "dictionary", "valid"))
     assert "1e+30" in found[3]
     assert faults(write(tmp_path, "steps: x\n")) == {(1, 8): 'steps: input should be a list (it is "x")'}
+
+
+def test_what_is_null_is_said_with_its_name(tmp_path: Path) -> None:
+    """Before, "nameis null"."""
+    text = "steps:\n- {do: add-socket, on: hips, name: null}\n- {do: add-controls, joints: null}\n"
+    found = list(faults(write(tmp_path, text)).values())
+    assert all(f"{name} is null: " in fault for name, fault in zip(("name", "joints"), found, strict=True))
 
 
 def test_a_variable_that_is_none_is_one_fault(tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ from rigtri.model.metadata import RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
-from rigtri.operations.rigtri_nodes import add, find, given_name, group, stand, with_record
+from rigtri.operations.rigtri_nodes import add, find, given_name, group, refuse_taken, stand, with_record
 from rigtri.report import Report
 
 # Something so long, as a share of the mesh, may be attached to a rivet: rotations count as its end moves.
@@ -74,7 +74,10 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
     ground = _Ground(rig, meshes_named(rig, options.mesh), options.mesh)
     for name in options.name:
         given_name(rig, name, report)
-    for name, seat in zip(_names(rig, options, ground), ground.seats(options), strict=True):
+    names = _names(rig, options, ground)
+    for name in names if options.name else ():
+        refuse_taken(rig, name, find(rig, RivetRecord, name=name))
+    for name, seat in zip(names, ground.seats(options), strict=True):
         if seat.aside > FAR * ground.size:
             text = f"The point of rivet '{name}' is {seat.aside:.4g} away from mesh '{ground.name}'"
             report.warn("rivet-far", f"{text}: the rivet is at the nearest point there", geometry=True)

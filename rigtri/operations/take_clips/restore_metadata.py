@@ -55,11 +55,13 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     missing = [node for node in others if node not in both.of]
     if missing == others:
         many = [described.names[node] for node in missing if described.names[node] in both.unclear]
+        lost = list_names(described.names[node] for node in missing)
         raise GeometryError(
             f"Several nodes of one name could be meant by {list_names(many)} of the file of --rig; "
             "a name must be one node's"
             if many
-            else "No node of the file of --rig is in this file; were they made of one another?"
+            else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}: "
+            "has another program dropped it, or were they never made of one another?"
         )
     if missing:
         _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])

@@ -106,8 +106,8 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
     elif kind == "union_tag_invalid":
         hint = did_you_mean(str(ctx.get("tag")), OPERATIONS) or f" There are {', '.join(OPERATIONS)}."
         text, at = f"there is no operation {ctx.get('tag')!r}.{hint}", (*keys, "do")
-    elif kind == "string_type" and detail["input"] is None:
-        text = f"{option}is null: give it a value, or remove it"
+    elif kind.endswith("_type") and detail["input"] is None:
+        text = f"{option or 'it'} is null: give it a value, or remove it"
     else:
         text = detail["msg"].removeprefix("Value error, ").replace(*_PLAIN.get(kind, ("", "")))
         text = text[:1].lower() + text[1:]
