@@ -190,7 +190,8 @@ def split_by(variants: SkeletonVariants) -> str:
     prim, name = min(variants.depends[path])
     return (
         f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
-        "one would not fit the others. Give each variant a file of its own, or choose snap or skip"
+        "one would not fit the others. Give each variant a file of its own, or choose "
+        "--on-nonuniform-scale snap or skip"
     )
 
 

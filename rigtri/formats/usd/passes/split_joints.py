@@ -87,7 +87,10 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
             name = rig.title(joint)
             what = f"'{name}' is a prim, and one above it would give it and all below it other paths"
             if joint in rig.frame_of:
-                raise UsageError(f"--on-nonuniform-scale split: {what}. Choose snap or skip.")
+                raise UsageError(
+                    f"--on-nonuniform-scale split: {what}. Choose "
+                    "--on-nonuniform-scale snap or skip."
+                )
             raise UsageError(f"{what}. Put one there in the program that made the file.")
         path, token = parts(key)[1], token_of[key]
         taken = {other.rpartition("/")[2] for other in source.skeletons[path].tokens}
@@ -104,8 +107,8 @@ def _refusal(splits: Mapping[str, Split]) -> str:
     shown = listed(names, most=4)
     return (
         f"--on-nonuniform-scale split: a USD joint is named by its path, so a joint above {shown} renames "
-        f"{renamed} joints. Allow it with --allow-rename, where no other file names them; or choose snap "
-        "or skip."
+        f"{renamed} joints. Allow it with --allow-rename, where no other file names them; or choose "
+        "--on-nonuniform-scale snap or skip."
     )
 
 
@@ -142,8 +145,8 @@ def _check_shared(
             raise FileError(
                 f"Animation <{animation.path}> of layer {spec.layer.identifier} also drives the skeleton "
                 f"<{other.path}>, for which '{token}' would have to be called '{other_renamed}' in it, and "
-                f"for the other '{renamed}'; a split makes no copies of animations. Give each skeleton an "
-                "animation of its own, or choose snap or skip."
+                f"for the other '{renamed}'; animations are not copied. Give each skeleton an animation "
+                "of its own, or choose --on-nonuniform-scale snap or skip."
             )
 
 
