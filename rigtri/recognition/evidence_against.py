@@ -12,7 +12,8 @@ from rigtri.recognition.body_shape import Limbs
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
-from rigtri.recognition.limb_triples import HAND, branches
+from rigtri.recognition.limb_triples import HAND, STRAIGHT, branches
+from rigtri.recognition.limb_words import limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
@@ -34,6 +35,11 @@ _NEXT = 0.6
 _BROAD = 0.8
 # Five fingers of three joints each are a hand: birds have fewer toes, and others shorter ones.
 _DIGITS, _PHALANGES = 5, 3
+# A middle that leads by less over the next best, of bones that are less like those of a limb than this: so
+# it is in straight chains of many joints, where crooked places (2 % of a bone) choose it.
+_NARROW, _HARDLY = 0.16, 0.45
+# Where a twist joint parts a bone that has one, as a part of the bone before.
+_PARTED = 0.7
 # How Blender numbers the further parts of a bone that was split.
 _PART = re.compile(r"(.+)\.\d{3}")
 
@@ -64,7 +70,8 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
         or (not by_name and (_arm_as_leg(draft, each, found) or _split_bone(draft, each)))
-        or (not by_name and _rival(draft, each))
+        or (not by_name and (_misnamed(draft, each) or _other_bend(each) or _no_hand(draft, each)))
+        or (not by_name and (_skirt(draft, each) or _rival(draft, each)))
         or ""
     )
 
@@ -217,6 +224,56 @@ def _split_bone(draft: Draft, each: Found) -> str:
     if whole is None or part < 0 or tree.rig.names[part] != whole[1]:
         return ""
     return f"{_title(draft, part)} may be the first part of its upper bone"
+
+
+def _misnamed(draft: Draft, each: Found) -> str:
+    """Names of a limb whose hand is missing: a forearm at its end, or bones that count from the middle."""
+    names = [draft.tree.rig.names[node] for node in each.joints]
+    last = limb_words(names[2]).levels
+    if last.get("lower") == 1.0 and len(last) == 1:
+        return f"{_title(draft, each.joints[2])} is called as a lower bone is"
+    first, second, third = (parse_name(name) for name in names)
+    counts = second.plain == third.plain != first.plain and second.key != third.key
+    if counts and _numbers(second.key) == [1] and _numbers(third.key) == [2]:
+        return f"its bones are counted from {_title(draft, each.joints[1])} on"
+    return ""
+
+
+def _numbers(name: str) -> list[int]:
+    return [int(digits) for digits in re.findall("[0-9]+", name)]
+
+
+def _other_bend(each: Found) -> str:
+    """Shape that hardly tells which joint of a chain bends."""
+    mine = each.pair
+    if mine is None or len(mine.pair.paths[0]) < 4 or mine.named > 0.0:
+        return ""
+    unclear = mine.lead < _NARROW and mine.quality < _HARDLY
+    return "another joint of its chain may be the one that bends" if unclear else ""
+
+
+def _no_hand(draft: Draft, each: Found) -> str:
+    """A last joint without any below that parts the lower bone as another leaf parts the upper one."""
+    tree, (start, middle, end) = draft.tree, each.joints
+    upper, lower = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
+    if tree.below[end] or lower.length > _PARTED * upper.length:
+        return ""
+    beside = [k for k in tree.below[start] if k != middle and not tree.below[k]]
+    along = (tree.at[k] - tree.at[start] for k in beside)
+    parts = any(way.unit.dot(upper.unit) > STRAIGHT and way.length < upper.length for way in along)
+    return f"{_title(draft, end)} may be a twist joint, like that of the upper bone" if parts else ""
+
+
+def _skirt(draft: Draft, each: Found) -> str:
+    """Legs beside which another pair hangs that is as long: a skirt's front and back are alike."""
+    mine, body = each.pair, draft.shape.body
+    if mine is None or body is None or body.form != "biped" or mine is not body.legs or mine.named > 0.0:
+        return ""
+    for other in draft.shape.limbs:
+        alike = abs(other.size - mine.size) < _TWINS * mine.size and len(other.at) == 3
+        if other is not mine and alike and other.pair.above == mine.pair.above:
+            return f"the chain from {_title(draft, other.joints(0)[0])} is as long: both may be a skirt"
+    return ""
 
 
 def _has_fingers(draft: Draft, arm: Found) -> bool:

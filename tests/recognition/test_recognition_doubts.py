@@ -206,3 +206,25 @@ def test_a_limb_that_begins_at_the_further_part_of_a_split_bone_is_not_sure() ->
     case = next(case for case in population(402) if case.name == "person 34")
     found = measure(case.rig, case.truth, recognise(case.rig), named=True)
     assert [each for each in found if each.outcome == "surely wrong"] == []
+
+
+@pytest.mark.parametrize(
+    ("which", "number", "named", "why"),
+    [
+        (618, 8, False, "may be a twist joint, like that of the upper bone"),
+        (820, 0, False, "another joint of its chain"),
+        (1240, 0, False, "both may be a skirt"),
+        (9001, 2, True, "its bones are counted from"),
+        (9001, 6, True, "is called as a lower bone is"),
+    ],
+)
+def test_limbs_of_partial_people_side_by_side_are_not_surely_others(
+    which: int, number: int, named: bool, why: str
+) -> None:
+    """Before, each was sure: without hands, with joints within straight arms, a skirt for missing legs."""
+    case = crowd(which, number, 180)
+    rig = case.rig if named else nameless(case.rig)
+    layout = recognise(rig)
+    found = measure(rig, case.truth, layout, named=named)
+    assert [each for each in found if each.outcome == "surely wrong"] == []
+    assert any(why in remark for remark in layout.remarks)

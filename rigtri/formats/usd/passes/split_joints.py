@@ -88,8 +88,7 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
             what = f"'{name}' is a prim, and one above it would give it and all below it other paths"
             if joint in rig.frame_of:
                 raise UsageError(
-                    f"--on-nonuniform-scale split: {what}. Choose "
-                    "--on-nonuniform-scale snap or skip."
+                    f"--on-nonuniform-scale split: {what}. Choose --on-nonuniform-scale snap or skip."
                 )
             raise UsageError(f"{what}. Put one there in the program that made the file.")
         path, token = parts(key)[1], token_of[key]
