@@ -63,7 +63,7 @@ def timelines(rig: Rig) -> list[Timeline]:
         tracks = {(t.node, t.path): t for k in order for t in rig.clips[k].without_idle.tracks}
         first = min(together, key=lambda k: _is_default(rig.clips[k]))
         members = (first, *(k for k in together if k != first))
-        found.append(Timeline(Clip(rig.clips[first].name, tuple(tracks.values())), members))
+        found.append(Timeline(Clip(rig.clips[first].name, as_played(rig, tuple(tracks.values()))), members))
     return found
 
 
@@ -131,6 +131,54 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
     if found is None:
         raise GeometryError(f"Clip '{name}' has no keys")
     return found, at
+
+
+def as_played(rig: Rig, tracks: Sequence[Track]) -> Sequence[Track]:
+    """The tracks with keys for what their format shows where their values end: blocked samples (USD).
+
+    A value stays until the block and does not go over to the next one. From there to the next sample of that
+    path UsdSkel shows the rest pose in all that places the node, or no blend shape (measured with OpenUSD
+    26.11). Jumps take the last bit of their times in float32.
+    """
+    ending = rig.rules.resting
+    if not any(track.node in ending for track in tracks):
+        return tracks
+    spans: dict[tuple[int, bool], list[tuple[float, float]]] = {}
+    for track in tracks:
+        if track.node in ending:
+            found = spans.setdefault((track.node, track.path == "weights"), [])
+            found += _spans(track, ending[track.node].since.get(track.path, ()))
+    return [
+        _interrupted(rig, track, ending[track.node].since.get(track.path, ()), held)
+        if (held := spans.get((track.node, track.path == "weights")))
+        else track
+        for track in tracks
+    ]
+
+
+def _spans(track: Track, since: Sequence[float]) -> list[tuple[float, float]]:
+    """From when to when a track has no values; before its first key it has those of that."""
+    ends = [next(iter(track.times[track.times > time].tolist()), np.inf) for time in since]
+    first = float(track.times[0]) if len(track.times) else np.inf
+    return [(-np.inf if time < first else time, end) for time, end in zip(since, ends, strict=True)]
+
+
+def _interrupted(
+    rig: Rig, track: Track, since: Sequence[float], spans: Sequence[tuple[float, float]]
+) -> Track:
+    """A track that keeps its values until each of ``since`` and shows the rest pose during the spans."""
+    still = np.zeros(track.values.shape[-1])
+    rest = still if track.path == "weights" else getattr(rig, track.path)[track.node]
+    times = np.union1d(track.times, since)
+    last = np.maximum(np.searchsorted(track.times, times, side="right") - 1, 0)
+    kept = replace(track, times=times, values=track.values[last])
+    bounds = np.array([bound for span in spans for bound in span])
+    bounds = bounds[np.isfinite(bounds)]
+    times = np.unique(np.concatenate([times, bounds, just_before(bounds)]))
+    values = sample(kept, times)
+    for start, end in spans:
+        values[(times >= start) & (times < end)] = rest
+    return replace(track, times=times, values=values)
 
 
 def _is_default(clip: Clip) -> bool:

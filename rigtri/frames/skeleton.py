@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from rigtri.errors import FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.timelines import as_played
 from rigtri.frames.nonuniform_scale import SAME_SCALE, ScaleTable
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import decompose, from_frame, inverse, local, rotate_before
@@ -226,7 +227,8 @@ def _clip_pose(rig: Rig, pose: str) -> Floats:
     times = key_times(clip)
     if len(times) and not times[0] <= at <= times[-1]:
         raise UsageError(f"--pose {pose}: '{clip.name}' runs from {times[0]:g} to {times[-1]:g}")
-    return worlds(rig, locals_at(rig, clip, at)[0])
+    played = replace(clip, tracks=as_played(rig, clip.tracks))
+    return worlds(rig, locals_at(rig, played, at)[0])
 
 
 def _main_skins(tree: Skeleton) -> dict[int, tuple[Skin, list[int], Floats]]:

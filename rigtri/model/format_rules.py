@@ -6,6 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Path
+
+
+@dataclass(frozen=True)
+class Resting:
+    """A node that shows its rest pose in the midst of a clip.
+
+    why: what makes it. since: from when, for each path: until the next key of that.
+    """
+
+    why: str
+    since: Mapping[Path, Sequence[float]]
 
 
 @dataclass(frozen=True)
@@ -23,7 +35,7 @@ class FormatRules:
     named: nodes that extensions of the file refer to.
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
-    resting: joints that show their rest pose in the midst of a clip, each with what makes them.
+    resting: nodes that show their rest pose in the midst of a clip.
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
@@ -42,7 +54,7 @@ class FormatRules:
     metres_per_unit: float = 1.0
     sized_binding: bool = False
     per_second: float = 1.0
-    resting: Mapping[int, str] = field(default_factory=dict)
+    resting: Mapping[int, Resting] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
     valid_name: Callable[[str], str] = str
 

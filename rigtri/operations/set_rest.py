@@ -222,7 +222,7 @@ def _refuse(rig: Rig, moved: list[int]) -> None:
     if rig.rules.orient_locked:
         raise GeometryError(f"{rig.rules.orient_locked}, so its rest pose is that of its bind pose")
     if resting := [node for node in moved if node in rig.rules.resting]:
-        why = rig.rules.resting[resting[0]]
+        why = rig.rules.resting[resting[0]].why
         raise GeometryError(
             f"{why}, where '{rig.title(resting[0])}' shows its rest pose: with another one the clip would "
             "look different. Give it values there first"

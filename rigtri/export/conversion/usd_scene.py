@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
+from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light
 from rigtri.export.conversion.usd_motion import PrimMotion
@@ -19,7 +20,6 @@ from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.reader import read_source
-from rigtri.formats.usd.reading.source import blocked_samples
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -204,8 +204,6 @@ class _Reader:
     def _clips(self) -> list[Clip]:
         """What the stage plays, as one clip, and each animation that it does not play as one of its own."""
         rig = self.scene.rig
-        for at, times in blocked_samples(self.source).items():
-            self.scene.lose(f"the rest pose that {at} shows where it is blocked (at {times[0]:g})")
         sampled = {clip.key[1] for clip in rig.clips if clip.key[0] == "samples"}  # type: ignore[index]
         playing = [
             clip
@@ -247,7 +245,7 @@ class _Reader:
     def _followed(self, clip: Clip) -> list[Track]:
         """The tracks of a clip, those of prims as USD moves them."""
         if clip.key[0] != "xforms":  # type: ignore[index]
-            return list(clip.tracks)
+            return list(as_played(self.scene.rig, clip.tracks))
         rig = self.scene.rig
         prims = {track.node: self.stage.GetPrimAtPath(rig.labels[track.node]) for track in clip.tracks}
         sizes = sizes_of(rig, self.document.meshes())

@@ -5,7 +5,8 @@ or offset layer that can miss the sample by one bit and find its neighbour, whic
 may be blocked. So samples are taken from their layer. Value clips are read by
 time, for their samples lie in many layers; where they jump between two samples,
 a sample just before the jump holds the value before it. Splines (OpenUSD 25.5) have no
-samples; they are read at their knots and at every frame, and never written.
+samples; they are read at their knots and at every frame, and never written. What places a prim is what its op
+does not do where its samples are blocked, and jumps there.
 """
 
 from __future__ import annotations
@@ -58,9 +59,14 @@ def moving_times(attribute: Any) -> list[float]:
 
 def ops_times(xformable: Any) -> list[float]:
     """When the place of a prim is known: the times of all its ops. None for a prim that is still."""
-    splines = [op.GetAttr() for op in xformable.GetOrderedXformOps() if op.GetAttr().HasSpline()]
-    found = set(xformable.GetTimeSamples())
-    return sorted(found.union(*map(moving_times, splines))) if splines else sorted(found)
+    found: set[float] = set()
+    for op in xformable.GetOrderedXformOps():
+        attribute = op.GetAttr()
+        times = moving_times(attribute)
+        blocked = [attribute.Get(time) is None for time in times]
+        jumps = [end for end, (one, other) in zip(times[1:], pairwise(blocked), strict=True) if one or other]
+        found.update(times, (time - Usd.TimeCode.SafeStep() for time in jumps))
+    return sorted(found)
 
 
 def has_splines(prim: Any) -> bool:

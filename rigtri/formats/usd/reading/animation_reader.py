@@ -111,7 +111,9 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
         if value.default is None and not len(value.times):
             warnings.append(_ignored(path, f"no value of {name} has as many items as it has joints"))
             return None
-    missing = [name for name in PROPERTIES if name not in present]
+    # Samples that are all blocked hide the default, too.
+    hidden = {name for name, item in present.items() if item.blocked and not len(item.times)}
+    missing = [name for name in PROPERTIES if name not in present or name in hidden]
     if missing:
         warnings.append(
             Notice(

@@ -19,6 +19,7 @@ from rigtri.formats.usd.composition.stage import DEFAULT, quiet, why_locked
 from rigtri.formats.usd.reading import mesh_reader
 from rigtri.formats.usd.reading.animation_reader import (
     NOTHING,
+    PROPERTIES,
     Animation,
     Property,
     clips,
@@ -28,7 +29,7 @@ from rigtri.formats.usd.reading.animation_reader import (
 from rigtri.formats.usd.reading.node_references import resolved
 from rigtri.formats.usd.reading.nodes import Nodes
 from rigtri.formats.usd.reading.skeleton_reader import Skeleton, joint_parents, read_skeleton
-from rigtri.formats.usd.reading.source import Source
+from rigtri.formats.usd.reading.source import Source, blocked_times
 from rigtri.formats.usd.reading.xform_hierarchy import (
     XFORMS,
     read_transform,
@@ -40,6 +41,8 @@ from rigtri.maths.matrices import compose, inverse, multiply
 from rigtri.maths.quaternions import from_axes, to_axes, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as PathName
+from rigtri.model.format_rules import Resting
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
@@ -85,7 +88,7 @@ class _Reader:
             rig.rules,
             group_parent=self._group_parent(rig),
             group_name="rigtri",
-            resting=self._resting(),
+            resting=self._resting(rig.clips),
             per_second=float(self.stage.GetTimeCodesPerSecond()),
         )
         rig = replace(rig, rules=rules)
@@ -227,18 +230,20 @@ class _Reader:
                 )
             )
 
-    def _resting(self) -> dict[int, str]:
-        """Joints whose animation has no value at times, when UsdSkel shows its rest pose for all of them."""
-        found: dict[int, str] = {}
-        for skeleton in self.skeletons.values():
-            nodes = self.nodes.joint_nodes[skeleton.path].values()
-            played = [self.animations[path] for path in skeleton.animations if path in self.animations]
-            for animation in (each for each in played if not each.idle):
-                for name, item in animation.properties.items():
-                    if item.blocked:
-                        found |= dict.fromkeys(
-                            nodes, f"<{animation.path}>.{name} is blocked at {item.blocked[0]:g}"
-                        )
+    def _resting(self, clips: Sequence[Clip]) -> dict[int, Resting]:
+        """What animations have no value for at times, when UsdSkel shows rest poses and no blend shapes."""
+        found: dict[int, Resting] = {}
+        for path, animation in self.animations.items():
+            users = [s.path for s in self.skeletons.values() if path in s.animations and not animation.idle]
+            joints = [node for user in users for node in self.nodes.joint_nodes[user].values()]
+            tracks = [track for clip in clips if clip.key == ("samples", path) for track in clip.tracks]
+            meshes = [track.node for track in tracks if track.path == "weights"]
+            blocked = blocked_times(self.stage, animation)
+            weights = {"blendShapeWeights": blocked.pop("blendShapeWeights", ())}
+            for nodes, arrays in ((joints, blocked), (meshes, weights)):
+                for name, times in arrays.items():
+                    why = f"<{path}>.{name} is blocked at {times[0]:g}" if times else ""
+                    found |= dict.fromkeys(nodes if times else (), Resting(why, _by_path(arrays)))
         return found
 
     def _clips(self) -> list[Clip]:
@@ -311,3 +316,8 @@ def _mirrored_as_keyed(rig: Rig) -> Rig:
             if (flip < 0).any():
                 rotation[node] = from_axes(to_axes(rig.rotation[node]) * flip[:, np.newaxis])
     return replace(rig, rotation=rotation, scale=scale)
+
+
+def _by_path(arrays: Mapping[str, tuple[float, ...]]) -> dict[PathName, tuple[float, ...]]:
+    """The blocked times of arrays by what they drive."""
+    return {PROPERTIES.get(name, "weights"): times for name, times in arrays.items()}

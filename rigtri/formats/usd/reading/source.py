@@ -69,19 +69,22 @@ def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
     return found
 
 
-def blocked_samples(source: Source) -> dict[str, tuple[float, ...]]:
-    """When arrays of the animations that play are blocked, by their paths.
+def blocked_times(stage: Any, animation: Animation) -> dict[str, tuple[float, ...]]:
+    """When arrays of an animation are blocked, by their names; without those that never are."""
+    found = {name: item.blocked for name, item in animation.properties.items()}
+    weights = stage.GetPrimAtPath(animation.path).GetAttribute("blendShapeWeights")
+    if weights:
+        found["blendShapeWeights"] = tuple(t for t, value in time_samples(weights) if value is None)
+    return {name: times for name, times in found.items() if times}
 
-    USD shows the rest pose, or no weights, from there to the next sample; rigtri goes on from the one before.
-    """
-    found: dict[str, tuple[float, ...]] = {}
-    for path, animation in source.animations.items():
-        blocked = {name: item.blocked for name, item in animation.properties.items()}
-        weights = source.stage.GetPrimAtPath(path).GetAttribute("blendShapeWeights")
-        if weights:
-            blocked["blendShapeWeights"] = tuple(t for t, value in time_samples(weights) if value is None)
-        found |= {f"<{path}>.{name}": times for name, times in blocked.items() if times}
-    return found
+
+def blocked_samples(source: Source) -> dict[str, tuple[float, ...]]:
+    """When arrays of the animations that play are blocked, by their paths."""
+    return {
+        f"<{path}>.{name}": times
+        for path, animation in source.animations.items()
+        for name, times in blocked_times(source.stage, animation).items()
+    }
 
 
 def read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:

@@ -193,7 +193,8 @@ def read_transform(
             return None
         rest[path] = _folded(path, stands, outer, inner)
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
-        keys = [(time, value) for time, value in keys if value is not None]
+        if any(value is None for _, value in keys):
+            return None
         if keys:
             values = np.stack([value_numbers(value) for _, value in keys])
             if not np.isfinite(values).all():
