@@ -1,4 +1,4 @@
-"""Where samples are blocked, skeletons stand in their rest pose and prims where the rest of their ops put them."""
+"""Where samples are blocked, skeletons stand in their rest pose, and ops do nothing."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ from rigtri.evaluation.timelines import timelines
 # Away from jumps, which are as steep as times of float32 can have them.
 TIMES = (-1.0, 1.0, 2.0, 2.9, 3.0, 3.5, 4.0, 4.9, 5.0, 6.0, 7.5, 9.0)
 TURNED = "[(0.8, 0, 0.6, 0), (0.6, 0.8, 0, 0), (0, 1, 0, 0)]"
-MOVED = "float3[] translations.timeSamples = {1: [(0, 2, 0), (0, 0, 0), (0, 2, 1)], 4: None, 5: None, 7: [(0, 3, 0), (1, 0, 0), (0, 3, 1)]}"
+MOVED = (
+    "float3[] translations.timeSamples = {1: [(0, 2, 0), (0, 0, 0), (0, 2, 1)], 4: None, 5: None, "
+    "7: [(0, 3, 0), (1, 0, 0), (0, 3, 1)]}"
+)
+BLOCKED = f"{ANIMATION['translations']}\nfloat3[] translations.timeSamples = {{3: None}}"
 CASES: dict[str, dict[str, str]] = {
     "in the midst": {"rotations": ANIMATION["rotations"].replace("5:", f"3: None,\n5: {TURNED},\n7:")},
     "at the beginning": {"rotations": ANIMATION["rotations"].replace("1:", "-0.5: None,\n1:")},
@@ -28,7 +32,7 @@ CASES: dict[str, dict[str, str]] = {
         "rotations": ANIMATION["rotations"].replace("5:", f"3: None,\n4: {TURNED},\n7:"),
         "translations": MOVED,
     },
-    "at all samples": {"translations": f"{ANIMATION['translations']}\nfloat3[] translations.timeSamples = {{3: None}}"},
+    "at all samples": {"translations": BLOCKED},
 }  # fmt: skip
 PROP = """def Mesh "Prop"
 {
