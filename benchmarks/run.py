@@ -21,6 +21,7 @@ from datetime import date
 from pathlib import Path
 
 from bake import tables
+from growth import commands
 from size import differences, growth, large_files
 from warm import BLENDER, measured, side_by_side, version
 
@@ -229,7 +230,8 @@ def main() -> None:
         if options.only in (None, "bake"):
             lines += ["## Evaluation", "", *tables(10_000), ""]
         if options.only in (None, "large"):
-            lines += [*large_files(folder, options.runs), *growth(folder), *differences(folder)]
+            lines += [*large_files(folder, options.runs), *growth(folder)]
+            lines += [*commands(folder), *differences(folder)]
         if options.assets and options.only in (None, "small"):
             lines += ["## Deviation of each real file", ""]
             lines += ["Share of the bounding-box diagonal; raw: with rotations as stored, not unit.", ""]
