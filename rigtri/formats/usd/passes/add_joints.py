@@ -26,7 +26,7 @@ from rigtri.formats.usd.opinions.skeleton_edits import (
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, new_above
 from rigtri.formats.usd.reading.joint_tokens import child_token
 from rigtri.formats.usd.reading.node_keys import kind, parts
-from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton, refuse_unskinned
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.matrices import inverse
 from rigtri.model.rig import Rig
@@ -41,11 +41,7 @@ def add_joints(edit: UsdEdit) -> None:
     for path, nodes in added.items():
         skeleton = edit.source.skeletons[path]
         check_joints_editable(edit.source.stage, skeleton, "added")
-        if skeleton.unskinned:
-            raise FileError(
-                f"<{path}> has no restTransforms and no animation, so UsdSkel leaves its meshes where they "
-                "are, and with the rest pose that new joints need it would skin them. Add restTransforms."
-            )
+        refuse_unskinned(skeleton, "the rest pose that new joints need")
         edits += _append(edit.source, skeleton, edit.rig, nodes)
     edit.prepare(edits)
     edit.rig = _in_order(edit.source, edit.rig, added)

@@ -9,9 +9,14 @@ from rigtri.formats.usd.composition.stage import refuse
 from rigtri.formats.usd.opinions.edits import set_matrices
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton, refuse_unskinned
 from rigtri.maths.arrays import Integers
-from rigtri.maths.matrices import inverse
+from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
+
+# Joints that are off by a smaller share stand where they are bound: noise of exporters.
+_STANDING = 1e-6
 
 
 def write_skeletons(edit: UsdEdit) -> None:
@@ -34,10 +39,20 @@ def write_skeletons(edit: UsdEdit) -> None:
             bind[rebound] = inverse(new.inverse_bind[rebound])
             edit.values.append(set_matrices(path, "bindTransforms", bind))
         posed = moved[old.joints]
-        if posed.any() and skeleton.has_rest:
+        if posed.any() and (skeleton.has_rest or not _at_bind(rig, new, skeleton)):
             refuse(skeleton.locked)
+            refuse_unskinned(skeleton, "the rest pose that was asked for")
             rest = np.where(posed[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             edit.values.append(set_matrices(path, "restTransforms", rest))
+
+
+def _at_bind(rig: Rig, skin: Skin, skeleton: Skeleton) -> bool:
+    """Whether joints stand where they are bound, wherever that is now: without restTransforms they do."""
+    joints = skin.joints[: len(skeleton.tokens)]
+    shifts = multiply(skin.inverse_bind[: len(joints)], rig.world[joints])
+    where = np.eye(4) if skeleton.scattered else shifts[0]
+    size = np.maximum(1.0, np.abs(shifts).max(axis=(0, 1)))
+    return bool((np.abs(shifts - where) <= _STANDING * size).all())
 
 
 def _keyed(before: Rig, after: Rig, joints: Integers) -> bool:

@@ -37,7 +37,8 @@ class Skeleton:
 
     locked: why it cannot be edited, "" where it can; a clip library may lack what that needs.
     animations: the paths of the SkelAnimations that are bound to it, several where instances share it.
-    unskinned: the meshes that UsdSkel shows as they are, though no pose of the joints shows them all so.
+    scattered: no pose of the joints shows all its meshes as they are without skinning. unskinned: and UsdSkel
+    shows them so, for it has no pose.
     """
 
     path: str
@@ -48,6 +49,7 @@ class Skeleton:
     has_rest: bool
     locked: str
     animations: tuple[str, ...]
+    scattered: bool = False
     unskinned: bool = False
 
 
@@ -94,7 +96,7 @@ def read_skeleton(
     if rest is None:
         for animation in driving:
             _check_covered(path, tokens, animation)
-        shift = shift if driving else _shift(bound())
+        shift = _shift(bound())
         warnings.append(
             Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
         )
@@ -107,8 +109,18 @@ def read_skeleton(
         has_rest=rest is not None,
         locked="",
         animations=tuple(str(animation.GetPath()) for animation in animations),
-        unskinned=shift is None,
+        scattered=shift is None,
+        unskinned=shift is None and not driving,
     )
+
+
+def refuse_unskinned(skeleton: Skeleton, pose: str) -> None:
+    """FileError for a skeleton whose meshes a rest pose would move elsewhere. pose: which it would get."""
+    if skeleton.unskinned:
+        raise FileError(
+            f"<{skeleton.path}> has no restTransforms and no animation, so UsdSkel leaves its meshes where "
+            f"they are, and with {pose} it would skin them. Add restTransforms."
+        )
 
 
 def _shift(bound: Sequence[tuple[Floats, Floats]]) -> Floats | None:
