@@ -18,13 +18,15 @@ from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.usd_samples import sample_times, time_codes
 from rigtri.export.conversion.usd_skeletons import Skeleton
 from rigtri.frames.rig_size import size_of
-from rigtri.maths.quaternions import make_continuous, unit
+from rigtri.maths.quaternions import angle_between, dot, make_continuous, normalise, slerp, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
 
 # Scales that a half float holds to this share need no word: it is half of what a conversion may be off.
 _HALF = 5e-6
+# Quaternions whose product is above this are less than 0.51° apart: OpenUSD goes straight between them.
+_STRAIGHT = 0.99999
 _SETTERS: Mapping[Path, Callable[[Floats], Any]] = {
     "translation": values.vectors,
     "rotation": lambda rows: values.quaternions(unit(rows)),
@@ -107,16 +109,16 @@ def _set(attribute: Any, codes: Floats, rows: Sequence[Any]) -> None:
         attribute.Set(row, code)
 
 
-def write_xform(prim: Any, rig: Rig, node: int, clip: Clip | None, rate: float) -> None:
-    """The place of a node: translate, orient and scale, or a matrix where it has one."""
+def write_xform(prim: Any, rig: Rig, node: int, clip: Clip | None, rate: float) -> float:
+    """The place of a node: translate, orient and scale, or a matrix where it has one; see `place_by`."""
     if rig.has_matrix[node]:
         prim.AddTransformOp().Set(values.matrix(rig.matrix[node]))
-        return
+        return 0.0
     tracks = {track.path: track for track in clip.tracks if track.node == node} if clip else {}
     parts = {
         one: _columns([tracks.get(one)], given[node][np.newaxis], rig) for one, given in _rest(rig).items()
     }
-    place_by(prim, parts, rate, {one: given[node] for one, given in _rest(rig).items()})
+    return place_by(prim, parts, rate, {one: given[node] for one, given in _rest(rig).items()})
 
 
 def _rest(rig: Rig) -> dict[Path, Floats]:
@@ -128,8 +130,12 @@ def place_by(
     parts: Mapping[Path, tuple[Floats, Floats]],
     rate: float,
     rest: Mapping[Path, Floats],
-) -> None:
-    """Ops of a prim from times (k,) and values (k or 1, 1, c) of each part; none for what does nothing."""
+) -> float:
+    """Ops of a prim from times (k,) and values (k or 1, 1, c) of each part; none for what does nothing.
+
+    Returns how far, in radians, OpenUSD turns it beside the arcs from key to key.
+    """
+    uneven = 0.0
     none: dict[Path, list[float]] = {
         "translation": [0.0] * 3,
         "rotation": [0.0, 0.0, 0.0, 1.0],
@@ -144,11 +150,32 @@ def place_by(
         if one == "rotation":
             op = prim.AddOrientOp(double)
             op.Set(values.quaternion(unit(still)))
-            _set(op, codes, [values.quaternion(row) for row in make_continuous(unit(rows))])
+            turns = make_continuous(unit(rows))
+            _set(op, codes, [values.quaternion(row) for row in turns])
+            uneven = unevenness(turns) if len(times) else 0.0
         else:
             op = prim.AddTranslateOp(double) if one == "translation" else prim.AddScaleOp(double)
             op.Set(tuple(still.tolist()))
             _set(op, codes, [tuple(row) for row in rows.tolist()])
+    return uneven
+
+
+def unevenness(turns: Floats) -> float:
+    """How far OpenUSD plays orient samples, unit and continuous (k, 4), beside their arcs, in radians.
+
+    Between near ones it goes straight, without making the quaternion unit, and takes the angle from the real
+    part alone: a quarter of the way from no rotation it is half way. Source: GfSlerp, GfRotation (26.11).
+    """
+    one, other = turns[:-1], turns[1:]
+    near = dot(one, other) > _STRAIGHT
+    worst = 0.0
+    for share in (0.25, 0.5, 0.75):
+        played = (1.0 - share) * one[near] + share * other[near]
+        axis, real = normalise(played * (1.0, 1.0, 1.0, 0.0)), np.clip(played[:, 3:], -1.0, 1.0)
+        played = np.concatenate([axis[:, :3] * np.sqrt(1.0 - real * real), real], axis=1)
+        arcs = slerp(one[near], other[near], np.full(len(played), share))
+        worst = max(worst, float(angle_between(played, arcs).max(initial=0.0)))
+    return worst
 
 
 def with_half_scales(rig: Rig, clip: Clip, joints: Sequence[int]) -> tuple[Rig, Clip]:

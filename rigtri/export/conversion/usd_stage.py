@@ -32,6 +32,8 @@ from rigtri.text import and_more
 
 # How far a baked camera or light may be off between samples, as a share of how far it is from the origin.
 BAKED = 1e-6
+# So many radians off the arcs between orient samples need no word: what a conversion may be off.
+EVEN = 1e-5
 
 
 @dataclass(frozen=True)
@@ -122,12 +124,13 @@ class _Writer:
         moved = {t.node for clip in rig.clips[1:] for t in clip.tracks if t.path != "weights"} - self.joints
         if moved - self.scene.omitted:
             self.scene.lose(f"motion of {len(moved)} nodes that are no joints in clips but the first")
+        uneven: dict[int, float] = {}
         for node in range(len(rig)):
             if node in self.joints or node in self.scene.omitted:
                 continue
             path = f"{paths[int(rig.parents[node])]}/{self.words[node]}"
             prim = UsdGeom.Xform.Define(self.stage, path)
-            usd_clips.write_xform(prim, rig, node, self.clip, self.rate)
+            uneven[node] = usd_clips.write_xform(prim, rig, node, self.clip, self.rate)
             self._name(prim.GetPrim(), rig.names[node], self.words[node])
             if node in self.scene.extras:
                 extras = values.dictionary({"of": self.scene.extras[node]})["of"]
@@ -136,6 +139,12 @@ class _Writer:
                 prim.MakeInvisible()
             paths[node] = path
             self.result.nodes[node] = (path,)
+        slow = [rig.title(node) for node, off in uneven.items() if off > EVEN]
+        if slow:
+            self.scene.lose(
+                f"even turns of {and_more(slow, 3)} between keys less than 0.51° apart: OpenUSD plays them "
+                f"up to {max(uneven.values()):.1e} rad ahead"
+            )
         return paths
 
     @staticmethod

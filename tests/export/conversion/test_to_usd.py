@@ -284,3 +284,27 @@ def test_a_clip_is_chosen_by_its_number_and_by_a_name_that_could_be_a_glob(
         written.append(out.read_text())
     assert written[0] == written[1]
     assert "wave" not in written[0]
+
+
+@pytest.mark.parametrize(("degrees", "start"), [(0.4, 0.0), (0.5, 30.0), (0.02, 170.0), (0.6, 0.0)])
+def test_turns_that_openusd_plays_unevenly_are_listed(degrees: float, start: float, tmp_path: Path) -> None:
+    """The middle of a prop, which turns about z, is compared with what OpenUSD makes of the keys."""
+    angles = np.radians(start + degrees * np.arange(3)) / 2
+    turns = np.stack([0 * angles, 0 * angles, np.sin(angles), np.cos(angles)], axis=1)
+    source, out = small(), tmp_path / "out.usda"
+    source.gltf["nodes"] += [{"name": "prop"}]
+    source.gltf["scenes"][0]["nodes"] += [4]
+    sampler = {"input": source.accessor([0.0, 1.0, 2.0]), "output": source.accessor(turns)}
+    channel = {"sampler": 0, "target": {"node": 4, "path": "rotation"}}
+    source.gltf["animations"] = [{"samplers": [sampler], "channels": [channel]}]
+    ran = cli("convert", source.glb(tmp_path / "in.glb"), "-o", out, code=0)
+    stage = Usd.Stage.Open(str(out))
+    prop = UsdGeom.Xformable(next(prim for prim in stage.Traverse() if prim.GetName() == "prop"))
+    rate, off = stage.GetTimeCodesPerSecond(), 0.0
+    for share in (0.25, 0.5, 0.75, 1.25, 1.5, 1.75):
+        x, y = np.array(prop.GetLocalTransformation(share * rate))[0, :2]
+        off = max(off, abs(np.arctan2(y, x) - np.radians(start + share * degrees)))
+    told = " ".join(ran.stderr.split())
+    assert ("even turns of prop" in told) == (off > 1e-5)
+    if off > 1e-5:
+        assert float(told.partition("up to ")[2].partition(" rad")[0]) == pytest.approx(off, rel=0.05)
