@@ -110,8 +110,8 @@ def page_of(command: str) -> str:
 def alike(name: str) -> list[str]:
     """The commands that a user may have meant, the likeliest first.
 
-    >>> alike("orint"), alike("control"), alike("dance")
-    (['orient-joints'], ['add-controls'], [])
+    >>> alike("orint"), alike("control"), alike("dance"), alike("hepl")
+    (['orient-joints'], ['add-controls'], [], ['help', 'explain'])
     """
     from difflib import SequenceMatcher
 
@@ -123,5 +123,8 @@ def alike(name: str) -> list[str]:
         pairs = {(name, part) for word in words for part in (word, word[: len(name)])} | {(first, known)}
         return max(SequenceMatcher(None, *pair).ratio() for pair in pairs)
 
-    likely = sorted(COMMANDS, key=likeness, reverse=True)
+    def whole(known: str) -> float:
+        return SequenceMatcher(None, name, known).ratio()
+
+    likely = sorted(COMMANDS, key=lambda known: (likeness(known), whole(known)), reverse=True)
     return [known for known in likely[:3] if likeness(known) >= max(ALIKE, likeness(likely[0]) - 0.05)]

@@ -15,6 +15,7 @@ from rigtri.errors import UsageError
 from rigtri.report import Report
 
 from . import output_file
+from .file_names import complete_node
 from .help_format import Command, option
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .parameters import read_options
@@ -26,7 +27,13 @@ if TYPE_CHECKING:
 
 
 @click.command("explain", cls=Command, context_settings={"ignore_unknown_options": True})
-@click.argument("points", metavar="A B C | IN [ROOT MIDDLE END]", nargs=-1, required=True)
+@click.argument(
+    "points",
+    metavar="A B C | IN [ROOT MIDDLE END]",
+    nargs=-1,
+    required=True,
+    shell_complete=complete_node,
+)
 @option(
     "--limb", metavar="JOINT", help="The limb of IN that has this joint: root, middle or end.", group="joints"
 )

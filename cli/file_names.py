@@ -15,11 +15,45 @@ if TYPE_CHECKING:
 
     from rigtri.model.rig import Rig
 
+    from .help_format import Option
 
-def complete_from_file(option: click.Option, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+_AXES = ("x", "y", "z", "-x", "-y", "-z")
+
+
+def known_words(option: Option) -> Iterator[str]:
+    """The words that an option may take whatever file there is: those that its help has, axes, naming schemes."""
+    yield from filter(str.islower, option.values)
+    for word in (option.metavar or "").split("|"):
+        if word == "AXIS":
+            yield from _AXES
+        elif word == "SCHEME":
+            from rigtri.recognition.written_names import scheme_names
+
+            yield from scheme_names()
+        elif word.islower() and word.replace("-", "").isalpha() and word not in option.values:
+            yield word
+
+
+def complete_node(ctx: click.Context, _: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Files for the first word of a command, and joints of that file for those after it."""
+    from click.shell_completion import CompletionItem
+
+    if _file(ctx) is None:
+        return [CompletionItem(incomplete, type="file")]
+    return _read_names(_nodes, ctx, incomplete)
+
+
+def complete_from_file(option: Option, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
     """The names in the file of the line that an option may take, and that begin as what is written."""
-    names, path = _names(option), _file(ctx)
-    if names is None or path is None:
+    names = _names(option)
+    return [] if names is None else _read_names(names, ctx, incomplete)
+
+
+def _read_names(
+    names: Callable[[Rig], Iterator[str]], ctx: click.Context, incomplete: str
+) -> list[CompletionItem]:
+    path = _file(ctx)
+    if path is None:
         return []
     from click.shell_completion import CompletionItem
 
@@ -31,7 +65,7 @@ def complete_from_file(option: click.Option, ctx: click.Context, incomplete: str
     return []
 
 
-def _names(option: click.Option) -> Callable[[Rig], Iterator[str]] | None:
+def _names(option: Option) -> Callable[[Rig], Iterator[str]] | None:
     """Which names of a file an option takes; None where none."""
     metavar, name = option.metavar or "", option.name
     if name == "skin":
@@ -43,8 +77,9 @@ def _names(option: click.Option) -> Callable[[Rig], Iterator[str]] | None:
     if name in ("clip", "clips"):
         return _clips
     if (
-        getattr(option, "group", "") == "joints"
-        or "NAME" in getattr(option, "values", ())
+        option.group == "joints"
+        or name == "joints"
+        or "NAME" in option.values
         or {"NODE", "JOINT"} & set(metavar.replace("|", " ").split())
     ):
         return _nodes

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .catalogue import page_of
+from .option_types import Parsed
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -70,12 +71,12 @@ class Option(click.Option):
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         found = super().shell_complete(ctx, incomplete)
-        if not found and self.type is click.STRING:
+        if not found and (self.type is click.STRING or isinstance(self.type, Parsed)):
             from click.shell_completion import CompletionItem
 
-            from .file_names import complete_from_file
+            from .file_names import complete_from_file, known_words
 
-            words = [word for word in self.values if word.islower() and word.startswith(incomplete)]
+            words = [word for word in known_words(self) if word.startswith(incomplete)]
             found = [CompletionItem(word) for word in words] + complete_from_file(self, ctx, incomplete)
         for item in found:
             item.help = item.help or self.values.get(str(item.value))

@@ -121,6 +121,8 @@ def bend_sine(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
 def bend_angle(start: ArrayLike, middle: ArrayLike, end: ArrayLike) -> Floats:
     """How far limbs bend at the middle, (...), in radians: 0 for a straight limb, π folded back.
 
+    0 where points coincide, as `bend_sine` says.
+
     Source: GDC 2018, slide "The Dot Product": acos(v1 dot v2).
 
     >>> float(np.degrees(bend_angle([0, 0, 0], [1, 0, 0], [1, 1, 0])).round(6))

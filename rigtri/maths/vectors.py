@@ -180,7 +180,9 @@ def perpendicular(v: ArrayLike, to: ArrayLike) -> Floats:
 
 
 def angle(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Angles between vectors of any length, (..., 3), (..., 3) → (...), in radians, 0 to π.
+    """Angles between vectors, (..., 3), (..., 3) → (...), in radians, 0 to π; 0 where one has no length.
+
+    Lengths need not be alike; their product has to be above 1e-300.
 
     By arc tangent of cross over dot: near 0 and π the talk's arc cosine of the
     dot product loses half the digits (1e-8 rad), this loses none.

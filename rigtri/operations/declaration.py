@@ -436,7 +436,10 @@ EndKind = Literal["locator", "joint"]
 Axis = Annotated[str, Kind("axis", "AXIS")]
 Number = Annotated[float, Kind("number")]
 Above = Annotated[float, Kind("number", low=0, low_open=True)]
-Tolerance = Annotated[float, Kind("tolerance", low=0)]
+Tolerance = Annotated[
+    float,
+    Kind("tolerance", low=0, help="Movement of a vertex, as a share of the model's size, that counts as none."),
+]
 SoftIk = Annotated[
     float,
     Kind(

@@ -192,6 +192,11 @@ def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Pat
     assert completed("rigtri", "orient-joints", hero, "--preset", "m") == ["maya", "mgear"]
     assert completed("rigtri", "orient-joints", hero, "--branch", "lo") == ["longest"]
     assert set(completed("rigtri", "help", "add-r")) >= {"add-rivet"}
+    assert completed("rigtri", "merge-joints", hero, "--joints", "fore") == ["forearm_L", "forearm_R"]
+    assert completed("rigtri", "explain", hero, "upper_arm_L", "fore") == ["forearm_L", "forearm_R"]
+    assert {"mixamo", "mmd"} <= set(completed("rigtri", "rename-joints", hero, "--to", "m"))
+    assert completed("rigtri", "draw", hero, "--view", "") == ["front", "back", "side", "top", "three-quarter"]
+    assert completed("rigtri", "orient-joints", hero, "--aim", "") == ["x", "y", "z", "-x", "-y", "-z"]
 
 
 def test_bash_gets_what_stands_behind_its_break_as_its_line_can_take_it(

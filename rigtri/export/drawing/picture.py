@@ -61,6 +61,7 @@ def draw(
 ) -> str:
     """A rig as an SVG picture, the same bytes on every machine; on the left ``against``, which it was before.
 
+    title, title_against: what stands over the two.
     Both are seen from where the view of ``rig`` is, at one scale. A rig without joints is drawn by
     its nodes, which is a warning of the report. Raises UsageError, NameNotFoundError (a joint, a clip),
     AmbiguousNameError.

@@ -129,15 +129,16 @@ def view_of(rig: Rig, name: str = "front") -> View:
         "top": up,
         "three-quarter": ahead + 0.7 * left + 0.35 * up,
     }
-    return View.along(eyes[name.lower()] if name.lower() in eyes else direction(name), up, -ahead)
+    eye = eyes[name.lower()] if name.lower() in eyes else direction(name, ", ".join(VIEWS) + ", or ")
+    return View.along(eye, up, -ahead)
 
 
-def direction(text: str) -> Floats:
-    """The direction, (3,), that ``x,y,z`` means. UsageError where it means none."""
+def direction(text: str, or_else: str = "") -> Floats:
+    """The direction, (3,), that ``x,y,z`` means. UsageError where it means none; or_else: what might, too."""
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise UsageError(f"'{text}' is no view: give {', '.join(VIEWS)}, or a direction x,y,z") from None
+        raise UsageError(f"'{text}' is no view: give {or_else}a direction x,y,z") from None
     eye = normalise([x, y, z])
     if not np.isfinite(eye).all():
         raise UsageError(f"'{text}' points nowhere: a view is seen from a direction x,y,z")

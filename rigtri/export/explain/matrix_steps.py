@@ -157,7 +157,7 @@ def _readers(at: Worlds, trouble: str) -> Iterator[Step]:
     yield step(
         "Twist",
         "",
-        "twist_angle(B.local · B.rest⁻¹, BC)",
+        "twist_angle(B.local · B.rest⁻¹, norm(BC · B⁻¹))",
         np.where(np.abs(twist) < _STORED, 0.0, twist),
         "degrees of B about its bone since rest, seen from A",
         trouble=trouble,

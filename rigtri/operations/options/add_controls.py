@@ -182,9 +182,9 @@ class AddControlsOptions(OneCharacter):
         None, help="IK limbs grow to reach their target. [as stored, or not]", rare=True
     )
     facing: Facing | None = option(None)
-    root: str | None = option(None, where="shared")
-    bend: Bends = option({}, where="python")
-    axes: Any = option({}, where="python")
+    root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
+    bend: Bends = option({}, where="python", help="Bend directions by joints, as pole vectors have them.")
+    axes: Any = option({}, where="python", help="By joints, the axes that controls mirror, (3, 3) in the world.")
 
     @cached_property
     def selection(self) -> Selection:

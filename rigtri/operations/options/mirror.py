@@ -62,9 +62,9 @@ class MirrorOptions(OneCharacter):
     )
     on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
     on_constraint: OnConstraint = option("freeze", rare=True)
-    root: str | None = option(None, where="shared")
+    root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
     tolerance: Tolerance = option(1e-5, where="shared")
-    across: Any = option(None, where="python")
+    across: Any = option(None, where="python", help="The plane in the world, instead of `plane`.")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be mirrored."""

@@ -178,10 +178,10 @@ class OrientJointsOptions(OneCharacter):
         None, help="Apply the changes of a --save-frames file.", group="what", rare=True
     )
     inverse: bool = option(False, help="With --frames: undo them.", group="what", rare=True)
-    root: str | None = option(None, where="shared")
+    root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
     tolerance: Tolerance = option(1e-5, where="shared")
-    keep: bool = option(False, where="python")
-    across: Any = option(None, where="python")
+    keep: bool = option(False, where="python", help="Only `mirror` re-orients, from axes as they are.")
+    across: Any = option(None, where="python", help="The plane in the world, instead of `plane`.")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for options that contradict each other, and for letters that make no frame."""
