@@ -21,7 +21,7 @@ _AXES = ("x", "y", "z", "-x", "-y", "-z")
 
 
 def known_words(option: Option) -> Iterator[str]:
-    """The words that an option may take whatever file there is: those that its help has, axes, naming schemes."""
+    """Words that an option may take whatever file there is: those of its help, axes, naming schemes."""
     yield from filter(str.islower, option.values)
     for word in (option.metavar or "").split("|"):
         if word == "AXIS":

@@ -438,7 +438,7 @@ Number = Annotated[float, Kind("number")]
 Above = Annotated[float, Kind("number", low=0, low_open=True)]
 Tolerance = Annotated[
     float,
-    Kind("tolerance", low=0, help="Movement of a vertex, as a share of the model's size, that counts as none."),
+    Kind("tolerance", low=0, help="Movement of a vertex, as a share of the size, that counts as none."),
 ]
 SoftIk = Annotated[
     float,

@@ -195,7 +195,8 @@ def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Pat
     assert completed("rigtri", "merge-joints", hero, "--joints", "fore") == ["forearm_L", "forearm_R"]
     assert completed("rigtri", "explain", hero, "upper_arm_L", "fore") == ["forearm_L", "forearm_R"]
     assert {"mixamo", "mmd"} <= set(completed("rigtri", "rename-joints", hero, "--to", "m"))
-    assert completed("rigtri", "draw", hero, "--view", "") == ["front", "back", "side", "top", "three-quarter"]
+    views = ["front", "back", "side", "top", "three-quarter"]
+    assert completed("rigtri", "draw", hero, "--view", "") == views
     assert completed("rigtri", "orient-joints", hero, "--aim", "") == ["x", "y", "z", "-x", "-y", "-z"]
 
 

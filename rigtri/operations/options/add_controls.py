@@ -184,7 +184,7 @@ class AddControlsOptions(OneCharacter):
     facing: Facing | None = option(None)
     root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
     bend: Bends = option({}, where="python", help="Bend directions by joints, as pole vectors have them.")
-    axes: Any = option({}, where="python", help="By joints, the axes that controls mirror, (3, 3) in the world.")
+    axes: Any = option({}, where="python", help="By joints, the axes that controls mirror, (3, 3).")
 
     @cached_property
     def selection(self) -> Selection:
