@@ -33,7 +33,7 @@ def shared(
     """
     mine = np.isin(joints, spread.joints) & (weights != 0)
     touched = mine.any(axis=1)
-    total = np.where(mine, weights, 0.0).cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
+    total = _total(np.where(mine, weights, 0.0))
     near, far, share = _neighbours(spread, along(spread, points))
     others = np.count_nonzero((weights != 0) & ~mine, axis=1)
     if spread.most:
@@ -86,31 +86,71 @@ def limited(
 ) -> tuple[Integers, Floats]:
     """Joints (v, k) and weights (v, k) of points with as many joints as allowed; k is no more than before.
 
-    full: what weights are a whole number of, 0 for floats. The weights of a point sum to what they did, or
-    to 1. Points with so few joints, and with weights that are no numbers, keep theirs.
+    full: what weights are a whole number of, 0 for floats. What a point has of a joint that it names twice
+    counts together. The weights of a point sum to what they did, or to 1. Points with so few joints, and with
+    weights that are no numbers, keep theirs.
     """
     width = min(joints.shape[1], -(-limit.most // 4) * 4) if joints.shape[1] > 4 else joints.shape[1]
     one = float(full or 1)
-    total = weights.cumsum(axis=1)[:, -1] if joints.shape[1] else np.zeros(len(joints))
+    total = _total(weights)
     plain = np.isfinite(weights).all(axis=1) & (total > 0)
     over = (np.count_nonzero(weights, axis=1) > limit.most) & plain
     off = plain & (np.abs(total - one) > (0.5 if full else SAME)) if limit.normalise else over
     moved = over | off | ((weights[:, width:] != 0).any(axis=1) & plain)
-    order = np.argsort(-np.abs(weights), axis=1, kind="stable")
+    once = weights.copy()
+    once[over | off] = _added_up(joints[over | off], weights[over | off])
+    order = np.argsort(-np.abs(once), axis=1, kind="stable")
     rows = np.arange(len(joints))[:, np.newaxis]
-    most, heavy = joints[rows, order], weights[rows, order]
+    most, heavy = joints[rows, order], once[rows, order]
     heavy[:, limit.most :] = 0.0
     aim = np.where(off, one, total) if limit.normalise else total
-    kept = heavy.cumsum(axis=1)[:, -1] if joints.shape[1] else total
+    kept = _total(heavy)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where((over | off)[:, np.newaxis], heavy * (aim / kept)[:, np.newaxis], heavy)
     if full:
-        share = np.rint(share)
-        share[:, 0] += aim - share.cumsum(axis=1)[:, -1]
+        share = _whole(share, aim)
     most = np.where(share != 0, most, 0)
     out = np.where(moved[:, np.newaxis], most, joints), np.where(moved[:, np.newaxis], share, weights)
     lost = (out[1][:, width:] != 0).any()  # of points that are no numbers
     return out if lost else (out[0][:, :width], out[1][:, :width])
+
+
+def within(weights: Floats, full: int) -> Floats:
+    """Whole weights (v, k) that fit their type, whose largest is ``full``.
+
+    A point with a weight above it keeps its shares, as whole numbers that sum to ``full``.
+    """
+    over = (weights > full).any(axis=1)
+    if not over.any():
+        return weights
+    fitting, large = weights.copy(), weights[over]
+    fitting[over] = _whole(large * (full / _total(large))[:, np.newaxis], np.full(len(large), float(full)))
+    return fitting
+
+
+def _whole(weights: Floats, total: Floats) -> Floats:
+    """Weights (v, k) as whole numbers that sum to ``total`` (v,): the largest takes what rounding leaves."""
+    found = np.asarray(np.rint(weights))
+    if found.shape[1]:
+        found[np.arange(len(found)), np.abs(found).argmax(axis=1)] += total - _total(found)
+    return found
+
+
+def _total(weights: Floats) -> Floats:
+    """What the weights (v, k) of each point sum to, (v,), added from left to right."""
+    return weights.cumsum(axis=1)[:, -1] if weights.shape[1] else np.zeros(len(weights))
+
+
+def _added_up(joints: Integers, weights: Floats) -> Floats:
+    """Weights (v, k) with all that a point has of a joint in the first place that names it."""
+    found = weights.copy()
+    for first in range(joints.shape[1] - 1):
+        again = (joints[:, first + 1 :] == joints[:, first, np.newaxis]) & (found[:, first, np.newaxis] != 0)
+        if again.any():
+            rest = found[:, first + 1 :]
+            found[:, first] += _total(np.where(again, rest, 0.0))
+            rest[again] = 0.0
+    return found
 
 
 def _width(weights: Floats) -> int:

@@ -18,7 +18,7 @@ from rigtri.formats import ReadOptions, read
 from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.skin import WeightLimit
-from rigtri.model.skin_weights import limited
+from rigtri.model.skin_weights import limited, within
 
 TRUST = ReadOptions(allow_external_paths=True)
 
@@ -155,6 +155,36 @@ def test_influences_by_hand() -> None:
     assert np.allclose(limited(joints, weights, WeightLimit(2, normalise=True))[1].sum(axis=1), 1.0)
     whole = limited(joints, np.rint(weights * 255), WeightLimit(2), full=255)[1]
     assert whole[0].sum() == np.rint(weights[0] * 255).sum()
+
+
+def test_a_joint_that_a_point_names_twice_counts_once() -> None:
+    joints = np.array([[0, 0, 1, 1], [0, 2, 1, 1]])
+    less, shares = limited(joints, np.array([[0.3, 0.2, 0.4, 0.1], [0.3, 0.29, 0.21, 0.2]]), WeightLimit(2))
+    assert np.sort(less[0, :2]).tolist() == [0, 1]
+    assert np.allclose(shares[0], [0.5, 0.5, 0, 0])
+    assert less[1].tolist() == [1, 0, 0, 0]  # 0.41 together, 0.3
+    assert np.allclose(shares[1], [0.41 / 0.71, 0.3 / 0.71, 0, 0])
+
+
+def test_weights_that_add_up_to_more_than_a_byte_holds_keep_their_shares(tmp_path: Path) -> None:
+    """Each rounded by itself, weights of a point sum to 256 of 255: a byte of 256 would be 0."""
+    fitting = within(np.array([[256.0, 0, 0], [300, 60, 0], [255, 40, 0]]), 255)
+    assert fitting.tolist() == [[255, 0, 0], [213, 42, 0], [255, 40, 0]]
+    source, out = tmp_path / "in.glb", tmp_path / "out.glb"
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    attributes = gltf["meshes"][0]["primitives"][0]["attributes"]
+    count = gltf["accessors"][attributes["WEIGHTS_0"]]["count"]
+    gltf["accessors"].append({"bufferView": len(gltf["bufferViews"]), "count": count, "type": "VEC4"})
+    gltf["accessors"][-1] |= {"componentType": 5121, "normalized": True}
+    binary += bytes(-len(binary) % 4)
+    gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": 4 * count})
+    attributes["WEIGHTS_0"] = len(gltf["accessors"]) - 1
+    gltf["buffers"][0]["byteLength"] = len(binary) + 4 * count
+    source.write_bytes(glb_bytes(gltf, binary + bytes([253, 1, 1, 1]) * count))
+    ran = cli("limit-weights", source, "-o", out, "--max-influences", "1", "--tolerance", "0.05", code=0)
+    assert "sum to 1 now" in ran.stderr
+    (mesh, *_) = (mesh for mesh in rigtri.read(out).meshes if mesh.skin is not None)
+    assert (mesh.weights.max(axis=1) == 1.0).all()
 
 
 def test_weights_that_are_no_numbers_stay() -> None:

@@ -25,7 +25,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, WeightLimit, WeightRedistribution
-from rigtri.model.skin_weights import SAME, folded, limited, shared
+from rigtri.model.skin_weights import SAME, folded, limited, shared, within
 from rigtri.report import Notice
 
 _ROLES: dict[int, Role] = {4: "influences 4", 8: "influences 8", 16: "influences 16"}
@@ -44,6 +44,11 @@ class _Influences:
     joint: int
     weight: int
 
+    @property
+    def full(self) -> int:
+        """What the weights are a whole number of, 0 for floats."""
+        return int(FULL.get(self.weight, 0))
+
 
 class WeightWriter:
     """Carries the spreads of a rig into a draft. where: what to call the file."""
@@ -53,6 +58,7 @@ class WeightWriter:
         self._known: dict[tuple[Any, ...], Mapping[str, int | None]] = {}
         self._again_used: set[int] = set()
         self.notices: list[Notice] = []
+        self._rescaled = 0
 
     def write(self, rig: Rig) -> None:
         """Share weights in all meshes that are drawn with the skins of spreads."""
@@ -69,6 +75,9 @@ class WeightWriter:
 
         if rig.pending.weight_limit is not None:
             self._limit(rig.pending.weight_limit)
+        if self._rescaled:
+            text = f"{self._rescaled} points had more weight of a joint, all in all, than their numbers hold"
+            self.notices.append(Notice("weights-rescaled", f"{text}, so their weights sum to 1 now"))
 
     def _limit(self, limit: WeightLimit) -> None:
         """Let the points of all meshes have as many joints as allowed."""
@@ -96,9 +105,17 @@ class WeightWriter:
     ) -> dict[str, int | None]:
         """The accessors of a primitive's influences with a limit, None for those of sets that go."""
         before = self._read(attributes, sets)
-        joints, weights = limited(before.joints, before.weights, limit, full=int(FULL.get(before.weight, 0)))
+        joints, weights = limited(before.joints, before.weights, limit, full=before.full)
+        weights = self._fitting(before, weights)
         found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
         return found | dict(self._added(attributes, before, joints, weights, found))
+
+    def _fitting(self, before: _Influences, weights: Floats) -> Floats:
+        """New weights as the type that they had can hold them: what was added up may be too large for it."""
+        if not before.full:
+            return weights
+        self._rescaled += int(np.count_nonzero((weights > before.full).any(axis=1)))
+        return within(weights, before.full)
 
     def _meshes(self, skin: int) -> list[int]:
         nodes = self._draft.gltf["nodes"]
@@ -164,6 +181,7 @@ class WeightWriter:
         joints, weights = before.joints, before.weights
         for spread in spreads:
             joints, weights = shared(spread, points, joints, weights, units=before.weight != FLOAT)
+        weights = self._fitting(before, weights)
         room = -joints.shape[1] % 4
         joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
         old = len(sets) // 2
@@ -181,6 +199,7 @@ class WeightWriter:
         """The accessors of a primitive's influences after a fold, None for those of sets that go."""
         before = self._read(attributes, sets)
         joints, weights = folded(fold.rows, fold.at, before.joints, before.weights)
+        weights = self._fitting(before, weights)
         room = -joints.shape[1] % 4
         joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
         found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
