@@ -14,7 +14,13 @@ from size import RIGTRI, Cost, cost
 MORE = 4
 # A run as new process takes a tenth of a second whatever it does; less than this beside it is no figure.
 LEAST = 0.02
-LOOKS = ("inspect", "recognise", "check", "draw", "view")
+LOOKS: dict[str, tuple[str, ...]] = {
+    "inspect": (),
+    "recognise": (),
+    "check": (),
+    "draw": ("-o", "seen.svg", "--overwrite"),
+    "view": ("-o", "seen.html", "--overwrite", "--limit", "1000"),
+}
 KINDS: dict[str, tuple[int, Callable[[int], Character]]] = {
     "joints in a chain": (2500, lambda n: Character(joints=n, shape="chain")),
     "joints below one": (2500, lambda n: Character(joints=n, shape="wide")),
@@ -36,10 +42,11 @@ def looks(folder: Path, share: int) -> list[str]:
     for kind, (most, make) in KINDS.items():
         n = max(3, most // share)
         files = [write_glb(folder / f"{times}.glb", make(n * times)) for times in (1, MORE)]
-        for command in LOOKS:
-            words = ("-o", folder / ("seen.svg" if command == "draw" else "seen.html"), "--overwrite")
-            more = words if command in ("draw", "view") else ()
-            lines.append(row(f"{command}: {kind}", n, [run(command, path, *more) for path in (tiny, *files)]))
+        for command, more in LOOKS.items():
+            words = [folder / word if word.startswith("seen") else word for word in more]
+            lines.append(
+                row(f"{command}: {kind}", n, [run(command, path, *words) for path in (tiny, *files)])
+            )
     return lines
 
 
