@@ -93,14 +93,15 @@ def steps_of(options: ConformOptions, skeleton: Skeleton) -> Steps:
     facing = {} if options.facing is None else {"facing": options.facing}
     pose, axes, root, profile = skeleton
     preset, frames = ("blender", axes) if axes == "godot" else (axes, pose)
-    rooted: Steps = (("add-root", {"name": root}), ("orient-joints", {"joints": [root], "world": True}))
     # How it rests before its axes, which are those at rest; and names before all that is recognised: a second
     # run reads the same names, and finds the same body.
     return (
         ("freeze", {}),
         ("rename-joints", {"to": options.to}),
         ("set-rest", {"pose": pose, "straight_fingers": True, **facing}),
-        *(rooted if root else ()),
+        *([("add-root", {"name": root})] if root else []),
+        # The joints above the hips, which a skeleton has or not: without axes of their own, clips fit both.
+        ("orient-joints", {"world": True}),
         ("orient-joints", {"preset": preset, "standard_pose": frames, "pose": "nodes", **facing}),
         # They stand as hands and feet do in the end.
         *([("add-root", {"name": root, "profile": profile})] if root and profile else []),
@@ -132,6 +133,10 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
                 values = {**values, "name": aside}
             if name == "orient-joints" and "preset" in values and (ours := _ik_bones(rig, skeleton.profile)):
                 values = {**values, "exclude": ours}
+            if name == "orient-joints" and "world" in values:
+                if not (above := _above_hips(rig)):
+                    continue
+                values = {**values, "joints": above}
             rig = function_of(name)(rig, report=report, **values)
         except (UsageError, GeometryError) as error:
             # What an error says to do is for the step: it goes first, and this one finds it done.
@@ -152,6 +157,13 @@ def _aside(rig: Rig, to: str, name: str) -> dict[str, str]:
         if root >= 0 and rig.names[root] != name:
             found[rig.address(root)] = name
     return found
+
+
+def _above_hips(rig: Rig) -> list[str]:
+    """The joints above the hips, by address, from the top."""
+    bodies = recognise(rig).characters
+    above = [node for body in bodies if body.hips >= 0 for node in rig.path_to_root(body.hips)[:0:-1]]
+    return [rig.address(node) for node in above if rig.is_joint[node]]
 
 
 def _ik_bones(rig: Rig, profile: str) -> list[str]:
