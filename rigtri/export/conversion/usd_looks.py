@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 import numpy as np
-from pxr import Ar, UsdGeom, UsdLux, UsdShade
+from pxr import Ar, Usd, UsdGeom, UsdLux, UsdShade
 
 from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
 from rigtri.export.conversion.usd_lenses import CANDELA, FAR, TENTHS
@@ -39,6 +39,25 @@ class Looks:
         if key not in self._known:
             self._known[key] = len(self._scene.materials)
             self._scene.materials.append(self._read(material, coordinates, double_sided))
+        return self._known[key]
+
+    def coloured(self, colour: tuple[float, ...] | None, *, double_sided: bool) -> int | None:
+        """The number of a material of one colour (displayColor, displayOpacity); None for none."""
+        if colour is None:
+            return None
+        key = "displayColor", double_sided, str(colour)
+        if key not in self._known:
+            self._known[key] = len(self._scene.materials)
+            red, green, blue, opacity = (min(max(x, 0.0), 1.0) for x in colour)
+            self._scene.materials.append(
+                Material(
+                    "displayColor",
+                    (red, green, blue, opacity),
+                    metallic=0.0,
+                    alpha="BLEND" if opacity < 1.0 else "OPAQUE",
+                    double_sided=double_sided,
+                )
+            )
         return self._known[key]
 
     def _read(self, material: Any, coordinates: Mapping[str, int], double_sided: bool) -> Material:
@@ -216,3 +235,10 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
     soft = float(rest_value(shaping.GetShapingConeSoftnessAttr()) or 0.0)
     outer = float(cone) / DEGREES
     return Light(name, "spot", colour, intensity / CANDELA, outer * (1.0 - min(soft, 1.0)), outer)
+
+
+def shows_colours(material: Any) -> bool:
+    """Whether a material shows the displayColor of meshes; where there is none, they are drawn in it."""
+    shaders = [UsdShade.Shader(prim) for prim in Usd.PrimRange(material.GetPrim())] if material else []
+    names = [shader.GetInput("varname") for shader in shaders if shader]
+    return not material or any(str(name.Get()) == "displayColor" for name in names if name)

@@ -10,9 +10,9 @@ from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
 from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
-from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light
+from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light, shows_colours
 from rigtri.export.conversion.usd_motion import PrimMotion
-from rigtri.export.conversion.usd_surfaces import Faces, materials_of, read_faces
+from rigtri.export.conversion.usd_surfaces import Faces, colour_of, materials_of, read_faces
 from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import json_value, rest_value
 from rigtri.formats.document import ReadOptions
@@ -146,8 +146,15 @@ class _Reader:
             chosen = np.isin(faces.face, some)
             corners = faces.triangles.reshape(-1, 3)[chosen].reshape(-1)
             normals = faces.values.get("NORMAL", np.zeros((0, 3)))
-            surface = Surface("triangles", np.zeros(0, dtype=np.int64), corners, normals, values)
-            number = self.looks.number(material, faces.coordinates, double_sided=sided)
+            drawn = dict(values)
+            if "COLOR_0" in values and not shows_colours(material):  # glTF would multiply them
+                del drawn["COLOR_0"]
+                self.scene.lose("displayColor of meshes with a material that does not show it")
+            surface = Surface("triangles", np.zeros(0, dtype=np.int64), corners, normals, drawn)
+            if material is None:
+                number = self.looks.coloured(colour_of(prim), double_sided=sided)
+            else:
+                number = self.looks.number(material, faces.coordinates, double_sided=sided)
             if len(corners):
                 self.scene.primitives.setdefault(mesh.node, []).append(
                     Primitive(found, surface, name, number)

@@ -112,14 +112,11 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
             turned = np.stack([rows[:, 0], 1.0 - rows[:, 1]], axis=1)
             found[f"TEXCOORD_{coordinates[name]}"] = turned, spread
         elif name == "displayColor":
-            # The colour of a whole mesh is its material's, where it has one.
-            if spread != "constant":
+            if spread != "constant":  # the colour of a whole mesh is its material's: see `colour_of`
                 found["COLOR_0"] = np.array(value, dtype=np.float64), spread
-            elif _bound(prim) is None:
-                lose("displayColor of whole meshes without a material")
         elif name == "tangents" and kind == "float4[]":
             found["TANGENT"] = np.array(value, dtype=np.float64), spread
-        else:
+        elif name != "displayOpacity" or spread != "constant":
             lose(f"primvar {name} of meshes")
     return found, coordinates
 
@@ -151,6 +148,18 @@ def materials_of(prim: Any, count: int) -> list[tuple[Any, Integers]]:
     if left.any():
         found.append((_bound(prim), np.flatnonzero(left)))
     return found
+
+
+def colour_of(prim: Any) -> tuple[float, ...] | None:
+    """Colour and opacity in which a whole Mesh without a material is drawn; None where neither is said."""
+    found = []
+    for name, nothing in (("displayColor", (1.0, 1.0, 1.0)), ("displayOpacity", (1.0,))):
+        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+        value = at_start(primvar.GetAttr()) if primvar else None
+        given = value is not None and len(value) == 1 and primvar.GetInterpolation() == "constant"
+        found.append((np.array(value[0], dtype=np.float64).reshape(-1).tolist() if given else nothing, given))
+    (colour, coloured), (opacity, clear) = found
+    return (*colour, *opacity) if coloured or clear else None
 
 
 def _bound(prim: Any) -> Any:

@@ -1,6 +1,7 @@
 """What a stage says that a conversion does not read: all that is authored, without what is known to be read.
 
-So what nobody has thought of is listed by itself. Source: schemas of UsdGeom, UsdSkel, UsdShade, UsdLux.
+So what nobody has thought of is listed by itself. A `kind` only groups prims for browsers.
+Source: schemas of UsdGeom, UsdSkel, UsdShade, UsdLux.
 """
 
 from __future__ import annotations
@@ -44,10 +45,13 @@ _READ = {
 }
 # What is converted with its samples, or told where it is read; nobody draws an extent.
 _MOVES = ("xformOp:", "translations", "rotations", "scales", "blendShapeWeights", "points", "extent")
-_METADATA = ("kind", "assetInfo", "documentation", "comment")
+_METADATA = ("assetInfo", "documentation", "comment")
 _OWN_DATA = ("extras", "unlit", "rigtri")
 # The bias that a normal map in eight bits must have; glTF takes it for granted.
 _NORMAL_BIAS = (-1.0, -1.0, -1.0)
+
+# The colour space of all numbers in glTF.
+_COLOURS = "lin_rec709_scene"
 
 
 class Unread:
@@ -117,5 +121,7 @@ def _says_something(prim: Any, attribute: Any) -> bool:
         return True
     if name == "inputs:bias" and value is not None:
         return tuple(value)[:3] != _NORMAL_BIAS and any(value)
+    if name == "colorSpace:name" and value == _COLOURS:
+        return False
     usual = prim.GetPrimDefinition().GetAttributeFallbackValue(name)
     return bool(attribute.HasAuthoredConnections() or usual is None or value != usual)

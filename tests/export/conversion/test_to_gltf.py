@@ -191,3 +191,49 @@ def test_blocked_samples_are_seen_by_verify(tmp_path: Path) -> None:
     text = whole.read_text().replace("timeSamples = {", "timeSamples = {\n3: None,", 1)
     blocked = save(tmp_path, text, "blocked.usda")
     assert "blocked times" in cli("verify", whole, blocked, code=6).stdout
+
+
+def _coloured(path: Path, interpolation: str, colours: Any, material: str) -> dict[str, Any]:
+    """A triangle with a displayColor in USD, as glTF. material: none, plain, or reader, which shows it."""
+    stage = Usd.Stage.CreateNew(str(path))
+    mesh = UsdGeom.Mesh.Define(stage, "/leaf")
+    stage.SetDefaultPrim(mesh.GetPrim())
+    Usd.ModelAPI(mesh.GetPrim()).SetKind("component")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    mesh.CreateFaceVertexCountsAttr([3])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    mesh.CreateDisplayColorPrimvar(interpolation).Set(colours)
+    if material != "none":
+        look = UsdShade.Material.Define(stage, "/leaf/look")
+        surface = UsdShade.Shader.Define(stage, "/leaf/look/surface")
+        surface.CreateIdAttr("UsdPreviewSurface")
+        colour = surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
+        look.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
+        if material == "reader":
+            reader = UsdShade.Shader.Define(stage, "/leaf/look/reader")
+            reader.CreateIdAttr("UsdPrimvarReader_float3")
+            reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
+            reader.CreateOutput("result", Sdf.ValueTypeNames.Float3)
+            colour.ConnectToSource(reader.ConnectableAPI(), "result")
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(look)
+    stage.Save()
+    out = path.with_suffix(".glb")
+    strict = () if material == "plain" and interpolation == "vertex" else ("--strict",)
+    ran = cli("convert", path, "-o", out, *strict, code=0)
+    assert ("displayColor" in ran.stderr) == (not strict)
+    return glb_json(out)
+
+
+def test_a_mesh_without_material_is_drawn_in_its_colour(tmp_path: Path) -> None:
+    gltf = _coloured(tmp_path / "in.usda", "constant", [(0.5, 0.25, 1.0)], "none")
+    (look,) = gltf["materials"]
+    assert look["pbrMetallicRoughness"]["baseColorFactor"] == [0.5, 0.25, 1.0, 1.0]
+    assert look["pbrMetallicRoughness"]["metallicFactor"] == 0.0
+    assert gltf["meshes"][0]["primitives"][0]["material"] == 0
+
+
+@pytest.mark.parametrize(("material", "shown"), [("none", True), ("reader", True), ("plain", False)])
+def test_colours_of_points_are_shown_where_usd_shows_them(material: str, shown: bool, tmp_path: Path) -> None:
+    colours = [(1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    gltf = _coloured(tmp_path / "in.usda", "vertex", colours, material)
+    assert ("COLOR_0" in gltf["meshes"][0]["primitives"][0]["attributes"]) == shown
