@@ -152,14 +152,15 @@ def materials_of(prim: Any, count: int) -> list[tuple[Any, Integers]]:
 
 def colour_of(prim: Any) -> tuple[float, ...] | None:
     """Colour and opacity in which a whole Mesh without a material is drawn; None where neither is said."""
-    found = []
-    for name, nothing in (("displayColor", (1.0, 1.0, 1.0)), ("displayOpacity", (1.0,))):
+    found: dict[str, list[float]] = {}
+    for name in ("displayColor", "displayOpacity"):
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
         value = at_start(primvar.GetAttr()) if primvar else None
-        given = value is not None and len(value) == 1 and primvar.GetInterpolation() == "constant"
-        found.append((np.array(value[0], dtype=np.float64).reshape(-1).tolist() if given else nothing, given))
-    (colour, coloured), (opacity, clear) = found
-    return (*colour, *opacity) if coloured or clear else None
+        if value is not None and len(value) == 1 and primvar.GetInterpolation() == "constant":
+            found[name] = np.array(value[0], dtype=np.float64).reshape(-1).tolist()
+    if not found:
+        return None
+    return (*found.get("displayColor", (1.0, 1.0, 1.0)), *found.get("displayOpacity", (1.0,)))
 
 
 def _bound(prim: Any) -> Any:
