@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rigtri.model.joint_names import Side, number, without_prefix
 from rigtri.model.rig import Rig
@@ -77,9 +77,9 @@ def limb_names(rig: Rig, nodes: Iterable[int], reading: Reading | None) -> dict[
 
 def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Reading:
     by_bone: dict[tuple[str, Side], list[tuple[bool, int]]] = {}
-    known = 0
+    known, counted = 0, _counted_from_none(words.values(), scheme)
     for node, each in words.items():
-        bone, exact = scheme.bone(each)
+        bone, exact = scheme.bone(_next(each) if each.plain in counted and not each.side else each)
         known += exact and bool(bone)
         if bone:
             by_bone.setdefault((bone, each.side), []).append((exact, node))
@@ -95,6 +95,23 @@ def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Rea
     _fill(tree, reading, by_bone)
     reading.score = _LIMB * len(reading.limbs) + _BONE * len(reading.bones) + _NAME * known
     return reading
+
+
+def _counted_from_none(words: Iterable[ParsedName], scheme: Scheme) -> frozenset[str]:
+    """Words of the trunk that this character counts from none (Spine, Spine1), and the scheme from 1.
+
+    The scheme of one maker says how that one counts; words that many use are counted either way.
+    """
+    keys = {each.key for each in words if not each.side} if scheme.is_common else frozenset[str]()
+    one = (scheme.middle.get(f"{key}1") for key in keys)
+    return frozenset(key for key, bone in zip(keys, one, strict=True) if bone and f"{key}1" in keys)
+
+
+def _next(parsed: ParsedName) -> ParsedName:
+    """A name with the number after its own."""
+    own = parsed.key.removeprefix(parsed.plain)
+    key = f"{parsed.plain}{int(own or 0) + 1}" if not own or own.isdigit() else parsed.key
+    return replace(parsed, raw=key, key=key)
 
 
 def _fill(tree: Tree, reading: Reading, by_bone: Mapping[tuple[str, Side], list[tuple[bool, int]]]) -> None:

@@ -57,6 +57,17 @@ def test_there_and_back_gives_the_same_bytes(scheme: str, suffix: str, tmp_path:
     assert both[0] == both[1]
 
 
+def test_a_trunk_that_is_counted_from_none_keeps_its_bones() -> None:
+    """Spine, Spine1: words in common use, without fingers or a prefix that tell whose they are."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    named = rigtri.rename_joints(rig, to="hik")
+    assert {"Spine", "Spine1"} <= set(named.names)
+    assert recognise(named).characters[0].bones == recognise(rig).characters[0].bones
+    there = rigtri.rename_joints(named, to="unreal")
+    assert {"spine_01", "spine_02"} <= set(there.names)
+    assert rigtri.rename_joints(there, to="hik").names == named.names
+
+
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_a_map_leads_back_to_names_that_no_scheme_has(suffix: str, tmp_path: Path) -> None:
     source = SAMPLES / f"biped{suffix}"
