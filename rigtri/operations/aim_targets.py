@@ -10,6 +10,7 @@ from math import sqrt
 import numpy as np
 
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import transform_directions, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
@@ -20,10 +21,10 @@ from rigtri.recognition.layout import Character
 from rigtri.recognition.limbs import Limb
 from rigtri.recognition.naming_schemes import BESIDE, parse_name, roles_in_name
 
-# A child farther than this off the incoming bone (cosine of 30°) does not continue the chain.
-CONTINUES = 0.8660254037844387
-# An average of children is no direction when it is this far off the incoming bone (cosine of 60°) …
-AVERAGE_OFF = 0.5
+# A child farther than this off the incoming bone (a cosine) does not continue the chain.
+CONTINUES = cosine_below(30)
+# An average of children is no direction when it is this far off the incoming bone (a cosine) …
+AVERAGE_OFF = cosine_below(60)
 # … or shorter than this share of the children's mean length.
 AVERAGE_SHORT = 0.3
 # How long a foot without toes counts, as a share of the lower leg.

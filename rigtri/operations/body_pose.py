@@ -16,6 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from rigtri.errors import GeometryError
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, between, conjugate, from_axes, multiply, rotate
 from rigtri.maths.trigonometry import Floats
@@ -26,8 +27,8 @@ from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
 # Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made
 # characters are not quite even, and those that face one way get the very same pose.
 ASKEW = 0.02
-# Arms that are farther (cosine of 20°) from the lateral axis are in no T-pose.
-STRETCHED = 0.9396926207859084
+# Arms that are farther (a cosine) from the lateral axis are in no T-pose.
+STRETCHED = cosine_below(20)
 # How far arms of an A-pose are below the horizontal: 45°.
 _DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5)), "godot": 0.0}
 StandardPose = Literal["tpose", "apose", "godot"]

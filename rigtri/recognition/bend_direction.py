@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
+from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.matrices import determinant, inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
 from rigtri.maths.quaternions import rotate
@@ -22,17 +23,16 @@ from rigtri.model.animation import Clip
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import Limb
 
-# A key counts as evidence of the hinge from this bend on (the sine of 5°). Here and below a hundredth of a
-# degree less, for rounding must not decide on the round numbers that people key.
-BENT = 0.08698185
+# A key counts as evidence of the hinge from this bend on (a sine).
+BENT = sine_below(5)
 # The mean of the unit normals of all bent keys must be at least this long to be one hinge.
 AGREEMENT = 0.9
-# From this bend on (the sine of 10°) a pose is the truth about the side.
-CLEAR = 0.17347629
+# From this bend on (a sine) a pose is the truth about the side.
+CLEAR = sine_below(10)
 # Keys looked at per clip; more are thinned out evenly.
 MOST_KEYS = 2000
-# A limb nearer to the facing direction than this (cosine of 45°) is stretched out ahead or back.
-AHEAD = 0.7071067811865476
+# A limb nearer to the facing direction than this (a cosine) is stretched out ahead or back.
+AHEAD = cosine_below(45)
 # A direction nearer to the chord than this sine says nothing about the side.
 ALONG = 0.1
 

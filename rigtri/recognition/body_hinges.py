@@ -14,18 +14,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from rigtri.errors import UsageError
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotate, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hand_hinges import Hinge, hand_hinges
 from rigtri.recognition.layout import CONFIDENT, Chain, Character
 from rigtri.recognition.pose_samples import bind_pose
 
-# A bone nearer to the lateral axis than this (cosine of 45°) takes its hinge across the facing direction.
-LATERAL = 0.7071067811865476
+# A bone nearer to the lateral axis than this (a cosine) takes its hinge across the facing direction.
+LATERAL = cosine_below(45)
 # Hips that rotate by no more than this (radians) stand as they did.
 SAME_POSE = 1e-3
 # A direction nearer to the up direction than this sine says nothing about where a body looks.
@@ -84,8 +86,8 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Flo
 
 def _hand_alone(character: Character, at: Floats) -> Body:
     unknown, none = np.full(3, np.nan), frozenset[int]()
-    side = next((chain.side for chain in character.chains if chain.kind == "hand"), "")
-    hinges = hand_hinges(character.chains, side, at, None, is_left=side == "left" if side else None)
+    side: Side = next((chain.side for chain in character.chains if chain.kind == "hand"), "")
+    hinges = hand_hinges(character.chains, {side: side == "left" if side else None}, at, None)
     nodes = frozenset(part.joint for part in character.parts)
     return Body(unknown, unknown, unknown, nodes, none, none, dict(hinges))
 
@@ -206,8 +208,8 @@ def _hinges(
     for side in ("left", "right"):
         if f"{side}Shoulder" in bones:
             yield bones[f"{side}Shoulder"], Hinge("facing direction of the chest", chest, ahead=True)
-        # Of a body whose names say left where it faces right, the place says which hand it is.
-        yield from hand_hinges(chains, side, at, (ahead, up), is_left=(side == "left") != mirrored)
+    # Of a body whose names say left where it faces right, the place says which hand it is.
+    yield from hand_hinges(chains, {"left": not mirrored, "right": mirrored}, at, (ahead, up))
 
 
 def _up_of_chest(chains: Sequence[Chain], at: Floats, up: Floats) -> Floats:

@@ -7,6 +7,7 @@ from math import fsum
 
 import numpy as np
 
+from rigtri.maths.angle_limits import radians_below
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.triangle import bend_angle
@@ -26,7 +27,7 @@ _CUSTOM = 0.4
 # Who travels by less than this part of the body goes nowhere.
 _STEP = 0.25
 # Bends from 10° on are no noise; smaller ones count less, and where twins have them alike, up to this part.
-_CLEAR, _ALIKE = 0.17453292519943295, 0.25
+_CLEAR, _ALIKE = radians_below(10), 0.25
 # What names and the format say to this part (a cosine) the other way denies a small bend.
 _DENIED = 0.5
 # So far beside its line, a part of the whole limb, is a middle that is bent by 10°, or by 5°.

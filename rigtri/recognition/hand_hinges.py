@@ -5,29 +5,36 @@ Source: design notes, "One body, one sense"; measured on real characters.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from rigtri.maths.angle_limits import cosine_below, radians_below
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hands_feet import BY_PLACE
 from rigtri.recognition.layout import Chain
 
-# Fingers that bend by more than this at rest (radians, 20°) say themselves about which axis they close.
-CURLED = 0.3490658503988659
-# A thumb that bends by more than this at rest (radians, 10°) shows its own hinge.
-THUMB_BENT = 0.17453292519943295
-# A thumb points by more than this to the side of the fingers (the cosine of 20°).
-THUMB_APART = 0.9396926207859084
+# Fingers that bend by more than this at rest (radians) say themselves about which axis they close.
+CURLED = radians_below(20)
+# A thumb that bends by more than this at rest (radians) shows its own hinge.
+THUMB_BENT = radians_below(10)
+# Of fingers whose own hinges agree to this part the common one counts.
+AGREEMENT = 0.7
+# Hands whose fingers, or thumbs, bend alike within this (radians) are two sides of one body in one pose.
+ALIKE = radians_below(10)
+# A thumb points by more than this to the side of the fingers (a cosine).
+THUMB_APART = cosine_below(20)
 # … and at rest by this to the side of the palm (cosine and sine of 20°).
 INTO_PALM = 0.9396926207859084, 0.3420201433256687
-# Fingers that all bend to one side by more than this (radians, 2°) say which side the palm is on.
-SHOWN = 0.03490658503988659
+# Fingers that all bend to one side by more than this (radians) say which side the palm is on.
+SHOWN = radians_below(2)
 FOUR = ("index", "middle", "ring", "little")
 
 
@@ -49,17 +56,58 @@ class Hinge(NamedTuple):
 
 def hand_hinges(
     chains: Sequence[Chain],
-    side: str,
+    sides: Mapping[Side, bool | None],
     at: Floats,
     body: tuple[Floats, Floats] | None,
-    *,
-    is_left: bool | None,
 ) -> Iterator[tuple[int, Hinge]]:
-    """The hinge that the fingers of a hand and its wrist share, and the thumb's own.
+    """The hinge that the fingers of each hand and its wrist share, and the thumb's own.
 
-    at: the places of all nodes, (n, 3). body: where it faces and its up, (3,) each; None for a hand alone.
-    is_left: None where nobody knows.
+    sides: of the hands, and whether each is a left one, None where nobody knows. at: the places of all
+    nodes, (n, 3). body: where it faces and its up, (3,) each; None for a hand alone.
     """
+    found = (_posed_hand(chains, side, is_left, at, body) for side, is_left in sides.items())
+    hands = [hand for hand in found if hand is not None]
+    palms = [hand.palm(curl) for hand, curl in zip(hands, _alike([hand.curl for hand in hands]), strict=True)]
+    closing = [(hand, palm) for hand, palm in zip(hands, palms, strict=True) if palm is not None]
+    thumbs = _alike([hand.thumb_curl(palm.direction) for hand, palm in closing])
+    for (hand, palm), thumb in zip(closing, thumbs, strict=True):
+        # A further finger closes with the others, whichever it is.
+        for joint in hand.joints:
+            yield joint, palm
+        if hand.thumb:
+            hinge = hand.thumb_hinge(palm.direction, thumb)
+            for joint in hand.thumb:
+                yield joint, hinge
+
+
+class _Curl(NamedTuple):
+    """What the bends of fingers show at rest.
+
+    hinge: that they have in common, unit, (3,). bend: of most of them, radians. agreement: of their own
+    hinges, 0 to 1. closes: the cosine between the hinge and that about which they close by their places.
+    """
+
+    hinge: Floats
+    bend: float = 0.0
+    agreement: float = 0.0
+    closes: float = 0.0
+
+
+def _alike(curls: Sequence[_Curl]) -> list[_Curl]:
+    """The same, with the mean numbers of two hands that are bent alike, so that one rule speaks for both."""
+    if len(curls) != 2 or abs(curls[0].bend - curls[1].bend) > ALIKE:
+        return list(curls)
+    mean = [0.5 * (one + other) for one, other in zip(curls[0][1:], curls[1][1:], strict=True)]
+    return [_Curl(curl.hinge, *mean) for curl in curls]
+
+
+def _posed_hand(
+    chains: Sequence[Chain],
+    side: Side,
+    is_left: bool | None,
+    at: Floats,
+    body: tuple[Floats, Floats] | None,
+) -> _PosedHand | None:
     own = [k for k in chains if k.kind in ("finger", "hand", "arm") and k.side == side]
     fingers = [k for k in own if k.kind == "finger"]
     thumb = next((k.joints for k in fingers if "thumb" in k.name), ())
@@ -69,37 +117,34 @@ def hand_hinges(
     wrist = next((k.joints for k in own if k.kind == "hand"), ())
     arm = next((k.bend for k in own if k.kind == "arm" and len(k.bend) == 3), wrist[:1])
     if not fingers and len(wrist) < 2:
-        return
+        return None
     lower = at[wrist[0]] - at[arm[-2:][0]]
     natural = None
     if body is not None and is_left is not None:
         natural = facing_along(lower, *body) * (-1.0 if is_left else 1.0)
     lines = [k.joints for k in four] or [wrist[1:]] * (len(wrist) > 1)
-    hand = _PosedHand(lines, thumb, wrist[0], lower, at)
-    palm = hand.palm(natural, is_left=is_left, guessed=all(k.evidence[0] == BY_PLACE for k in four))
-    if palm is None:
-        return
-    # A further finger closes with the others, whichever it is.
-    for joint in (*wrist, *(joint for finger in fingers for joint in finger.joints)):
-        yield joint, palm
-    if thumb:
-        closing = hand.thumb_hinge(palm.direction)
-        for joint in thumb:
-            yield joint, closing
+    joints = (*wrist, *(joint for finger in fingers for joint in finger.joints))
+    guessed = all(k.evidence[0] == BY_PLACE for k in four)
+    return _PosedHand(joints, lines, thumb, wrist[0], lower, at, natural, is_left, guessed)
 
 
 @dataclass(frozen=True, eq=False)
 class _PosedHand:
     """A hand in a pose. fingers: from the index finger on, without the thumb. arm: of the lower arm, (3,).
 
-    at: the places of all nodes, (n, 3).
+    at: the places of all nodes, (n, 3). natural: about which hands close that hang, palms at the thighs, or
+    are raised from there, unit, (3,). guessed: which finger is the first is known by place alone.
     """
 
+    joints: Sequence[int]
     fingers: Sequence[Sequence[int]]
     thumb: Sequence[int]
     wrist: int
     arm: Floats
     at: Floats
+    natural: Floats | None
+    is_left: bool | None
+    guessed: bool
 
     def line(self, finger: Sequence[int]) -> Floats:
         """Where a finger points, unit, (3,); one of a single joint as the hand does there."""
@@ -112,19 +157,14 @@ class _PosedHand:
         lines = [self.line(finger) for finger in self.fingers]
         return normalise(np.nan_to_num(lines).cumsum(axis=0)[-1]) if lines else normalise(self.arm)
 
-    def palm(self, natural: Floats | None, *, is_left: bool | None, guessed: bool) -> Hinge | None:
-        """About which axis the hand closes; None where nothing tells.
-
-        natural: about which hands close that hang, palms at the thighs, or are raised from there, unit, (3,).
-        guessed: which finger is the first is known by place alone.
-        """
-        across = self._across(is_left=is_left is not False)
-        known = across is not None and is_left is not None and (self._is_apart or not guessed)
-        curl = _curl(self.fingers, self.at)
-        if curl is not None:
+    def palm(self, curl: _Curl) -> Hinge | None:
+        """About which axis the hand closes; None where nothing tells."""
+        across, natural = self._across, self.natural
+        known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
+        if curl.bend > CURLED and curl.agreement > AGREEMENT:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
-            turned = known and not guessed and across is not None and dot(curl, across) < 0
-            return Hinge("plane of the bent fingers", -curl if turned else curl)
+            turned = known and not self.guessed and curl.closes < 0
+            return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
             return None if natural is None else Hinge("arm, as hands hang", natural)
         if not known:
@@ -145,8 +185,10 @@ class _PosedHand:
         aside = self.at[self.thumb[-1]] - self.at[self.fingers[0][0]]
         return float(dot(aside, cross(across, self.along)))
 
-    def _across(self, *, is_left: bool) -> Floats | None:
+    @cached_property
+    def _across(self) -> Floats | None:
         """The hinge by the order of the fingers, unit, (3,); None for one finger without a thumb, or none."""
+        is_left = self.is_left is not False
         if len(self.fingers) > 1:
             across = self.at[self.fingers[-1][0]] - self.at[self.fingers[0][0]]
         elif self.fingers and self.thumb:  # as if the thumb were the first of two fingers
@@ -166,21 +208,47 @@ class _PosedHand:
         """Whether the thumb points elsewhere than the fingers do, so that it surely is one."""
         return len(self.thumb) > 1 and float(dot(self.line(self.thumb), self.along)) < THUMB_APART
 
-    def thumb_hinge(self, palm: Floats) -> Hinge:
+    @cached_property
+    def curl(self) -> _Curl:
+        """What the fingers show; those that are straight have no vote."""
+        at, normals, most = self.at, [], []
+        for finger in self.fingers:
+            triples = list(zip(finger, finger[1:], finger[2:], strict=False))
+            if triples:
+                a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
+                most.append(float(bend_angle(a, b, c).max()))
+                if most[-1] > SHOWN:
+                    normals.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
+        if not normals:
+            return _Curl(np.full(3, np.nan))
+        common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
+        hinge, across = normalise(common), self._across
+        closes = 0.0 if across is None else float(dot(hinge, across))
+        return _Curl(hinge, sorted(most)[len(most) // 2], float(length(common)) / len(normals), closes)
+
+    def thumb_curl(self, palm: Floats) -> _Curl:
+        """What the thumb shows of a hand that closes about ``palm``, (3,)."""
+        if len(self.thumb) < 3:
+            return _Curl(np.full(3, np.nan))
+        a, b, c = (self.at[joint] for joint in self.thumb[:3])
+        own = normalise(cross(b - a, c - b))
+        return _Curl(own, float(bend_angle(a, b, c)), 1.0, float(dot(own, self._over_palm(palm))))
+
+    def thumb_hinge(self, palm: Floats, curl: _Curl) -> Hinge:
         """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
+        if curl.bend > THUMB_BENT and curl.closes > 0:
+            return Hinge("plane of the thumb", curl.hinge)
+        closing = self._over_palm(palm)
+        return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)
+
+    def _over_palm(self, palm: Floats) -> Floats:
+        """The hinge of a thumb that closes towards the root of the little finger, unit, (3,)."""
         at, thumb = self.at, self.thumb
-        bone = self.line(thumb)
         towards = at[self.fingers[-1][0]] - at[thumb[0]] if self.fingers else self.arm
         along = [finger[:2] for finger in self.fingers if len(finger) > 1]
         ahead = normalise(at[along[0][1]] - at[along[0][0]]) if along else normalise(towards)
         inside = cross(palm, ahead)  # where finger tips move as they close
-        closing = normalise(cross(bone, normalise(towards) + inside))
-        if len(thumb) > 2:
-            a, b, c = (at[joint] for joint in thumb[:3])
-            own = normalise(cross(b - a, c - b))
-            if float(bend_angle(a, b, c)) > THUMB_BENT and dot(own, closing) > 0:
-                return Hinge("plane of the thumb", own)
-        return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)
+        return normalise(cross(self.line(thumb), normalise(towards) + inside))
 
 
 def _shown(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
@@ -195,18 +263,3 @@ def _shown(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
         return None
     common = np.array(found).cumsum(axis=0)[-1]
     return normalise(common) if length(common) > 0.9 * len(found) else None
-
-
-def _curl(fingers: Sequence[Sequence[int]], at: Floats) -> Floats | None:
-    """The hinge that clearly bent fingers have in common, unit, (3,); None where they are nearly straight."""
-    normals, most = [], []
-    for finger in fingers:
-        triples = list(zip(finger, finger[1:], finger[2:], strict=False))
-        if triples:
-            a, b, c = (at[[triple[k] for triple in triples]] for k in range(3))
-            most.append(float(bend_angle(a, b, c).max()))
-            normals.append(normalise(cross(b - a, c - b).cumsum(axis=0)[-1]))
-    if not most or sorted(most)[len(most) // 2] < CURLED:
-        return None
-    common = np.nan_to_num(np.array(normals)).cumsum(axis=0)[-1]
-    return normalise(common) if length(common) > 0.7 * len(normals) else None

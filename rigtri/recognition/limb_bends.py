@@ -13,12 +13,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
 from rigtri.recognition.bend_direction import (
+    BENT,
     CLEAR,
     SOURCE_TEXT,
     Bend,
@@ -30,9 +32,9 @@ from rigtri.recognition.bend_direction import (
 from rigtri.recognition.body_hinges import Body, body_of
 from rigtri.report import Report
 
-# A small bend is believed within this of the natural side (the cosine of 60°), from 30° on where its twin
+# A small bend is believed within this of the natural side (a cosine), from the second on where its twin
 # is so near to the mirror image.
-NATURAL, MIRRORED = 0.5, 0.8660254037844386
+NATURAL, MIRRORED = cosine_below(60), cosine_below(30)
 # Below this sine (0.1°) a bend plane is float32 noise.
 NO_PLANE = 1.7453283658983088e-3
 
@@ -139,10 +141,20 @@ class LimbBends:
     def _is_believable(self, limb: Limb, found: Bend, natural: Bend) -> bool:
         near = float(dot(found.direction, natural.direction))
         return (
-            found.sine >= CLEAR
+            self._is_clear(limb, found)
             or near >= MIRRORED
             or (near >= NATURAL and self._is_mirrored(limb, found, natural))
         )
+
+    def _is_clear(self, limb: Limb, found: Bend) -> bool:
+        """Whether a bend is the truth; of two poses that mirror each other by the mean, so that both are."""
+        twin = self._twin(limb) if found.source == "pose" else None
+        if twin is not None:
+            (theirs,) = in_pose([twin], self.world)
+            alike = abs(found.sine - theirs.sine) < BENT
+            if alike and dot(found.direction, self._image(limb, theirs, twin)) >= MIRRORED:
+                return 0.5 * (found.sine + theirs.sine) >= CLEAR
+        return found.sine >= CLEAR
 
     def _is_mirrored(self, limb: Limb, found: Bend, natural: Bend) -> bool:
         """Whether the limb of the other side shows that a small bend is no noise; or there is none."""

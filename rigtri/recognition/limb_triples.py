@@ -12,6 +12,7 @@ from math import fsum, sqrt
 
 import numpy as np
 
+from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
@@ -38,14 +39,14 @@ _FOLD, _FOLDED = 0.1, 0.34
 _MOVES, _SHARP = 0.1, 0.966
 # What it costs to end elsewhere than where fingers begin, and so many of them.
 _HANDLESS, HAND = 0.25, 4
-# A thumb begins this much nearer to the wrist than fingers do, or points this far aside (the cosine of 20°).
-_NEAR, _APART = 0.7, 0.9396926207859084
+# A thumb begins this much nearer to the wrist than fingers do, or points this far aside (a cosine).
+_NEAR, _APART = 0.7, cosine_below(20)
 # What names of all three joints weigh against the shape of a limb.
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
 _WRONG_WAY, _BENT = 0.35, 0.08
-# Knees and hocks bend less far aside than this (a sine, 30°).
-_SIDEWAYS = 0.5
+# Knees and hocks bend less far aside than this (a sine).
+_SIDEWAYS = sine_below(30)
 # What is left of a shape that is hardly a limb's where names tell all three joints.
 _LITTLE = 0.01
 # Three joints so much less limb-like than others of the chain are not what names say, or names are wrong.

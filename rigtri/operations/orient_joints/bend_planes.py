@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rigtri.frames.skeleton import ZERO_LENGTH
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.arrays import Integers
 from rigtri.maths.triangle import STRAIGHT_SINE
 from rigtri.maths.trigonometry import Floats
@@ -28,6 +29,8 @@ from rigtri.report import Report
 
 # Directions of a body come from many joints: their noise is that of a bend of about 15°.
 BODY_SINE = 0.25
+# Planes nearer to a right angle than this (a cosine) are on the same side.
+ACROSS = cosine_below(90)
 
 _STEP = {"pose": 2, "given": 2, "clips": 3, "other pose": 3, "other side": 4, "facing": 5}
 _SOURCE = {"pose": "plane of the limb", "facing": "side, name and facing"}
@@ -259,12 +262,13 @@ def _set_chain(
 def _area_weighted(areas: Floats) -> Floats:
     """The common normal of a chain, unit, (3,): areas, (t, 3), summed, each on the side of the largest.
 
-    Of areas that differ by less than a tenth the first counts as the largest, so that
-    rounding does not choose between them.
+    Of areas that differ by less than a tenth the first counts as the largest, and what lies across it is on
+    its side, so that rounding does not choose between them.
     """
     sizes = length(areas)
     largest = areas[int(np.argmax(sizes >= 0.9 * sizes.max()))]
-    same_side = np.where((dot(areas, largest) < 0)[:, np.newaxis], -areas, areas)
+    other_side = dot(areas, largest) < -ACROSS * sizes * length(largest)
+    same_side = np.where(other_side[:, np.newaxis], -areas, areas)
     return normalise(same_side.cumsum(axis=0)[-1])
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
@@ -25,8 +26,8 @@ _TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
 # How far ahead of the arm a thumb of SkeletonProfileHumanoid points, of the sine: a third of the square.
 _GODOT_THUMB = float(np.sqrt(1.0 / 3.0))
 
-# A body that faces farther aside than hand-made characters do by mistake (cosine of 5°) faces another way.
-_ASIDE = 0.9961946980917455
+# A body that faces farther aside than hand-made characters do by mistake (a cosine) faces another way.
+_ASIDE = cosine_below(5)
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ import numpy as np
 
 from rigtri.errors import NameNotFoundError, RigtriError
 from rigtri.frames.skeleton import Skeleton, reference, skeleton
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import determinant
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import bend_sine
@@ -41,19 +42,19 @@ from rigtri.verification.checks.findings import Findings
 
 # No hand and no body has fewer joints.
 LEAST_JOINTS = 8
-# An axis this near to its bone (cosine of 20°) aims along it.
-AIMS = 0.9396926207859084
+# An axis this near to its bone (a cosine) aims along it.
+AIMS = cosine_below(20)
 # Degrees: of the axes of fingers, of the two bones of a limb, of neighbours in the trunk, of the trunk's axes
 # off the facing direction, and of a pole off the side to which its limb bends.
 FINGERS, LIMB, TRUNK, FORWARD, POLE = 30.0, 20.0, 30.0, 35.0, 60.0
 # A bone shorter than this share of the longest of its chain has no direction.
 TINY = 1e-3
-# About an axis that flexes, a joint moves its bone within 60° (the cosine) of the way in which it bends.
-FLEXES = 0.5
-# Joints have the same axes that differ by less than this (cosine of 2°); a character has, of which most do.
-PARALLEL, MOST = 0.9993908270190958, 0.5
-# A thumb closes over the palm in many ways: by so much (the cosine of 75°) at least.
-THUMB = 0.25881904510252074
+# About an axis that flexes, a joint moves its bone within this (a cosine) of the way in which it bends.
+FLEXES = cosine_below(60)
+# Joints have the same axes that differ by less than this (a cosine); a character has, of which most do.
+PARALLEL, MOST = cosine_below(2), 0.5
+# A thumb closes over the palm in many ways: by so much (a cosine) at least.
+THUMB = cosine_below(75)
 _BENDS = {"arm": "elbow", "leg": "knee"}
 # A signed axis of a joint: 0 to 2, and 1 or −1.
 Signed = tuple[int, float]

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from rigtri.formats.rules import Rule, Severity
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.rig import Rig
 from rigtri.recognition.humanoid_order import misplaced
@@ -26,10 +27,10 @@ from rigtri.verification.checks.findings import Findings
 
 Profile = Literal["unity", "unreal", "godot", "vrm", "three", "webgl"]
 PROFILES: tuple[Profile, ...] = ("unity", "unreal", "godot", "vrm", "three", "webgl")
-# A world scale this near to 1 is 1; arms this far (cosine of 20°) from the lateral axis are in no T-pose.
-_ONE, _LATERAL = 1e-3, 0.9396926207859084
-# A body that faces farther to the side (cosine of 45°) faces another way.
-_AHEAD = 0.7071067811865476
+# A world scale this near to 1 is 1; arms this far (a cosine) from the lateral axis are in no T-pose.
+_ONE, _LATERAL = 1e-3, cosine_below(20)
+# A body that faces farther to the side (a cosine) faces another way.
+_AHEAD = cosine_below(45)
 
 
 @dataclass(frozen=True)
