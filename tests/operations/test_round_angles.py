@@ -12,7 +12,7 @@ from rigs import chain
 
 from rigtri import orient_joints
 from rigtri.maths.matrices import inverse
-from rigtri.maths.quaternions import from_axes, multiply
+from rigtri.maths.quaternions import from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 
@@ -21,7 +21,7 @@ MIRROR = np.array([1.0, -1.0, -1.0])  # of a hinge
 
 
 def bent(rig: Rig, joint: str, axis: Floats, degrees: float) -> Rig:
-    """The rig with what is at and below a joint turned about an axis of the world, there and in its bind pose."""
+    """The rig with a joint turned about an axis of the world, in its bind pose too."""
     node, a = rig.find(joint), np.radians(degrees)
     x, y, z = axis / np.linalg.norm(axis)
     k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -35,7 +35,7 @@ def bent(rig: Rig, joint: str, axis: Floats, degrees: float) -> Rig:
 
 
 def with_thumbs(rig: Rig, left: float, right: float) -> Rig:
-    """Thumbs that are bent at their second joint, about a hinge 45° off that about which straight ones close."""
+    """Thumbs that are bent about a hinge 45° off that about which straight ones close."""
     axes = orient_joints(rig).world
     for side, degrees in ((LEFT, left), (RIGHT, right)):
         node = rig.find(f"{side}HandThumb2")
