@@ -1,24 +1,32 @@
 """The pose of a rig while all its controls are zero, which controls move joints from.
 
-A joint with a control is where the control's offset is, so that a pose which has once been baked
-into the joints is not added to itself. Where the two differ by no more than rounding, the joint's
-own numbers are the truth.
+A joint with a control is where the control's offset is, and has the scale that is stored with that, so
+that a pose which has once been baked into the joints is not added to itself. Where the two differ by no
+more than rounding, the joint's own numbers are the truth.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from rigtri.maths.matrices import from_frame, inverse, multiply, nearest_rotation, orthonormal_axes
+from rigtri.maths.matrices import (
+    compose,
+    decompose,
+    from_frame,
+    inverse,
+    multiply,
+    nearest_rotation,
+    orthonormal_axes,
+)
 from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
-from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Quaternion
+from rigtri.maths.vectors import length, triple
+from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Quaternion, Triple
 from rigtri.model.rig import Rig
 
 # Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
@@ -57,10 +65,10 @@ class IkLimb:
 
 
 class ControlsAtZero:
-    """The controls of a rig, and its pose while they are zero."""
+    """The controls of a rig, and its pose while they are zero. rig: its joints have their scales then."""
 
     def __init__(self, rig: Rig) -> None:
-        self.rig = rig
+        self.rig = rig = _with_scales_at_zero(rig)
         self.fk: dict[int, FkControl] = {}  # by joint
         self.limbs: list[IkLimb] = []
         self.roots: list[FkControl] = []
@@ -139,6 +147,41 @@ class ControlsAtZero:
     def world_rotation(self, node: int) -> Floats:
         """How a node is turned in the world while controls are zero, (4,), without scale; −1: not at all."""
         return from_axes(orthonormal_axes(self.world[node] if node >= 0 else _WORLD))
+
+
+def _with_scales_at_zero(rig: Rig) -> Rig:
+    """The rig, whose joints have the scales that are stored with their offsets."""
+    stored = _scales_at_zero(rig)
+    if not stored:
+        return rig
+    scale, matrix = rig.scale.copy(), rig.matrix.copy()
+    for joint, own in stored.items():
+        if rig.has_matrix[joint]:
+            translation, rotation, _ = decompose(matrix[joint])
+            matrix[joint] = compose(translation, rotation, own)
+        scale[joint] = own
+    return replace(rig, scale=scale, matrix=matrix)
+
+
+def _scales_at_zero(rig: Rig) -> dict[int, Triple]:
+    """The scales that joints have while their controls are zero and do not have at rest, by joint."""
+    found = ((rig.known(record.joint), record) for record in rig.records(OffsetRecord).values())
+    return {joint: record.scale for joint, record in found if joint is not None and record.scale is not None}
+
+
+def with_stored_scales(rig: Rig, before: Rig) -> Rig:
+    """The rig, whose rest pose is another than that of ``before``, with scale counted from the old one."""
+    metadata, stored = dict(rig.metadata), _scales_at_zero(before)
+    for node, record in rig.records(OffsetRecord).items():
+        joint = rig.known(record.joint)
+        if record.kind != "fk" or joint is None:
+            continue
+        was, now = (decompose(each.normalised_local[joint])[2] for each in (before, rig))
+        zero = np.asarray(stored.get(joint, was))
+        apart = bool((now != was).any() and np.abs(now - zero).max() > SAME_PLACE * np.abs(zero).max())
+        if (now != was).any():
+            metadata[node] = replace(record, scale=triple(zero) if apart else None).to_dict()
+    return rig if metadata == rig.metadata else replace(rig, metadata=metadata)
 
 
 def moved_controls(rig: Rig) -> frozenset[int]:

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.maths.matrices import rotate_after, rotate_before
-from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, quadruple, rotate
+from rigtri.maths.quaternions import IDENTITY, between, conjugate, multiply, quadruple, rotate, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
 from rigtri.model.bindings import NodeConstraint
@@ -167,9 +167,18 @@ def reoriented_metadata(
     for node, offset in rig.records(OffsetRecord).items():
         joint = rig.known(offset.joint)
         if offset.kind != "root" and joint is not None and (_of(delta, joint) != IDENTITY).any():
-            x, y, z, w = multiply(np.array(offset.axes or IDENTITY), _of(delta, joint)).tolist()
-            found[node] = replace(offset, axes=(x, y, z, w))
+            turn = _of(delta, joint)
+            axes = quadruple(multiply(np.array(offset.axes or IDENTITY), turn))
+            scale = None if offset.scale is None else triple(_shared(offset.scale, turn))
+            found[node] = replace(offset, axes=axes, scale=scale)
     return {**rig.metadata, **{node: record.to_dict() for node, record in found.items()}}
+
+
+def _shared(scale: Triple, turn: Floats) -> Floats:
+    """A scale along turned axes: of the one that it has where axes are axes again, else by their shares."""
+    x, y, z = scale
+    shares = to_axes(turn) * to_axes(turn)
+    return np.asarray(np.array(scale) if x == y == z else sum(scale[k] * shares[:, k] for k in range(3)))
 
 
 def _seen(vector: Triple, own: Floats) -> Triple:

@@ -30,7 +30,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import triple
 from rigtri.model.animation import Track
 from rigtri.model.constraints import constraint_record, constraints_of
-from rigtri.model.metadata import ConstraintRecord, OutputRecord, PoseReaderRecord, Record
+from rigtri.model.metadata import ConstraintRecord, OffsetRecord, OutputRecord, PoseReaderRecord, Record
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 
@@ -93,7 +93,8 @@ def rescale(rig: Rig, size: Floats) -> Rig:
 def _rescaled_metadata(rig: Rig, size: Floats, outside: float = 1.0) -> Mapping[int, Mapping[str, Any]]:
     """The metadata of a rig whose nodes get ``size``, (n,): what constraints and readers hold of lengths.
 
-    Controls hold none: they move joints from where both stand in the world. outside: the size of the world.
+    Controls hold none, but scales of joints that do not rest with them: they move joints from where both
+    stand in the world. outside: the size of the world.
     """
     size = np.append(size, outside)  # −1 is the parent of a root
     found: dict[int, Record] = {}
@@ -112,6 +113,11 @@ def _rescaled_metadata(rig: Rig, size: Floats, outside: float = 1.0) -> Mapping[
         outputs = tuple(_rescaled_output(rig, output, size) for output in reader.outputs)
         if outputs != reader.outputs:
             found[node] = replace(reader, outputs=outputs)
+    for node, offset in rig.records(OffsetRecord).items():
+        joint = rig.known(offset.joint)
+        if offset.scale is not None and joint is not None:
+            share = size[joint] / size[rig.parents[joint]]
+            found[node] = replace(offset, scale=triple(np.array(offset.scale) * share))
     return {**rig.metadata, **{node: record.to_dict() for node, record in found.items()}}
 
 

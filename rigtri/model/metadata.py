@@ -202,14 +202,16 @@ class LimbRecord(Record):
 class OffsetRecord(Record):
     """The node above a control that has its joint's place.
 
-    axes: how the joint is turned seen from this node, where they have not the same axes. aim, up, up_from,
-    held: what the control is aimed by, "" where it has its joint's axes.
+    axes: how the joint is turned seen from this node, where they have not the same axes. scale: the joint's
+    own while the control is zero, where it rests with another one. aim, up, up_from, held: what the control
+    is aimed by, "" where it has its joint's axes.
     """
 
     type: ClassVar[str] = "offset"
     kind: ControlKind
     joint: str
     axes: Quaternion | None = None
+    scale: Triple | None = None
     aim: str = ""
     up: str = ""
     up_from: str = ""

@@ -102,6 +102,7 @@ class ControlAxes:
             return own, None
         if control in self._moved:
             return self._standing(joint, record), record
+        record = replace(record, scale=None)  # it stands on the joint as that rests
         axes = self.frames.get((joint, kind), own)
         rest = multiply(conjugate(from_axes(axes)), from_axes(own))
         same = float(rotation_angle(rest)) <= SAME_AXES

@@ -16,6 +16,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline, as_float32, timeline_and_time, times_within
 from rigtri.evaluation.twist_joints import with_stored_rest
+from rigtri.evaluation.zero_pose import with_stored_scales
 from rigtri.maths.matrices import compose, decompose
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
@@ -176,7 +177,7 @@ def at_rest(rig: Rig, parts: Mapping[int, Parts], least: Floats) -> tuple[Rig, l
     if not moved:
         return rig, moved
     posed = replace(rig, translation=translation, rotation=rotation, scale=scale, matrix=matrix)
-    return with_stored_rest(posed, rig), moved
+    return with_stored_scales(with_stored_rest(posed, rig), rig), moved
 
 
 def _numbers(values: Any) -> list[float]:

@@ -19,6 +19,8 @@ from places import SAMPLES, slow
 
 import rigtri
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.sampling import key_times, locals_at, worlds
+from rigtri.evaluation.timelines import timelines
 from rigtri.frames.rescale import rescale
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -135,3 +137,29 @@ def test_new_axes_are_refused_where_ik_makes_much_of_a_scale_that_is_not_quite_u
     both = replace(reaching(0.2), scale=scale)
     clip = replace(both.clips[0], tracks=(*both.clips[0].tracks, still))
     rigtri.orient_joints(replace(both, clips=(clip,)), offset=(0.0, 40.0, 30.0))
+
+
+@pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
+def test_a_scale_of_controls_that_joints_rest_with_is_not_applied_twice(name: str, tmp_path: Path) -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / name), joints=("upper_arm_R", "forearm_R"))
+    control, joint = rig.find("forearm_R_ctl"), rig.find("forearm_R")
+    clip = rig.clips[0]
+    times = np.array([key_times(clip)[0], key_times(clip)[-1]])
+    grown = Track(control, "scale", "LINEAR", times, np.array([[1.0] * 3, [1.2] * 3]))
+    keyed = replace(clip, tracks=(*clip.tracks, grown))
+    rig = replace(rig, clips=(keyed, *rig.clips[1:]))
+    posed = rigtri.set_rest(rig, pose=f"{clip.name}@{times[1]:g}")
+    assert posed.scale[joint] == pytest.approx([1.2] * 3)
+    rigtri.write(rigtri.orient_joints(posed, preset="blender"), tmp_path / name, verify=False)
+    before, after = rigtri.bake(rig), rigtri.bake(rigtri.read(tmp_path / name))
+    theirs = {each.name: each.clip for each in timelines(after)}
+    for one in timelines(before):
+        moved = [
+            worlds(each, locals_at(each, c, key_times(one.clip)))[:, each.find("hand_R"), 3, :3]
+            for each, c in ((before, one.clip), (after, theirs[one.name]))
+        ]
+        assert np.allclose(*moved, atol=1e-5 * np.ptp(before.world[:, 3, :3], axis=0).max())
+    # At rest it is the control's again, and an edit that stands the control on its joint forgets it.
+    assert "scale" in posed.metadata[int(posed.parents[control])]
+    back = rigtri.set_rest(posed, pose="bind")
+    assert "scale" not in back.metadata[int(back.parents[control])]
