@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rigtri.maths.arrays import Integers
+from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import compose, multiply
 from rigtri.maths.quaternions import norm, normalise, slerp, slerp_rows, unit
 from rigtri.maths.trigonometry import Floats
@@ -24,6 +24,8 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 
 _NONE = np.zeros(0, dtype=np.int64)
+# The last bit of a time in float32 is no more of it.
+_LAST_BIT = 2.0**-23
 
 
 def worlds(rig: Rig, local: Floats) -> Floats:
@@ -142,18 +144,25 @@ def sorted_unique(times: Floats) -> Floats:
     return times[fresh]
 
 
+def jumps_at(keys: Floats) -> Booleans:
+    """Between which keys and the next, (k − 1,), no file has a time, where a curve jumps."""
+    return np.asarray(np.diff(keys) <= _LAST_BIT * np.abs(keys[1:]))
+
+
 def between_keys(keys: Floats) -> Floats:
     """Where to look at a clip: its keys, (k,), two places between each two, and beyond both ends.
 
-    The middle is where two interpolations part most; 0.29 is where they do not happen to meet.
+    The middle is where two interpolations part most; 0.29 is where they do not happen to meet. Across a jump,
+    between a key and the one just before it, no file has a time: there is nothing to look at.
     """
     keys = sorted_unique(keys[np.isfinite(keys)])
     if not len(keys):
         return np.zeros(1)
-    span = np.diff(keys)
+    wide = ~jumps_at(keys)
+    start, span = keys[:-1][wide], np.diff(keys)[wide]
     beyond = max(1e-3, 0.1 * float(keys[-1] - keys[0]))
     ends = keys[[0, -1]] + [-beyond, beyond]
-    return sorted_unique(np.concatenate([keys, keys[:-1] + 0.5 * span, keys[:-1] + 0.29 * span, ends]))
+    return sorted_unique(np.concatenate([keys, start + 0.5 * span, start + 0.29 * span, ends]))
 
 
 def morph_weights(mesh: Mesh, clip: Clip | None, times: Floats) -> Floats:

@@ -11,8 +11,18 @@ from rigtri.evaluation.active_controls import size_of
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, steps_only, times_and_jumps
+from rigtri.frames.nonuniform_scale import SAME_SCALE
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
-from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, make_continuous, norm, rotate, slerp
+from rigtri.maths.quaternions import (
+    IDENTITY,
+    angle_between,
+    conjugate,
+    make_continuous,
+    norm,
+    normalise,
+    rotate,
+    slerp,
+)
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
@@ -21,8 +31,10 @@ from rigtri.model.rig import Rig
 from rigtri.operations.options.root_motion import RootMotionOptions
 from rigtri.report import Report
 
-# Motion over the ground by no more of the hips' height is none.
+# Motion over the ground by no more of its keys is what float32 leaves of one that was taken out.
 NONE = 1e-7
+# Of a tangent times its time to the next key, so much at most is between the two.
+_TANGENT = 4.0 / 27.0
 # A yaw of no more, in radians, is what float32 leaves of one that was taken out.
 _NO_YAW = 1e-6
 # How far joints may be off between keys, of the size: keys of root and hips are as near as that needs.
@@ -32,15 +44,35 @@ WITHIN = 5e-7
 def rests(track: Track, rig: Rig) -> bool:
     """Whether a track holds its node where it rests, as exporters write for every joint."""
     rest = np.asarray(getattr(rig, track.path)[track.node])
-    values = track.values
-    if track.interpolation == "CUBICSPLINE":
-        if np.abs(values[:, [0, 2]]).max(initial=0.0) > NONE:
-            return False
-        values = values[:, 1]
-    off = np.abs(values - rest).max(axis=-1)
-    if track.path == "rotation":
-        off = np.minimum(off, np.abs(values + rest).max(axis=-1))
-    return bool(off.max(initial=0.0) <= NONE * max(1.0, float(np.abs(rest).max())))
+    either = (rest, -rest) if track.path == "rotation" else (rest,)
+    off = [np.abs(_moves(track, less(track, one))).max(axis=-1) for one in either]
+    most = float(np.min(off, axis=0).max(initial=0.0))
+    return most <= NONE * max(1.0, float(np.abs(rest).max()))
+
+
+def less(track: Track, origin: Floats) -> Floats:
+    """The values of a track less ``origin``, (3,) or (4,); tangents have no place."""
+    moved = np.array(track.values)
+    (moved if track.interpolation != "CUBICSPLINE" else moved[:, 1])[:] -= origin
+    return moved
+
+
+def is_none(track: Track, along: Floats) -> bool:
+    """Whether what a track has over the ground, numbers as its values, is no motion."""
+    return _is_small(_moves(track, along), _moves(track, track.values))
+
+
+def _is_small(along: Floats, whole: Floats) -> bool:
+    return bool(length(along).max(initial=0.0) <= NONE * max(1.0, float(length(whole).max(initial=0.0))))
+
+
+def _moves(track: Track, numbers: Floats) -> Floats:
+    """What numbers as a track's values move at most: a tangent does so by its time to the next key."""
+    if track.interpolation != "CUBICSPLINE":
+        return numbers
+    span = np.diff(track.times, prepend=track.times[:1], append=track.times[-1:]) * _TANGENT
+    shares = np.stack([span[:-1], np.ones(len(track.times)), span[1:]], axis=1)
+    return np.asarray(numbers * shares[:, :, np.newaxis])
 
 
 def up_of(rig: Rig, root: int) -> Floats:
@@ -93,7 +125,8 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
 
     times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
     at_keys = parts(times)
-    still = length(at_keys[:, :3] - rig.translation[root]).max() <= NONE * max(1.0, float(length(rest)))
+    places = mine["translation"].values if "translation" in mine else rest
+    still = _is_small(at_keys[:, :3] - rig.translation[root], places * rig.scale[root])
     if still and angle_between(at_keys[:, 3:7], rig.rotation[root]).max() <= _NO_YAW:
         return clip
     if any(t.node == root and t.path != "weights" and not rests(t, rig) for t in clip.tracks):
@@ -101,6 +134,8 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
             f"The root '{rig.title(root)}' moves in clip '{clip.name}' already: take that out first, with "
             "--mode remove --yaw"
         )
+    if options.mode == "extract":
+        _refuse_shear(rig, root, up)
     if not holds:
         size = size_of(rig)
 
@@ -121,6 +156,18 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     new = {(track.node, track.path): track for track in made}
     kept = tuple(new.pop((t.node, t.path), t) for t in clip.tracks)
     return replace(clip, tracks=(*kept, *new.values()))
+
+
+def _refuse_shear(rig: Rig, root: int, up: Floats) -> None:
+    """GeometryError where the root's scale is another after a turn about the up axis, (3,) seen from it."""
+    quarter, scale = normalise(np.append(up, 1.0)), rig.scale[root]
+    off = rotate(quarter, np.eye(3) * scale) - rotate(quarter, np.eye(3)) * scale
+    if np.abs(off).max() > SAME_SCALE * np.abs(scale).max():
+        numbers = ", ".join(f"{part:g}" for part in scale)
+        raise GeometryError(
+            f"The root '{rig.title(root)}' has the scale {numbers}, by which a yaw would shear what is below "
+            "it: leave out --yaw, or give it one scale in a DCC"
+        )
 
 
 def twist(turn: Floats, axis: Floats) -> Floats:

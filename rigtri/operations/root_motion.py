@@ -10,11 +10,9 @@ from rigtri.errors import GeometryError, UsageError
 from rigtri.evaluation.timelines import chosen_timelines
 from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
-from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.ground_motion import NONE, over_ground, rests, turned, twist, up_of
+from rigtri.operations.ground_motion import is_none, less, over_ground, rests, turned, twist, up_of
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
 from rigtri.operations.root_children import besides, held
@@ -30,7 +28,7 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     Exact for every interpolation: both get keys at the times that the hips have; with ``yaw`` both get linear
     keys, as many as it takes, as do other children of the root. What was done in each clip is in
     ``report.added``. Raises GeometryError where there is no root above the hips, or it rotates or moves at
-    other times.
+    other times, or with ``yaw`` has a scale that turning about the up axis would shear.
     """
     if options.axis is not None and rig.rules.up["xyz".index(options.axis)]:
         raise UsageError(f"--axis {options.axis}: this is up, and height stays with the hips")
@@ -82,12 +80,9 @@ def _without_roots_own(rig: Rig, clip: Clip, root: int, options: RootMotionOptio
         if track.node != root or rests(track, rig):
             return track
         if track.path == "translation":
-            start = rig.translation[root]
-            away = track.values - start if plain else _but_tangents(track.values, start)
+            away = less(track, rig.translation[root])
             along = rotate(rest, over_ground(rig, root, rotate(conjugate(rest), away), options.axis))
-            # Less than this is what float32 leaves of a motion that was taken out.
-            far = np.abs(along).max(initial=0.0) > NONE * max(1.0, float(length(start)))
-            return track.having(track.values - along) if far else track
+            return track if is_none(track, along) else track.having(track.values - along)
         if track.path == "rotation" and options.yaw and plain:
             yaw = twist(product(conjugate(rest), track.values), up)
             return track.having(product(track.values, conjugate(yaw)))
@@ -124,11 +119,8 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         return clip
     (track,) = mine
     theirs = {t.path: t for t in clip.tracks if t.node == root}
-    rest = rig.translation[hips]
-    plain = track.interpolation != "CUBICSPLINE"
-    away = track.values - rest if plain else _but_tangents(track.values, rest)
-    along = over_ground(rig, root, away, options.axis)
-    if np.abs(along).max(initial=0.0) <= NONE * max(1.0, float(length(rest))):
+    along = over_ground(rig, root, less(track, rig.translation[hips]), options.axis)
+    if is_none(track, along):
         return clip
     if any(not rests(theirs[path], rig) for path in ("rotation", "scale") if path in theirs):
         raise GeometryError(
@@ -141,10 +133,9 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         shift = rotate(rig.rotation[root], along * rig.scale[root])
         old = theirs.get("translation")
         if old is None or rests(old, rig):
-            start = rig.translation[root]
-            values = shift + start if plain else _but_tangents(shift, -start)
             key = None if old is None else old.key
-            made = Track(root, "translation", track.interpolation, track.times, values, key)
+            made = Track(root, "translation", track.interpolation, track.times, shift, key)
+            made = made.having(less(made, -rig.translation[root]))
             tracks = [made if t is old else t for t in tracks] + ([made] if old is None else [])
         elif old.interpolation == track.interpolation and np.array_equal(old.times, track.times):
             tracks[tracks.index(old)] = old.having(old.values + shift)
@@ -154,10 +145,3 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
                 "give both the same keys in a DCC, or take it out first with --mode remove"
             )
     return replace(clip, tracks=tuple(tracks))
-
-
-def _but_tangents(values: Floats, origin: Floats) -> Floats:
-    """Keys of a spline less ``origin``; tangents have no place."""
-    moved = values.copy()
-    moved[:, 1] -= origin
-    return moved

@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -202,6 +203,42 @@ def test_yaw_goes_to_the_root_with_the_ground_and_nothing_else_moves(suffix: str
     others = [t for t in after.clips[0].tracks if t.node != after.find("hips")]
     with pytest.raises(GeometryError, match="moves in clip 'walk' already"):
         rigtri.root_motion(rigtri_with(after, (*others, *curve)), yaw=True)
+
+
+def test_steps_beside_linear_keys_go_to_the_root(rooted: Path, tmp_path: Path) -> None:
+    """A key just before each step keeps what was held: no file has a time between the two."""
+    rig = walking_in_a_curve(rigtri.read(rooted))
+    steps = (replace(t, interpolation="STEP") if t.path == "translation" else t for t in rig.clips[0].tracks)
+    rigtri.write(rigtri_with(rig, tuple(steps)), tmp_path / "in.glb", verify=False)
+    cli("root-motion", tmp_path / "in.glb", "-o", tmp_path / "out.glb", "--yaw", code=0)
+
+
+def test_a_root_that_a_yaw_would_shear_is_refused(rooted: Path) -> None:
+    rig = walking_in_a_curve(rigtri.read(rooted))
+    scale = rig.scale.copy()
+    scale[rig.find("root")] = 1.0, 2.0, 0.5
+    with pytest.raises(GeometryError, match="has the scale 1, 2"):
+        rigtri.root_motion(replace(rig, scale=scale), yaw=True)
+    scale[rig.find("root")] = 2.0, 0.5, 2.0  # the same all around
+    rigtri.root_motion(replace(rig, scale=scale), yaw=True)
+
+
+@pytest.mark.parametrize("mode", ["extract", "remove"])
+def test_what_rounding_leaves_in_the_tangents_of_a_spline_is_no_motion(
+    mode: Literal["extract", "remove"], rooted: Path, tmp_path: Path
+) -> None:
+    """Below axes that are not the world's, a key's rounding goes into the tangents beside it."""
+    rig = rigtri.read(rooted)
+    rotation, hips = rig.rotation.copy(), rig.find("hips")
+    rotation[rig.parents[rig.find("root")]] = from_axis_angle(np.array([0.2, 1.0, 0.1]), 1.1)
+    times = np.array([0.0, 0.25, 0.5, 1.0, 1.1, 2.0])
+    values = np.sin(np.arange(54.0)).reshape(6, 3, 3) + rig.translation[hips] * [[0.0], [1.0], [0.0]]
+    spline = Track(hips, "translation", "CUBICSPLINE", times, values)
+    rigtri.write(rigtri_with(replace(rig, rotation=rotation), (spline,)), tmp_path / "in.glb", verify=False)
+    rigtri.write(rigtri.root_motion(rigtri.read(tmp_path / "in.glb"), mode=mode), tmp_path / "out.glb")
+    report = Report()
+    rigtri.root_motion(rigtri.read(tmp_path / "out.glb"), mode=mode, report=report)
+    assert not report.added
 
 
 def test_ground_of_one_axis_and_yaw_out_of_a_clip(rooted: Path) -> None:

@@ -176,7 +176,7 @@ def _moments(clip: Clip) -> Floats:
         step = np.max([_steps(column.path, values) for values in column.values], axis=0)
         chosen[np.argpartition(step, -_GAPS)[-_GAPS:]] = True
         chosen |= (column.path == "rotation") & (step > _RIGHT_ANGLE)
-    gaps = np.flatnonzero(chosen)
+    gaps = np.flatnonzero(chosen & ~sampling.jumps_at(keys))
     inside = [keys[gaps] + share * (keys[gaps + 1] - keys[gaps]) for share in (0.29, 0.5)]
     ends = sampling.between_keys(keys[[0, -1]])[[0, -1]]
     return sampling.sorted_unique(np.concatenate([keys, *inside, ends]))
