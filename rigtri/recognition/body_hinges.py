@@ -66,10 +66,10 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Flo
 
     facing: where they look by the user's word, (3,), instead of what was recognised. Characters that are not
     sure, or whose facing direction nothing tells, are left out; of a hand alone there are hinges, and no
-    directions (NaN).
+    directions (NaN). That is one by its shape: fingers side by side close together, whatever they are of.
     """
     found = []
-    for character in (character for character in characters if character.confidence >= CONFIDENT):
+    for character in (k for k in characters if k.confidence >= CONFIDENT or k.form == "hand"):
         frame = _frame(rig, character, world, facing)
         if frame is None and character.form == "hand":
             found.append(_hand_alone(character, world[:, 3, :3]))

@@ -143,7 +143,7 @@ def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, su
     for chain in chains:
         bone = next((bones[k] for k in chain if k in bones), "")
         which = next((finger for finger in FINGERS if finger in bone), "")
-        which = which or finger_in_name(draft.tree.rig.names[chain[0]])
+        which = which or next(filter(None, (finger_in_name(draft.tree.rig.names[k]) for k in chain)), "")
         if which:
             named[chain[0]] = which
             _finger(draft, chain, which, side, min(sure, 0.97), NAMES)
@@ -266,7 +266,7 @@ def lay_hand(draft: Draft) -> bool:
         covered = 1 + sum(len(chain) for chain in chains)
         if covered < 0.75 * len(joints):
             continue
-        named = [k for k in chains if finger_in_name(tree.rig.names[k[0]])]
+        named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]
         if len(named) < 3 and not _like_fingers(draft, node, chains):
             continue
         sure = 0.92 if len(named) >= 3 else 0.6

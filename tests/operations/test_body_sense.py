@@ -16,6 +16,7 @@ from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.model.skin import Skin
 from rigtri.report import Report
 
 # The axis that is the hinge n, with its sign, as docs/presets.md has it.
@@ -160,6 +161,28 @@ def test_a_hand_alone_closes_too(side: str) -> None:
     fingers = [node for node, name in enumerate(rig.names) if name.startswith(four)]
     # It is a right hand that looks up, its palm ahead.
     np.testing.assert_allclose(axes[fingers] @ [1.0, 0.0, 0.0], 1.0, atol=0.1)
+
+
+@pytest.mark.parametrize("curl", [0.0, 10.0])
+@pytest.mark.parametrize(("call", "sure"), [("", False), ("Bip01 R {}", True), ("rig:R_{}_jnt", True)])
+def test_a_hand_alone_closes_whatever_names_its_fingers_have(curl: float, call: str, sure: bool) -> None:
+    body = posed_body(Pose("none", curl=curl, noise=2.0, metacarpals=True))
+    order = ("right hand", "right thumb", "right index", "right middle", "right ring", "right little")
+    parts = {node: part for part, node in body.parts.items() if part.startswith(order)}
+    rig, place = body.rig.subset(list(parts))
+    names = [""] * len(rig)
+    for node, part in parts.items():
+        finger, _, k = part.rpartition(" ")
+        words = f"Finger{order.index(finger) - 1}{k}" if k.isdigit() else "Hand"
+        names[place[node]] = call.format(words)
+    skin = Skin("skin", np.arange(len(rig)), inverse(rig.world))
+    rig, report = replace(rig, names=tuple(names), skins=(skin,)), Report()
+    axes = hinge_axes(orient_joints(rig, report=report), "+y")
+    hand = body.parts["right hand"]
+    turned = np.linalg.solve(body.rig.world[hand, :3, :3], rig.world[place[hand], :3, :3])
+    for node in (node for node, part in parts.items() if part[-1] in "012" and "thumb" not in part):
+        assert axes[place[node]] @ (body.hinges[body.parts["right hand"]] @ turned) > 0.86
+    assert ("unsure-character" in {notice.code for notice in report.warnings}) == (not sure)
 
 
 def test_fingers_that_are_clearly_bent_share_their_own_plane() -> None:

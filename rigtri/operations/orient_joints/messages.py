@@ -80,8 +80,17 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
         report.warn("fixed", f"skipped: {and_more(names, 3)}: {reason}")
 
 
+_OF_BONES = "joints take the planes of their own bones, not those of a body. Name limbs with --limb"
+# What it means for axes that a character is not sure.
+_UNSURE = {
+    "biped": _OF_BONES,
+    "quadruped": _OF_BONES,
+    "hand": "its fingers close about one axis, to the side that their bends or the thumb tell. Names as index_01_l make it sure",
+}
+
+
 def warn_unsure(targets: Targets, report: Report) -> None:
-    """Warn of characters that are not recognised surely: nothing is known then of hands and trunk."""
+    """Warn of characters that are not recognised surely: nothing is known then of trunk and limbs."""
     for character in recognise(targets.tree.rig).characters:
         joints = {part.joint for part in character.parts}
         if joints.isdisjoint(targets.joints):
@@ -95,14 +104,13 @@ def warn_unsure(targets: Targets, report: Report) -> None:
                 "and right are as named, and knees bend to where it faces. See: rigtri recognise FILE",
                 geometry=True,
             )
-        if character.confidence >= CONFIDENT or character.form not in ("biped", "quadruped"):
+        if character.confidence >= CONFIDENT or character.form not in _UNSURE:
             _warn_unsure_limbs(targets, joints, report)
             continue
         report.warn(
             "unsure-character",
             f"A {character.form} is recognised, but not surely ({character.confidence:.2f}; sure from "
-            f"{CONFIDENT}): joints take the planes of their own bones, not those of a body. Name limbs with "
-            "--limb; see: rigtri recognise FILE",
+            f"{CONFIDENT}): {_UNSURE[character.form]}; see: rigtri recognise FILE",
             geometry=True,
         )
 
