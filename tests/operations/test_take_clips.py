@@ -783,3 +783,19 @@ def test_few_keys_with_another_interpolation_are_an_edit_and_frames_of_a_dcc_are
     ours, theirs = (replace(rig, clips=(replace(rig.clips[0], tracks=(each,)),)) for each in tracks)
     (found,) = take_clips(ours, from_=theirs, report=Report()).clips[0].tracks
     assert found.interpolation == (now if gap > 0.1 else "STEP")
+
+
+@pytest.mark.parametrize("gap", [0.25, 1 / 30])
+def test_steps_made_of_lines_are_an_edit_however_near_the_keys_are(gap: float) -> None:
+    rig = rig_of(BIPED)
+    node = rig.find("forearm_L")
+    times = np.arange(5) * gap
+    turns = multiply(from_axis_angle((1.0, 0.0, 0.0), 4.0 * times), rig.rotation[node])
+    line = Track(node, "rotation", "LINEAR", times, turns)
+    ours, theirs = (
+        replace(rig, clips=(replace(rig.clips[0], tracks=(each,)),))
+        for each in (line, replace(line, interpolation="STEP"))
+    )
+    (found,) = take_clips(ours, from_=theirs, report=Report()).clips[0].tracks
+    assert found.interpolation == "STEP"
+    np.testing.assert_array_equal(found.values, turns)

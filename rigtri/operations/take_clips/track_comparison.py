@@ -93,12 +93,14 @@ def differing(was: Track, now: Track, bound: Floats) -> Booleans:
 
 
 def reinterpolated(was: Track, now: Track) -> bool:
-    """Whether a track has the keys of the other, few as a hand makes them, with another interpolation."""
+    """Whether a track has the keys of the other with another interpolation, which no DCC has given it.
+
+    One that samples gives lines to keys that are near; steps are made by hand.
+    """
     if was.interpolation == now.interpolation or not 1 < len(was.times) == len(now.times):
         return False
-    return bool(
-        np.abs(was.times - now.times).max() <= MISSED and float(np.median(np.diff(now.times))) > BY_HAND
-    )
+    by_hand = now.interpolation == "STEP" or float(np.median(np.diff(now.times))) > BY_HAND
+    return bool(by_hand and np.abs(was.times - now.times).max() <= MISSED)
 
 
 def _straight(track: Track, times: Floats) -> Floats:
