@@ -16,7 +16,8 @@ from rigtri.frames.reoriented_constraints import broken
 from rigtri.frames.rescale import convert, rescale
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import determinant, orthonormal_axes
-from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, rotates
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axes, rotates, to_axes
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
@@ -56,6 +57,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
         rig = _without_rotation(rig, [node for node in nodes if not below[node]], report)
     if options.scales:
         rig = _without_scale(rig, nodes, options, report)
+        _warn_keyed(rig, nodes, report)
     _warn_instances(rig, options, report)
     return rig
 
@@ -92,7 +94,7 @@ def _nodes(rig: Rig) -> list[int]:
 def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
     """The rig with the world's axes at nodes above joints."""
     delta = np.tile(IDENTITY, (len(rig), 1))
-    world = orthonormal_axes(rig.normalised_world)
+    world = _axes(rig)
     for node in nodes:
         if np.abs(world[node] - np.eye(3)).max() > ALIGNED:
             delta[node] = conjugate(from_axes(world[node]))
@@ -111,6 +113,21 @@ def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
     for node in np.flatnonzero(rotates(delta)).tolist():
         report.joints.append(joint_record(rig, node, "frozen", rotation=conjugate(delta[node]).tolist()))
     return reframe(rig, delta, scales=scales)
+
+
+def _axes(rig: Rig) -> Floats:
+    """The axes of nodes in the world, (n, 3, 3): below a scale that is not uniform those that rotations make.
+
+    What is seen there is sheared, and no rotation of a node gives it the axes of the world.
+    """
+    world = orthonormal_axes(rig.normalised_world)
+    parents = rig.parents.tolist()
+    sheared = rig.at_or_below(_scales(rig)[1])
+    for node in np.flatnonzero(sheared).tolist():
+        if (above := parents[node]) >= 0 and sheared[above]:
+            own = from_axes(orthonormal_axes(rig.normalised_local[node]))
+            world[node] = to_axes(product(from_axes(world[above]), own))
+    return world
 
 
 def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: Report) -> Rig:
@@ -144,6 +161,21 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
         text = f"Colliders at {names} keep their radii, which viewers take as lengths of the world"
         report.warn("radius-kept", text)
     return rescale(rig, size)
+
+
+def _warn_keyed(rig: Rig, nodes: list[int], report: Report) -> None:
+    """Warn of nodes above joints whose scale has keys: it is a motion, and no node but these can hold it."""
+    above = set(nodes) - set(np.flatnonzero(rig.at_or_below(rig.is_joint)).tolist())
+    keyed = {
+        track.node
+        for clip in rig.clips
+        for track in clip.tracks
+        if track.path == "scale" and track.node in above
+        if np.abs(key_values(track) - rig.scale[track.node]).max(initial=0.0) > SAME_SCALE
+    }
+    if keyed:
+        names = listed([rig.title(node) for node in sorted(keyed)], 6)
+        report.warn("not-frozen", f"The scale of {names} has keys in clips, and stays", geometry=True)
 
 
 def _warn_instances(rig: Rig, options: FreezeOptions, report: Report) -> None:

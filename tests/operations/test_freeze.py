@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,12 @@ from rigtri.errors import UsageError
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.formats import ReadOptions, read
 from rigtri.maths.matrices import determinant
+from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
 SCALED = {"root": (100.0, 100.0, 100.0), "elbow": (0.5, 0.5, 0.5)}
@@ -112,6 +116,27 @@ def test_rotation_above_joints_is_none_in_the_end(tmp_path: Path) -> None:
     above = [node for node in range(len(rig)) if not rig.is_joint[node] and rig.attachment[node] < 0]
     axes = rig.world[above, :3, :3] / length(rig.world[above, :3, :3])[..., np.newaxis]
     assert abs(axes - np.eye(3)).max() < 1e-6
+
+
+def test_a_rotation_below_a_scale_that_is_not_uniform_is_frozen_once() -> None:
+    """All is sheared there, so the axes of the world are those without rotations, not those that are seen."""
+    rig = rigtri.read(SAMPLES / "biped.glb").insert_above({0: "holder"})
+    scale, rotation = rig.scale.copy(), rig.rotation.copy()
+    scale[0], rotation[0] = (1.0, 2.0, 0.5), from_axis_angle(np.array([1.0, 0.0, 0.0]), np.pi / 2)
+    rotation[1] = from_axis_angle(np.array([0.0, 0.0, 1.0]), 0.5)
+    once = rigtri.freeze(replace(rig, scale=scale, rotation=rotation, clips=()))
+    assert abs(once.rotation[:2] - (0.0, 0.0, 0.0, 1.0)).max() < 1e-12
+    again = Report()
+    rigtri.freeze(once, report=again)
+    assert not again.joints
+    assert "holder is not uniform" in again.warnings[0].text
+
+
+def test_a_scale_above_joints_that_has_keys_is_named() -> None:
+    rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
+    grows = Track(0, "scale", "LINEAR", np.array([0.0, 1.0]), np.array([[1.0, 1, 1], [2.0, 2, 2]]))
+    rigtri.freeze(replace(rig, clips=(Clip("grow", (grows,)),)), report=report)
+    assert "biped has keys in clips" in report.warnings[0].text
 
 
 @pytest.mark.parametrize(("more", "left"), [("", {}), ("int version = 5", {"Blender": {"version": 5}})])
