@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from functools import cached_property
 from heapq import heapify, heappop, heappush
 from typing import NamedTuple
@@ -51,7 +51,8 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
         for node in rig.match(glob):
             merging.take(node)
     if options.still:
-        merging.take_still()
+        asked = rig.with_ancestors([node for glob in options.exclude for node in rig.match(glob)])
+        _tell_kept(rig, [node for node in merging.take_still() if node not in asked], report)
     if options.max_joints is not None:
         merging.take_least(options.max_joints)
     gone = merging.gone
@@ -64,6 +65,13 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     less = without_nodes(rig, gone, _folds(rig, merging))
     warn_lost_clips(rig, less, report)
     return less
+
+
+def _tell_kept(rig: Rig, still: Sequence[int], report: Report) -> None:
+    if still:
+        names = listed([rig.title(node) for node in still], 6)
+        why = "a mesh, camera or light hangs there or below, or the file or rigtri's metadata name them"
+        report.warn("still-kept", f"{names} never move against the joints above them, and stay: {why}")
 
 
 class _Merging:
@@ -140,18 +148,28 @@ class _Merging:
         """Joints that may go and have no joint below that stays."""
         return [node for node in sorted(self._joints) if self._may_go(node)]
 
-    def take_still(self) -> None:
+    def take_still(self) -> list[int]:
+        """Let joints go that never move against their heirs; those that do not either, but are needed."""
         rig = self.rig
         moving = _moving(rig)
         size = size_of(rig, rig.content.read_outlines())
-        left = self.leaves()
-        while left:
-            node = way = left.pop()
-            heir = self.heir(node)
+
+        def is_still(node: int) -> bool:
+            heir, way = self.heir(node), node
             while way != heir and not moving[way]:
                 way = self._above[way]
-            if way == heir and self.cost(node, rig.world[np.newaxis]) <= STILL * size:
+            return way == heir and self.cost(node, rig.world[np.newaxis]) <= STILL * size
+
+        left = self.leaves()
+        while left:
+            if is_still(node := left.pop()):
                 left += self.take(node)
+        still = set[int]()  # with all that is below them
+        for node in range(len(rig) - 1, -1, -1):
+            if all(child in still for child in rig.children[node]):
+                needed = self.heir(node) >= 0 and is_still(node) if node in self._joints - self.gone else True
+                still |= {node} if needed else set()
+        return sorted(still & self._joints - self.gone)
 
     def take_least(self, most: int) -> None:
         poses = _poses(self.rig)

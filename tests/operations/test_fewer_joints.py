@@ -19,6 +19,7 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.skin import WeightLimit
 from rigtri.model.skin_weights import limited, within
+from rigtri.report import Report
 
 TRUST = ReadOptions(allow_external_paths=True)
 
@@ -137,6 +138,19 @@ def test_as_many_joints_go_as_it_takes(tmp_path: Path) -> None:
 def test_a_merge_that_nothing_can_be_known_of_is_refused() -> None:
     with pytest.raises(GeometryError, match="no clips"):
         rigtri.merge_joints(replace(rigtri.read(SAMPLES / "tpose.glb"), clips=()), still=True)
+
+
+def test_still_joints_that_hold_something_are_named() -> None:
+    rig, report = rigtri.read(SAMPLES / "biped.glb"), Report()
+    arm, fingers, attachment = rig.find("upper_arm_R"), rig.find("fingers_R"), rig.attachment.copy()
+    attachment[fingers] = 0  # a sword
+    turns = np.stack([rig.rotation[arm], from_axis_angle(np.array([1.0, 0, 0]), 1.0)])
+    wave = Clip("wave", (Track(arm, "rotation", "LINEAR", np.array([0.0, 1.0]), turns),))
+    held = replace(rig, attachment=attachment, clips=(wave,))
+    less = rigtri.merge_joints(held, still=True, exclude=["head"], report=report)
+    assert "hand_L" not in less.names
+    (warning,) = report.warnings
+    assert warning.text.startswith("forearm_R, hand_R, fingers_R never move")
 
 
 def test_a_joint_with_a_mesh_below_is_not_merged() -> None:
