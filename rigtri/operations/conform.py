@@ -196,12 +196,23 @@ def _warn_misplaced(rig: Rig, report: Report) -> None:
             report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
 
 
-def _warn_other_axes(rig: Rig, values: Mapping[str, Any], report: Report) -> None:
-    """Say which bones have other axes than the standard skeleton, for something stands against these."""
+def has_axes_of(rig: Rig, to: str) -> bool:
+    """Whether all bones have the axes of the standard skeleton of that name. Raises as `plan_frames` does."""
+    steps = steps_of(ConformOptions(to=to), skeleton_of(to))
+    return not _bones_with_other_axes(rig, dict(steps)["orient-joints"])
+
+
+def _bones_with_other_axes(rig: Rig, values: Mapping[str, Any]) -> list[int]:
+    """The bones that have other axes than these options of orient-joints give."""
     plan = plan_frames(rig, OrientJointsOptions(**values))
     turns = rotation_angle(plan.requested.delta) > MOST_NOISE
     bones = sorted(joint for body in recognise(rig).characters for joint in sure_bones(body, FACE).values())
-    if other := [rig.title(bone) for bone in bones if turns[bone] or bone in plan.targets.skipped]:
+    return [bone for bone in bones if turns[bone] or bone in plan.targets.skipped]
+
+
+def _warn_other_axes(rig: Rig, values: Mapping[str, Any], report: Report) -> None:
+    """Say which bones have other axes than the standard skeleton, for something stands against these."""
+    if other := [rig.title(bone) for bone in _bones_with_other_axes(rig, values)]:
         text = f"Other axes than those of the standard skeleton: {listed(other, 6)}"
         report.warn("other-axes", f"{text}. Clips of others do not fit these", geometry=True)
 

@@ -6,9 +6,10 @@ parts (containers, accessors, stages, tolerances) are the readers' own.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, RigtriError
 from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
@@ -16,7 +17,7 @@ from rigtri.formats.registry import check_content, unknown_format
 from rigtri.model.rig import Rig
 from rigtri.verification.checks.findings import Finding, Findings, Rule
 from rigtri.verification.checks.profile_check import PROFILE_RULES, Profile, check_profile
-from rigtri.verification.checks.rule_catalogue import RULES, UNREADABLE
+from rigtri.verification.checks.rule_catalogue import ORIENT, RULES, UNREADABLE
 
 __all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]
 
@@ -43,9 +44,21 @@ def check(
         if profile is not None:
             rig = rig or read(path, ReadOptions(allow_external_paths=allow_external_paths)).rig
             check_profile(rig, profile, findings)
+            advised = {rule.id for rule in ORIENT}
+            if any(finding.id in advised for finding in findings.all()) and _has_axes_of(rig, profile):
+                findings.drop(advised)
     except FileError as error:
         return [*unreadable(path, error), *findings.all()]
     return findings.all()
+
+
+def _has_axes_of(rig: Rig, profile: Profile) -> bool:
+    """Whether joints have the axes of the engine's own skeleton: others would be worse for it."""
+    from rigtri.operations.conform import has_axes_of
+
+    with suppress(RigtriError):  # an engine may have none, and a rig may stand in no pose to tell
+        return has_axes_of(rig, profile)
+    return False
 
 
 def unreadable(path: Path, error: FileError) -> list[Finding]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,6 +46,10 @@ class Findings:
     def add_foreign(self, finding: Finding) -> None:
         """Note what another validator found."""
         self._found[finding] = None
+
+    def drop(self, rules: Collection[str]) -> None:
+        """Forget what was found of these rules."""
+        self._found = {finding: None for finding in self._found if finding.id not in rules}
 
     def all(self) -> list[Finding]:
         """All findings, the worst first, otherwise in the order of the file."""

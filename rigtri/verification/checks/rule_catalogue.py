@@ -36,8 +36,10 @@ _INFOS = {
     "forward": "No axis of a joint of the trunk points within 35° of where the character faces.",
     "flex": "Knees and elbows, left and right, do not all bend by the same axis and sign.",
 }
+# What other axes would mend.
+ORIENT = tuple(Rule(f"axes.{name}", "info", meaning, _ORIENT) for name, meaning in _INFOS.items())
 _AXES = (
-    *(Rule(f"axes.{name}", "info", meaning, _ORIENT) for name, meaning in _INFOS.items()),
+    *ORIENT,
     Rule(
         "axes.pole",
         "warning",
