@@ -45,6 +45,8 @@ _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 _NEXT_TWO = np.ix_((1, 2, 0, 1), (1, 2, 0, 1))
 # Numbers of so few matrices are multiplied at once, which takes fewer steps and more memory.
 _FEW = 512
+# Axes that span a smaller share of the product of their lengths are flat but for rounding.
+_FLAT = 1e-13
 # Axes that should meet at right angles do so within this cosine after float32 storage.
 SKEW = 1e-5
 
@@ -249,7 +251,8 @@ def nearest_rotation(m: ArrayLike) -> Floats:
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     m = as_matrices(m)
-    sign = np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis, np.newaxis]
+    spanned = determinant(m)
+    sign = np.where(spanned < 0, -1.0, 1.0)[..., np.newaxis, np.newaxis]
     # One factor for all axes: three would not turn with a sheared frame.
     size = np.abs(m[..., :3, :3]).max(axis=(-1, -2), keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -262,7 +265,8 @@ def nearest_rotation(m: ArrayLike) -> Floats:
             opposite = minors[:3, :3] * minors[1:, 1:] - minors[:3, 1:] * minors[1:, :3]
             volume = opposite[2] * rows[2]
             rows = 0.5 * (rows + opposite / (volume[0] + volume[1] + volume[2]))
-    return np.moveaxis(rows, (0, 1), (-2, -1))
+    flat = np.abs(spanned) <= _FLAT * length(m[..., :3, :3]).prod(axis=-1)
+    return np.where(flat[..., np.newaxis, np.newaxis], np.nan, np.moveaxis(rows, (0, 1), (-2, -1)))
 
 
 def skew(m: ArrayLike) -> Floats:

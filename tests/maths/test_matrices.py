@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from strategies import directions, frames, quaternions, scales, vectors
 
 from rigtri.maths import matrices as m
-from rigtri.maths.quaternions import to_axes
+from rigtri.maths.quaternions import from_axis_angle, to_axes
 from rigtri.maths.trigonometry import Floats
 
 Z_TURN = np.array([[0.0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
@@ -139,3 +139,13 @@ def test_few_are_multiplied_to_the_bit_as_many() -> None:
     b[3, 1, 2], a[4, 0, 0] = np.inf, np.nan
     for few in (1, 3, 16):
         assert_array_equal(m.multiply(a[:few], b[:few]), m.multiply(a, b)[:few])
+
+
+def test_flat_axes_have_no_nearest_rotation_whatever_rounding_leaves_of_them() -> None:
+    """A scale of 0 in turned axes leaves a determinant of 1e-17 and either sign."""
+    turn = from_axis_angle([0.6, 0.0, 0.8], 0.7)
+    flat = m.compose(np.zeros(3), turn, (0.0, 1.0, 1.0))
+    turned = m.multiply(m.compose(np.zeros(3), from_axis_angle([0.0, 0.6, 0.8], 1.1), np.ones(3)), flat)
+    assert np.isnan(m.nearest_rotation(np.stack([flat, turned]))).all()
+    thin = m.compose(np.zeros(3), turn, (1e-3, 1.0, 1.0))
+    assert_allclose(m.nearest_rotation(thin), to_axes(turn), atol=1e-9)
