@@ -129,11 +129,13 @@ def within(weights: Floats, full: int) -> Floats:
 
 
 def _whole(weights: Floats, total: Floats) -> Floats:
-    """Weights (v, k) as whole numbers that sum to ``total`` (v,): the largest takes what rounding leaves."""
-    found = np.asarray(np.rint(weights))
-    if found.shape[1]:
-        found[np.arange(len(found)), np.abs(found).argmax(axis=1)] += total - _total(found)
-    return found
+    """Weights (v, k) as whole numbers that sum to ``total`` (v,), each less than 1 from what it was.
+
+    All are rounded down, and those that lose most by it get 1 more.
+    """
+    found = np.asarray(np.floor(weights))
+    rank = np.argsort(np.argsort(found - weights, axis=1, kind="stable"), axis=1, kind="stable")
+    return found + (rank < (total - _total(found))[:, np.newaxis])
 
 
 def _total(weights: Floats) -> Floats:

@@ -184,6 +184,8 @@ def test_weights_that_add_up_to_more_than_a_byte_holds_keep_their_shares(tmp_pat
     """Each rounded by itself, weights of a point sum to 256 of 255: a byte of 256 would be 0."""
     fitting = within(np.array([[256.0, 0, 0], [300, 60, 0], [255, 40, 0]]), 255)
     assert fitting.tolist() == [[255, 0, 0], [213, 42, 0], [255, 40, 0]]
+    many = np.array([[256.0, *[7] * 7]])
+    assert np.abs(within(many, 255) - many * 255 / many.sum()).max() < 1.0
     source, out = tmp_path / "in.glb", tmp_path / "out.glb"
     gltf, binary = glb_parts(SAMPLES / "biped.glb")
     attributes = gltf["meshes"][0]["primitives"][0]["attributes"]
