@@ -207,8 +207,22 @@ def _conformed_and_back(rig: Rig) -> Rig:
     return rigtri.set_rest(renamed, pose="bind")
 
 
+@cache
+def _folder() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory()
+
+
+def _another_world_and_back(rig: Rig) -> Rig:
+    """In a file of another unit and up axis, and back: motion is compared in one world."""
+    path = Path(tempfile.mkdtemp(dir=_folder().name)) / "there.usda"
+    rigtri.write(rigtri.freeze(rig, unit=0.01, up_axis="z"), path, verify=False)
+    return rigtri.freeze(rigtri.read(path), unit=rig.rules.metres_per_unit, up_axis="y")
+
+
 EDITS: dict[str, Edit] = {
     "freeze": Edit(rigtri.freeze),
+    "freeze --above": Edit(lambda rig: rigtri.freeze(rig, above=True)),
+    "freeze --unit --up-axis": Edit(_another_world_and_back),
     "rename-joints": Edit(_renamed_and_back),
     "set-rest": Edit(lambda rig: rigtri.set_rest(rig, pose="tpose"), reposes=True),
     "add-root": Edit(rigtri.add_root),

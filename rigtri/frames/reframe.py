@@ -45,7 +45,7 @@ def reframe(rig: Rig, delta: Floats, *, scales: ScaleTable | None = None) -> Rig
     where constraints would no longer mean the same: ask `rigtri.frames.reoriented_constraints.broken`.
     scales: those of ``rig``, where the caller has them.
     """
-    delta = rig.rules.shared(delta)
+    delta = rig.shared(delta)
     own = rotates(delta)
     if not own.any():
         return rig

@@ -45,7 +45,7 @@ def rescale(rig: Rig, size: Floats) -> Rig:
     A node that itself shows a mesh, camera or light hands it to a new child ``<name>_payload`` of the scale
     that it had. Instances of one prototype get the size of the first of them, as in `reframe`.
     """
-    size = rig.rules.shared(size)
+    size = rig.shared(size)
     if (size == 1.0).all():
         return rig
     above = np.where(rig.parents >= 0, size[rig.parents], 1.0)
@@ -171,7 +171,9 @@ def convert(rig: Rig, conversion: Conversion) -> Rig:
 
     So do lengths and directions of the world that constraints and pose readers hold.
     """
-    roots = rig.parents < 0
+    groups = rig.nodes_of("group")
+    roots = (rig.parents < 0) | np.isin(rig.parents, [k for k in groups if rig.parents[k] < 0])
+    roots[groups] = False  # what is in them turns
     size, rotation = conversion.size, conversion.rotation
     translation, turned, matrix = rig.translation.copy(), rig.rotation.copy(), rig.matrix.copy()
     translation[roots] = rotate(rotation, rig.translation[roots]) * size

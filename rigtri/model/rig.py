@@ -173,6 +173,17 @@ class Rig(NodeNames):
         found = {node: with_references(stored, address) for node, stored in self.metadata.items()}
         return replace(self, metadata=found) if found != self.metadata else self
 
+    def shared(self, values: Floats) -> Floats:
+        """Values of frames, (n, …), with one for all that share it: instances; a group and what it is in.
+
+        A group of rigtri has no transform of its own in USD.
+        """
+        found = self.rules.shared(values)
+        if groups := [node for node in self.nodes_of("group") if self.parents[node] >= 0]:
+            found = found.copy()
+            found[groups] = found[self.parents[groups]]
+        return found
+
     def nodes_of(self, *types: str) -> list[int]:
         """The nodes with metadata of these types."""
         return [node for node in self.metadata if self.type_of(node) in types]

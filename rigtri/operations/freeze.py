@@ -98,7 +98,7 @@ def _without_rotation(rig: Rig, nodes: list[int], report: Report) -> Rig:
     for node in nodes:
         if np.abs(world[node] - np.eye(3)).max() > ALIGNED:
             delta[node] = conjugate(from_axes(world[node]))
-    delta = rig.rules.shared(delta)
+    delta = rig.shared(delta)
     if not rotates(delta).any():
         return rig
     names = [rig.title(node) for node in np.flatnonzero(rotates(delta)).tolist()]
@@ -148,7 +148,7 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
     off = np.abs(total - 1.0) * inside
     # Where nobody has scaled anything there is noise of exporters, which is left alone.
     size = np.where(off > ONE, 1.0 / total, 1.0) if off.max(initial=0.0) > SAME_SCALE else np.ones(len(rig))
-    size = rig.rules.shared(size)
+    size = rig.shared(size)
     for node in np.flatnonzero(size != 1.0).tolist():
         report.joints.append(joint_record(rig, node, "frozen", world_scale=float(total[node])))
     left = [rig.title(node) for node in np.flatnonzero(uneven & inside).tolist()]

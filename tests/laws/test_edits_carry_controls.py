@@ -30,6 +30,7 @@ from rigtri.operations.registry import OPERATIONS
 REFUSED = {
     "strip": "that motion would be lost",
     "snap": "has no IK end|follows",
+    "freeze --unit --up-axis": "glTF has the up axis y",
 }
 # What the fast run looks at; all others are proofs.
 FEW = ("orient-joints", "add-controls", "mirror", "take-clips, other axes", "pose", "strip")
@@ -70,6 +71,12 @@ def test_motion_survives_an_edit(
     name: str, thing: str, edit: str, folder: Path, request: pytest.FixtureRequest
 ) -> None:
     _hold(SAMPLES / name, thing, edit, folder)
+
+
+def test_controls_go_along_to_another_unit_and_up_axis(folder: Path) -> None:
+    """Their group is a Scope, which USD gives no transform."""
+    source = source_of(SAMPLES / "biped.usda", "controls", folder)
+    assert carried(source, "freeze --unit --up-axis", folder) <= SAME_MOTION
 
 
 SCALED = ("constraint: parent", "pose reader: joint", "controls", "constraint: pole vector", "twist joints")
