@@ -2,14 +2,16 @@
 
     python -m mutation --count 30                 # in the folder tests; a fault needs one to ten minutes
     python -m mutation --count 30 --list          # only list the faults
-    python -m mutation --contexts .coverage       # run only the tests that execute the changed line
+    python -m mutation --contexts .coverage       # run only the tests that execute the changed line: seconds
 
 A fault is another sign or operator, another bound, another axis or item, a reversed condition, or a statement
 that writes and is left out. Faults are spread over the rooms of the package and follow from ``--seed``. First
 the tests of the fault's room and the quick ones run, then all. Exit code 1 where more than two of thirty
 faults stay unseen: some have no effect that anybody could see, which only a reader can judge.
 
-``--contexts`` is data of coverage.py whose contexts are ids of tests (pytest --cov-context=test).
+``--contexts`` is data of coverage.py whose contexts are ids of tests, as pytest-cov writes it with
+``pytest -n auto --cov=rigtri --cov-context=test --cov-report=``. Where a line has moved since, the tests of
+its neighbours run; where only processes that tests start execute it, those of its room.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from time import monotonic
 
@@ -56,6 +59,8 @@ OPERATORS = {
     ast.And: ("and", "or"),
     ast.Or: ("or", "and"),
 }
+# A bound between real numbers that moves by nothing changes nothing that anybody could see: it is reversed.
+REVERSED = {ast.Lt: ("<", ">="), ast.LtE: ("<=", ">"), ast.Gt: (">", "<="), ast.GtE: (">=", "<")}
 WRITES = (
     "append",
     "extend",
@@ -109,6 +114,8 @@ def faults_of(file: str, content: bytes) -> Iterator[Fault]:
 
     def between(left: ast.expr, right: ast.expr, kind: type[ast.AST]) -> Iterator[Fault]:
         old, new = OPERATORS.get(kind, ("", ""))
+        if kind in REVERSED and not (_is_whole(left) or _is_whole(right)):
+            old, new = REVERSED[kind]
         at = content.find(old.encode(), last(left), first(right)) if old else -1
         if at >= 0:
             yield fault(at, at + len(old), new)
@@ -139,6 +146,13 @@ def _is_text(node: ast.BinOp) -> bool:
         isinstance(side, ast.JoinedStr) or (isinstance(side, ast.Constant) and isinstance(side.value, str))
         for side in (node.left, node.right)
     )
+
+
+def _is_whole(node: ast.expr) -> bool:
+    """Whether an expression is a whole number, as far as one sees."""
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id == "len"
+    return isinstance(node, ast.Constant) and type(node.value) is int
 
 
 def _writes(node: ast.AST) -> bool:
@@ -174,13 +188,15 @@ def laid_out(folder: Path) -> Path:
 
 def runs_for(fault: Fault, contexts: Path | None) -> Iterator[list[str]]:
     """Arguments of pytest, those that see it soonest first."""
-    if contexts is not None:
-        yield from _covering(fault, contexts)
+    covering = list(_covering(fault, contexts)) if contexts is not None else []
+    if covering:
+        yield from covering
         return
     room = next(room for room in sorted(ROOMS, key=len, reverse=True) if f"/{room}/" in fault.file)
     yield [f"tests/{room}"]
-    yield ["-m", "quick"]
-    yield ["tests"]
+    if contexts is None:
+        yield ["-m", "quick"]
+        yield ["tests"]
 
 
 def _covering(fault: Fault, contexts: Path) -> Iterator[list[str]]:
@@ -189,13 +205,23 @@ def _covering(fault: Fault, contexts: Path) -> Iterator[list[str]]:
 
     data = CoverageData(str(contexts))
     data.read()
-    for file in data.measured_files():
-        if file.endswith(f"/{fault.file}"):
-            found = data.contexts_by_lineno(file).get(fault.line, [])
-            tests = sorted({name.partition("|")[0] for name in found if name})  # TEST|run, TEST|setup
-            few = random.Random(0).sample(tests, min(12, len(tests)))
-            yield few
-            yield [name for name in tests if name not in few]
+    file = next((name for name in data.measured_files() if name.endswith(f"/{fault.file}")), None)
+    by_line = data.contexts_by_lineno(file) if file else {}
+    near = [name for line in range(fault.line - 2, fault.line + 3) for name in by_line.get(line, [])]
+    found = by_line.get(fault.line) or near
+    tests = sorted({name.rpartition("|")[0] for name in found} & _collected())  # TEST|run, TEST|setup
+    few = random.Random(0).sample(tests, min(12, len(tests)))
+    if tests:
+        yield few
+        yield [name for name in tests if name not in few]
+
+
+@cache
+def _collected() -> set[str]:
+    """The tests that the README's command runs."""
+    command = [sys.executable, "-m", "pytest", "-q", "--collect-only"]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    return {line for line in run.stdout.splitlines() if "::" in line}
 
 
 def seen_by(fault: Fault, folder: Path, contexts: Path | None) -> str | None:

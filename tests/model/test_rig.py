@@ -12,6 +12,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from rigs import chain, random_rig, rig_of
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.model.format_rules import FormatRules
+from rigtri.model.pending_edits import PendingEdits
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 
@@ -102,3 +104,12 @@ def test_new_nodes_come_last_and_have_no_key() -> None:
     assert more.labels[2] == "+pole"
     assert_array_equal(more.world[2, 3, :3], [1, 2, 3])
     assert len(rig) == 2
+
+
+def test_rules_and_edits_follow_nodes_to_their_new_numbers_the_first_one_too() -> None:
+    rules = FormatRules(group_parent=0, named=frozenset({0, 1}), fixed={1: "a viewer turns it"})
+    new = rules.reordered([1, 0])
+    assert (new.group_parent, new.named, new.fixed) == (1, {0, 1}, {0: "a viewer turns it"})
+    assert FormatRules().reordered([1, 0]).group_parent == -1
+    edits = PendingEdits(removed=frozenset({0, 1, 2})).reordered([2, 0, -1])
+    assert edits.removed == {0, 2}

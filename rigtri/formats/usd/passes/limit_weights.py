@@ -24,7 +24,6 @@ def limit_weights(edit: UsdEdit) -> None:
         if before is None:
             continue
         joints, weights = limited(*before, limit)
-        same = joints.shape == before[0].shape and np.array_equal(joints, before[0])
-        if not (same and np.array_equal(weights, before[1])):
+        if not (np.array_equal(joints, before[0]) and np.array_equal(weights, before[1])):
             check_editable(query)
             edit.values += set_influences(query, joints, weights)

@@ -1,0 +1,35 @@
+"""A frame of another size: negative scales that are left become half a turn, and a flat joint stays flat."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from rigs import chain
+
+from rigtri.evaluation.sampling import locals_at
+from rigtri.frames.rescale import rescale
+from rigtri.model.animation import Clip, Track
+
+
+@pytest.mark.parametrize(
+    ("scale", "left"),
+    [
+        ((-1.0, 2.0, 3.0), (1.0, 2.0, 3.0)),  # half a turn has the two other signs
+        ((0.0, 2.0, -3.0), (0.0, -2.0, 3.0)),  # flat at rest, where a clip begins
+    ],
+)
+def test_a_mirrored_frame_stands_as_it_did_in_its_clips_too(
+    scale: tuple[float, ...], left: tuple[float, ...]
+) -> None:
+    rig = chain((0, 0, 0), (1, 0, 0))
+    sizes = rig.scale.copy()
+    sizes[1] = scale
+    keys = Track(1, "scale", "LINEAR", np.array([0.0, 1.0]), np.array([scale, np.where(scale, scale, 1.0)]))
+    rig = replace(rig, scale=sizes, clips=(Clip("grow", (keys,)),))
+    out = rescale(rig, np.array([1.0, -1.0]))
+    assert_allclose(out.scale[1], left)
+    for before, after in zip(*(locals_at(one, one.clips[0], [0.0, 1.0]) for one in (rig, out)), strict=True):
+        assert_allclose(after[1, :3, :3], -before[1, :3, :3], atol=1e-12)
