@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import gc
 import os
 import re
 import sys
@@ -70,7 +71,7 @@ QUICK = (
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="write goldens anew; then look at git diff")
-    parser.addoption("--slow", action="store_true", help="run the proofs too")
+    parser.addoption("--slow", action="store_true", help="run what is marked ci and the proofs, too")
     parser.addoption("--sample", metavar="K/N", default="1/1", help="of all tests, the Kth of N parts")
 
 
@@ -80,19 +81,28 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark the quick tests and the proofs; leave out proofs without --slow, and what --sample leaves out."""
+    """Mark the quick tests and the proofs; leave out what --slow or -m ci run, and other parts."""
     kept, left_out = [], []
+    more = config.getoption("markexpr") == "ci"
     for item in items:
         folder = item.path.relative_to(TESTS)
         if folder.as_posix().startswith(QUICK):
             item.add_marker("quick")
         if folder.parts[0] == "proofs" or _takes_a_real_file(item):
             item.add_marker("slow")
-        left = item.get_closest_marker("slow") and not config.getoption("--slow")
+        late = item.get_closest_marker("slow") or (item.get_closest_marker("ci") and not more)
+        left = late and not config.getoption("--slow")
         left = left or not _is_in_part(item, config.getoption("--sample"))
         (left_out if left else kept).append(item)
     items[:] = kept
     config.hook.pytest_deselected(items=left_out)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Look for rings of garbage seldom: what was imported has none, and rigs go by themselves."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 def _takes_a_real_file(item: pytest.Item) -> bool:

@@ -74,8 +74,9 @@ KNOWN: dict[str, set[str]] = {
     },
 }
 
-# The samples that stand for the others.
-FEW = {"arm.gltf", "biped.glb", "biped.usda", "mirrored_pair.glb"}
+# The samples that stand for the others, and one that does at each commit.
+FEW = {"arm.gltf", "biped.glb", "mirrored_pair.glb"}
+AT_EACH_COMMIT = {"biped.usda"}
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -110,6 +111,16 @@ def slow(*values: Any) -> Any:
     return pytest.param(*values, marks=pytest.mark.slow)
 
 
+def ci(*values: Any) -> Any:
+    """One more case for ``parametrize``, which `.ci/run` runs at each commit."""
+    return pytest.param(*values, marks=pytest.mark.ci)
+
+
+def first(values: Sequence[Any]) -> list[Any]:
+    """The first of some cases for ``parametrize``; the others run in `.ci/run`."""
+    return [values[0], *map(ci, values[1:])]
+
+
 def every_other(*choices: Sequence[Any], of: int = 2) -> list[Any]:
     """One in ``of`` combinations of some choices; with --slow all of them."""
     places = product(*(range(len(some)) for some in choices))
@@ -121,7 +132,10 @@ def every_other(*choices: Sequence[Any], of: int = 2) -> list[Any]:
 
 def samples_of_all_kinds(*suffixes: str) -> list[Any]:
     """A small sample, and the character in either format; with --slow all samples."""
-    return [path if path.name in FEW else slow(path) for path in sample_files(*suffixes)]
+    return [
+        path if path.name in FEW else ci(path) if path.name in AT_EACH_COMMIT else slow(path)
+        for path in sample_files(*suffixes)
+    ]
 
 
 def files_of_all_kinds(*suffixes: str) -> list[Any]:

@@ -69,6 +69,7 @@ def test_constraints_without_weight_and_sides_that_are_symmetric_change_nothing(
     assert out.read_bytes() == once.read_bytes()
 
 
+@pytest.mark.ci
 def test_reports_keep_to_their_schema(samples: Path, tmp_path: Path) -> None:
     report, schema = tmp_path / "report.json", validator("report")
     out = tmp_path / "out.glb"
@@ -114,6 +115,7 @@ def test_metadata_in_written_files_keeps_to_its_schema(samples: Path, tmp_path: 
     assert found == 2 * (4 + 1)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", [slow("biped.glb"), slow("tpose.glb"), "arm.gltf", "biped.usda"])
 def test_streams_work_both_ways(name: str, samples: Path, tmp_path: Path) -> None:
     arguments = ["orient-joints", "-", "-o", "-", *(["--root", "shoulder"] if name == "arm.gltf" else [])]

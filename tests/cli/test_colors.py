@@ -35,6 +35,7 @@ def test_what_matters_has_a_colour_where_colours_are_asked_for(line: list[object
         assert (plain.stdout, plain.exit_code) == (_without(whole.stdout), whole.exit_code)
 
 
+@pytest.mark.ci
 def test_json_has_none() -> None:
     for line in (["check", PAIR], ["verify", BIPED, BIPED], ["recognise", BIPED], ["diff", BIPED, PAIR]):
         assert ESCAPE not in cli(*line, "--json", env={"FORCE_COLOR": "1"}).stdout

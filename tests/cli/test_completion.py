@@ -62,6 +62,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.ci
 def test_bash_completes(here: Path) -> None:
     asked = """source ./rigtri.bash
         tried() {

@@ -131,6 +131,7 @@ def test_an_option_without_its_value_names_the_page_of_its_command() -> None:
     assert cli("bake", "a.glb", "-o", "b.glb", "--to", code=2).stderr.endswith("Help: rigtri help bake\n")
 
 
+@pytest.mark.ci
 def test_values_may_be_written_in_capitals(samples: Path, tmp_path: Path) -> None:
     hero = samples / "biped.glb"
     for name, words in {
@@ -169,6 +170,7 @@ def test_words_that_stand_among_names_may_be_in_capitals(line: str, samples: Pat
     cli(*(places.get(word, word) for word in line.split()), code=0)
 
 
+@pytest.mark.ci
 def test_a_spec_may_have_words_in_capitals(samples: Path, tmp_path: Path) -> None:
     spec = tmp_path / "rig.yaml"
     spec.write_text("steps:\n- do: orient-joints\n  preset: Maya\n- do: add-controls\n  limbs: AUTO\n")

@@ -88,6 +88,7 @@ class Steps:
         self.counts.append((done, total, what))
 
 
+@pytest.mark.ci
 def test_work_on_many_things_tells_how_many_are_done() -> None:
     """Before, 76 clips and 5,000 controls took minutes without a sign."""
     steps = Steps()

@@ -58,6 +58,7 @@ def posed(rig: Rig, moves: Floats) -> tuple[Solver, PoseCache]:
     return solver, solver.run(parts)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("options", [{}, {"stretch": True}, {"soft": 0.1}])
 def test_the_end_stands_where_its_control_is_and_the_lower_bone_aims_at_it(
     options: dict[str, object],
@@ -83,6 +84,7 @@ def test_the_end_stands_where_its_control_is_and_the_lower_bone_aims_at_it(
         assert np.abs((mid + line - end)[reached]).max(initial=0.0) <= 1e-6 * size
 
 
+@pytest.mark.ci
 def test_a_flat_limb_at_zero_is_as_it_was() -> None:
     rig = flat_biped()
     _, cache = posed(rig, np.zeros((1, 3)))
@@ -90,6 +92,7 @@ def test_a_flat_limb_at_zero_is_as_it_was() -> None:
     assert max(np.abs(cache.world(node) - rig.world[node]).max() for node in joints) <= 1e-6
 
 
+@pytest.mark.ci
 def test_motion_goes_to_the_controls_of_a_flat_leg_and_back(tmp_path: Path) -> None:
     rigged, onto, back = (tmp_path / f"{word}.glb" for word in ("rigged", "onto", "back"))
     line = ("--ik", "thigh", "shin", "foot", "--whole-character")
@@ -108,6 +111,7 @@ def test_a_limb_that_ik_cannot_move_is_refused_by_name() -> None:
         add_controls(rig, options=AddControlsOptions(ik=[("upper_arm_L", "forearm_L", "hand_L")]))
 
 
+@pytest.mark.ci
 def test_a_recognised_limb_that_ik_cannot_move_is_left_out_with_a_warning() -> None:
     rig = moved_below(read(SAMPLES / "biped.glb").rig, {"hand_L": "upper_arm_L"})
     report = Report()

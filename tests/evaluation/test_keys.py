@@ -56,6 +56,7 @@ def test_reduced_rotations_are_not_reduced_again(count: int) -> None:
     np.testing.assert_array_equal(reduce_keys(times[keys], turns[keys], 1e-6), np.arange(len(keys)))
 
 
+@pytest.mark.ci
 def test_controls_of_a_spinning_character_rotate_less_than_a_quarter_between_keys() -> None:
     rig = rigged()
     hips = rig.find("hips")

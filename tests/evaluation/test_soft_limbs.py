@@ -107,6 +107,7 @@ def bones(rig: Rig) -> tuple[float, float]:
     return float(np.linalg.norm(b - a)), float(np.linalg.norm(c - b))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS, of=4))
 def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_pole(
     soft: float, knee: tuple[float, float] | None
@@ -120,6 +121,7 @@ def test_the_end_goes_as_far_as_documented_and_the_knee_is_on_the_side_of_the_po
     assert (side * distances).min() > -1e-7
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("knee", "soft"), every_other(list(KNEES.values()), SOFTS, of=4))
 def test_with_stretch_the_end_reaches_its_target(soft: float, knee: tuple[float, float] | None) -> None:
     rig = legged(knee, soft, stretch=True)
@@ -131,12 +133,14 @@ def test_with_stretch_the_end_reaches_its_target(soft: float, knee: tuple[float,
     assert side.min() > -1e-6
 
 
+@pytest.mark.ci
 def test_soft_by_hand() -> None:
     # From 0.8 of the leg on: 0.8 + 0.2 (1 - e^-1) at 1, and 0.8 + 0.2 (1 - e^-2) at 1.2.
     far, _, _ = reached(legged(None, 0.2), np.array([0.653, 0.768, 1.0, 1.2]))
     np.testing.assert_allclose(far, [0.653, 0.768, 0.92642411, 0.97293294], atol=1e-6)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("knee", ["bent", "straight"])
 def test_a_limb_whose_controls_have_keys_where_they_are_at_rest_stays_as_it_is(knee: str) -> None:
     rig = legged(KNEES[knee])
@@ -146,6 +150,7 @@ def test_a_limb_whose_controls_have_keys_where_they_are_at_rest_stays_as_it_is(k
         np.testing.assert_allclose(posed.world(node)[0], rig.normalised_world[node], atol=1e-7)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("stretch", [slow(False), True])
 @pytest.mark.parametrize("soft", [slow(0.05), 0.3, slow(0.9)])
 def test_joints_to_controls_to_joints_gives_the_motion_back_whatever_the_softness(

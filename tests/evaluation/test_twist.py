@@ -139,6 +139,7 @@ def _turns(local: Floats) -> Floats:
     return from_axes(nearest_rotation(local))
 
 
+@pytest.mark.ci
 def test_a_mirrored_joint_rotates_its_twist_joints_the_other_way() -> None:
     mirrored = replace(ARM, scale=ARM.scale * [[-1], [1], [1], [1]])
     turn = multiply(from_axis_angle(Y, 0.7), from_axis_angle(X, np.radians(80)))

@@ -245,6 +245,7 @@ def test_constraints_and_twist_move_in_blender_as_in_rigtri(ruled: Path, tmp_pat
     assert apart(rig, found, 0, RULED) <= IK
 
 
+@pytest.mark.ci
 def test_one_edit_in_blender_comes_home_by_the_documented_commands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -473,6 +474,7 @@ def block(mark: str) -> list[list[str]]:
 NASTY = 'x\'); import os; os.abort() #\n"""</script>\\ \u2028\ud800é'
 
 
+@pytest.mark.ci
 def test_names_cannot_become_code(rigged: dict[str, Path]) -> None:
     rig = read(rigged["biped.glb"]).rig
     names = [NASTY if name == "head_ctl" else name for name in rig.names]
@@ -575,6 +577,7 @@ def _setup_in_words(plan: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+@pytest.mark.ci
 def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     text = _setup_in_words(exported(rig, gltf=True).plan)

@@ -46,6 +46,7 @@ def test_a_stream_has_no_file_beside_it(samples: Path) -> None:
     assert "--sidecar needs a file" in done.output
 
 
+@pytest.mark.ci
 def test_with_dry_run_there_is_no_sidecar(samples: Path, tmp_path: Path) -> None:
     command = ["add-controls", str(samples / "biped.glb"), "-o", str(tmp_path / "out.glb"), "-n"]
     cli(*command, "--whole-character", "--sidecar", code=0)

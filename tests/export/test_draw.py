@@ -120,6 +120,7 @@ def test_a_straight_limb_has_its_root_to_end_line_alone() -> None:
     assert len(of_kind(seen(rig), "chord")) == 1
 
 
+@pytest.mark.ci
 def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> None:
     rig = _poles(_controls(read(SAMPLES / "biped.glb").rig, Report()), Report())
     marks = seen(rig)
@@ -209,6 +210,7 @@ def test_names_with_markup_or_controls_in_them_stay_text() -> None:
     svg.encode("utf-8")
 
 
+@pytest.mark.ci
 def test_a_thousand_joints_stay_readable() -> None:
     turn = np.arange(1000) * 0.1
     places = zip(np.cos(turn) * turn, np.sin(turn) * turn, turn, strict=True)
@@ -407,6 +409,7 @@ def test_the_words_over_a_picture_end_where_it_ends(wide: int) -> None:
     assert ("font-size: " in "".join(svg.split("</style>")[1:])) == (wide < 1000)
 
 
+@pytest.mark.ci
 def test_the_legend_has_the_colours_that_a_picture_has_and_the_page_has_the_same() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     words = {name: text for name, text in LEGEND.items() if text in rigtri.draw(rig)}

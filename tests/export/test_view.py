@@ -103,6 +103,7 @@ def test_limbs_and_pole_vectors_are_reported_by_their_nodes(samples: Path, tmp_p
     assert sum(one["pole"] >= 0 for one in told["limbs"]) == 1
 
 
+@pytest.mark.ci
 def test_joints_are_parented_to_joints_and_are_crooked_as_draw_has_them_whatever_stands_between() -> None:
     before = read(SAMPLES / "biped.glb").rig
     after = _controls(before, Report())

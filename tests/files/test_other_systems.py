@@ -91,6 +91,7 @@ def test_a_file_is_edited_in_place_on_a_bare_system(name: str, bare: set[Path], 
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
+@pytest.mark.ci
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="this system does not show open files")
 def test_a_system_that_lets_no_mapped_file_be_replaced_would_refuse_one(
     bare: set[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -28,6 +28,7 @@ def raised(error: Exception) -> None:
     raise error
 
 
+@pytest.mark.ci
 @SERVED
 def test_a_server_of_processes_that_is_killed_early_is_started_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     server: Any = forkserver._forkserver  # type: ignore[attr-defined]

@@ -66,6 +66,7 @@ def stretched(size: float, *joints: str) -> Limb:
 # Rotations.
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("size", "joints", "policy"),
     every_other(
@@ -95,6 +96,7 @@ def test_in_usd_a_joint_of_such_rotations_is_reoriented_as_its_parent_and_nothin
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.ci
 def test_a_reorientation_against_the_parent_would_be_seen_and_is_not_let_through(tmp_path: Path) -> None:
     source = made(tmp_path, stretched(0.7071, "elbow"), ".usda")
     turn = np.tile(IDENTITY, (len(read(source).rig), 1))
@@ -115,6 +117,7 @@ def test_who_allows_more_may_reorient_what_moves_no_more_than_that(tmp_path: Pat
     assert TOLERANCE < deviation(source, out) < 2e-3
 
 
+@pytest.mark.ci
 def test_a_parent_that_stays_holds_a_child_of_such_rotations(tmp_path: Path) -> None:
     source, out = made(tmp_path, stretched(3.0, "shoulder"), ".usda"), tmp_path / "out.usda"
     said = entries(oriented(source, out))

@@ -226,6 +226,7 @@ def test_frames_of_a_split_make_the_same_file_of_its_source(suffix: str, tmp_pat
         assert "--allow-rename" in refused.output
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_split_joint_lends_and_takes_axes_like_any_other(suffix: str, tmp_path: Path) -> None:
     source, out = made(tmp_path, CASES["a whole chain"], suffix), tmp_path / f"out{suffix}"

@@ -155,6 +155,7 @@ def test_what_a_clip_stretches_reaches_further(path: Any, tmp_path: Path) -> Non
     assert moved[wrist] == pytest.approx(still[wrist] * (2.0 if path == "scale" else 1.0))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("policy", ["snap", "split", "skip"])
 @pytest.mark.parametrize("noise", [slow(3e-6), 6e-6, 7e-6, slow(1e-5)])
 def test_noise_that_a_clip_makes_visible_counts_as_a_scale_that_is_not_uniform(

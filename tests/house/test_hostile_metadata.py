@@ -72,6 +72,7 @@ def test_metadata_of_types_that_rigtri_does_not_write_are_reported(
     use(broken)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "text", ["[" * 3000, slow("1" * 4400), slow("{"), slow("[]"), '{"v": 1, "type": "twist"}']
 )

@@ -32,6 +32,7 @@ def test_the_first_command_runs_the_main_job_and_prints_the_number(
     assert (tmp_path / "biped-oriented.glb").exists()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("page", "printed"), [("README.md", "largest vertex movement"), ("docs/library.md", "True ")]
 )

@@ -81,6 +81,7 @@ def evaluated(rig: Rig, *codes: str) -> Any:
     return posed
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_a_target_out_of_reach_is_pointed_at(name: str) -> None:
     rig, end, _, root, _ = limb(name)
@@ -92,6 +93,7 @@ def test_a_target_out_of_reach_is_pointed_at(name: str) -> None:
     np.testing.assert_allclose(c - a, [0.0, 0.0, bones], atol=1e-5)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_a_target_on_the_root_folds_the_limb(name: str) -> None:
     rig, end, _, root, _ = limb(name)
@@ -102,6 +104,7 @@ def test_a_target_on_the_root_folds_the_limb(name: str) -> None:
     assert "ik-no-side" in {notice.code for notice in report.warnings}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("share", [0.0, slow(2.0)])
 def test_a_pole_on_the_line_of_the_limb_keeps_the_side_of_the_rest_pose(name: str, share: float) -> None:
@@ -115,6 +118,7 @@ def test_a_pole_on_the_line_of_the_limb_keeps_the_side_of_the_rest_pose(name: st
     np.testing.assert_allclose(*elbows, atol=1e-3)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_joints_of_a_limb_that_are_at_one_place_have_controls(name: str) -> None:
     rig, *_ = limb(name)
@@ -145,6 +149,7 @@ def test_uneven_scale_of_a_control_is_that_of_its_joint(name: str) -> None:
     assert "control-scale" not in {notice.code for notice in heard.warnings}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_a_scale_of_zero_of_a_control_is_that_of_its_joint(name: str) -> None:
     rig = rigged(name)
@@ -153,6 +158,7 @@ def test_a_scale_of_zero_of_a_control_is_that_of_its_joint(name: str) -> None:
     assert not posed.part(rig.find("head")).scale.any()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("size", [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0]])
 @pytest.mark.parametrize("below", [False, True])
@@ -190,6 +196,7 @@ def test_a_scale_of_zero_of_the_root_control_in_a_clip_of_one_key_bakes_to_numbe
     assert not done.clips[0].tracks[-1].values.any()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_bake_reports_when_a_trouble_is_worst_and_strict_makes_it_an_error(name: str, tmp_path: Path) -> None:
     asks, out = (tmp_path / f"{k}{Path(name).suffix}" for k in range(2))
@@ -219,6 +226,7 @@ def test_a_soft_limb_whose_target_matching_has_placed_is_no_trouble(soft: float)
     assert "ik-unreachable" not in {notice.code for notice in report.warnings}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_a_scale_of_zero_of_an_ik_end_leaves_its_rotation(name: str) -> None:
     rig, end, _, root, hand = limb(name)
@@ -327,6 +335,7 @@ def test_an_ik_end_below_the_head_is_no_circle() -> None:
     assert all(np.isfinite(t.values).all() for c in bake(rig, options=BakeOptions()).clips for t in c.tracks)
 
 
+@pytest.mark.ci
 def test_an_ik_end_below_a_finger_of_the_other_hand_goes_where_ik_takes_that_hand() -> None:
     """The control of a finger hangs on the hand's, whose offset follows IK while that is at work."""
     rig = below(rigged(), "hand_L_ik_ctl_offset", "fingers_R_ctl")
@@ -353,6 +362,7 @@ def growing(rig: Rig) -> Rig:
     return replace(rig, clips=(replace(first, tracks=tuple(tracks)), *others))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_an_end_that_fk_below_the_solver_brings_to_its_target_is_no_trouble(name: str) -> None:
     up = bake(growing(rigged(name)), options=BakeOptions(to="controls"))
@@ -389,6 +399,7 @@ def test_a_mirrored_control_is_reported_as_such_and_not_as_uneven(scale: list[fl
     assert [told in notice.text for notice in report.warnings] == ([True] if told else [])
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("scale", [[-1.0, 1.0, 1.0], [2.0, -2.0, -2.0], [-0.5, -0.5, 0.5]])
 def test_a_mirrored_control_of_other_axes_than_its_joint_s_mirrors_along_its_own(scale: list[float]) -> None:
     rig = rigged("biped.glb")

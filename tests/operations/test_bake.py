@@ -43,6 +43,7 @@ from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("clip", ["walk", slow("wave")])
 def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
     rig = rigged()
@@ -50,6 +51,7 @@ def test_joints_to_controls_to_joints_gives_the_motion_back(clip: str) -> None:
     assert apart(rig, home, clip, sampling.key_times(rig.clip(clip))) < BOUND
 
 
+@pytest.mark.ci
 def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None:
     rig = rigged()
     report = Report()
@@ -67,6 +69,7 @@ def test_ik_is_at_work_in_the_round_trip_and_joint_keys_are_not_copied() -> None
     assert apart(rig, home, "walk", sampling.key_times(rig.clip("walk"))) > 0.01
 
 
+@pytest.mark.ci
 def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
     rig = rigged("tpose.glb")
     assert bake(replace(rig, clips=()), options=BakeOptions()) is rig or np.array_equal(
@@ -74,6 +77,7 @@ def test_a_rig_that_nobody_moved_bakes_to_itself() -> None:
     )
 
 
+@pytest.mark.ci
 def test_baking_again_changes_nothing() -> None:
     up = with_keyed_controls()
     once = bake(up, options=BakeOptions())
@@ -117,6 +121,7 @@ def test_a_control_without_keys_leaves_its_joint_alone() -> None:
     assert joints == {"head"}
 
 
+@pytest.mark.ci
 def test_stretch_and_soft_of_the_options_hold_for_all_limbs() -> None:
     rig = rigged()
     hand = control(rig, "hand_L", "ik")
@@ -171,6 +176,7 @@ def test_a_control_that_was_moved_at_rest_is_reported(suffix: str, tmp_path: Pat
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.ci
 def test_a_constraint_is_worked_out_in_every_clip() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     rig = constrain(rig, options=ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),)))
@@ -182,6 +188,7 @@ def test_a_constraint_is_worked_out_in_every_clip() -> None:
     np.testing.assert_allclose(world[:, staff], offset @ world[:, hand], atol=1e-5)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("hinge", "far"), [((0.0, 0.0, 1.0), 0.6), ((0.0, 1.0, 0.0), 2.4)])
 def test_poles_do_not_flip_when_a_limb_passes_straight(hinge: tuple[float, float, float], far: float) -> None:
     """Nor when it folds far the other way: the pole, as the bone saw it at rest, comes onto the line."""
@@ -212,6 +219,7 @@ def test_a_clip_of_one_key_and_a_control_of_uneven_scale_have_a_meaning() -> Non
     np.testing.assert_allclose(track.values, [[1.0, 2.0, 0.5]], atol=1e-6)
 
 
+@pytest.mark.ci
 def test_thinned_keys_keep_what_was_linear_few() -> None:
     rig = rigged()
     head = rig.find("head")
@@ -252,6 +260,7 @@ def test_a_file_without_controls_has_nothing_to_bake() -> None:
         bake(read(SAMPLES / "biped.glb").rig, options=BakeOptions())
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), slow("biped.usda"), slow("biped.usdz")])
 def test_the_command_takes_a_motion_to_controls_and_home_again(name: str, tmp_path: Path) -> None:
     steps = [tmp_path / f"{k}{Path(name).suffix}" for k in range(4)]
@@ -276,6 +285,7 @@ def test_a_description_comes_from_another_file_where_an_exporter_dropped_it(tmp_
 
 
 # A .vrma has no joints.
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "path",
     [
@@ -301,6 +311,7 @@ def test_real_motion_comes_home(path: Path) -> None:
         assert apart(rig, home, name, times[:: max(1, len(times) // 50)]) < BOUND
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_a_joint_that_only_the_root_control_moves_keeps_its_motion(name: str) -> None:
     only_limbs = AddControlsOptions(limbs="auto", root_control=True)

@@ -49,6 +49,7 @@ def test_a_motion_comes_home_between_its_keys_too(clip: str) -> None:
     assert not report.warnings
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_joints_follow_ik_between_keys(name: str) -> None:
     rig, report = reaching(name), Report()
@@ -66,6 +67,7 @@ def test_joints_follow_ik_between_keys(name: str) -> None:
     assert 10 < entry["frames"] < 1025
 
 
+@pytest.mark.ci
 def test_a_larger_tolerance_takes_fewer_samples() -> None:
     counts = []
     for tolerance in (1e-3, 1e-4, 1e-5):

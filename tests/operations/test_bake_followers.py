@@ -170,6 +170,7 @@ def test_a_rivet_whose_mesh_is_gone_keeps_its_keys_and_is_reported(tmp_path: Pat
     assert [t for t in baked.clips[0].tracks if t.node == rivet] == was
 
 
+@pytest.mark.ci
 def test_the_seat_is_that_of_the_rivet_not_of_its_number(tmp_path: Path) -> None:
     source, joint, mesh = source_of("glb", tmp_path)
     rig = built(read(source).rig, joint, mesh, Report())

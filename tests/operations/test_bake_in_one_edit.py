@@ -62,6 +62,7 @@ def test_what_was_added_and_baked_in_one_edit_is_what_was_intended(name: str, tm
     assert np.abs(moved[0][head] - moved[1][after.find("head")]).max() > 0.1
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_a_result_that_is_not_what_was_intended_is_refused(name: str, tmp_path: Path) -> None:
     """Before, a skin of USD that got joints in the edit was not compared at all."""
@@ -93,6 +94,7 @@ def test_a_result_that_is_not_what_was_intended_is_refused(name: str, tmp_path: 
     assert not (tmp_path / name).exists()
 
 
+@pytest.mark.ci
 def test_a_prim_that_a_constraint_moves_gets_its_keys_in_usd(tmp_path: Path) -> None:
     rule = ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),))
     ready, out = tmp_path / "ready.usda", tmp_path / "out.usda"

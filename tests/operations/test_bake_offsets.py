@@ -40,6 +40,7 @@ def off(rig: Rig, clip: str) -> float:
     return far
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("name", "clip"),
     [

@@ -25,6 +25,7 @@ def aim(rig: Rig, node: int) -> Floats:
     return np.asarray(normalise(rig.world[node, 0, :3]))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("names", NAMES)
 @pytest.mark.parametrize("ends", [False, True])
 def test_a_head_aims_alike_with_and_without_a_face(names: str, ends: bool) -> None:
@@ -43,6 +44,7 @@ def test_the_face_keeps_its_axes(names: str) -> None:
         np.testing.assert_allclose(out.world[body.parts[part]], body.rig.world[body.parts[part]], atol=1e-9)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "pose",
     [
@@ -72,6 +74,7 @@ def test_a_foot_without_toes_points_ahead_and_bends_as_one_with_toes(pose: Pose)
     )
 
 
+@pytest.mark.ci
 def test_a_head_whose_neck_stands_elsewhere_goes_on_as_the_trunk() -> None:
     body = posed_body(Pose())
     world = body.rig.world

@@ -280,6 +280,7 @@ def test_a_pole_of_nameless_joints_is_called_after_its_limb() -> None:
     assert {"left_arm_pole", "right_leg_pole"} <= set(names)
 
 
+@pytest.mark.ci
 def test_controls_of_nameless_joints_have_the_sides_of_their_limbs() -> None:
     rig = add_controls(posed_body(Pose("none", elbow=15.0)).rig, whole_character=True)
     controls = rig.records(ControlRecord).values()
@@ -289,6 +290,7 @@ def test_controls_of_nameless_joints_have_the_sides_of_their_limbs() -> None:
         assert {record.side for record in controls if record.joint in chain} == {side}
 
 
+@pytest.mark.ci
 def test_hands_close_where_the_nodes_are_turned_away_from_the_bind_pose() -> None:
     body = posed_body(Pose(arms=80.0))
     bind = orient_joints(body.rig).world

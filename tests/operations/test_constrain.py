@@ -376,6 +376,7 @@ def test_a_polevector_rule_knows_its_limb_and_keeps_its_bend() -> None:
         assert_allclose(pole, [wanted], atol=1e-12)
 
 
+@pytest.mark.ci
 def test_circles_are_refused_and_named(samples: Path) -> None:
     below = random_pose(0).with_nodes(["below"], [4], np.zeros((1, 3)), np.array([[0, 0, 0, 1.0]]))
     with pytest.raises(GeometryError, match="'child' → 'below' → 'child'"):
@@ -592,6 +593,7 @@ def in_poses(path: Path, names: list[str], random: np.random.Generator) -> bytes
     return glb_bytes(gltf, binary)
 
 
+@pytest.mark.ci
 def test_at_rest_the_exported_constraints_leave_all_where_it_was(samples: Path) -> None:
     rig = told(looking(read(samples / "biped.glb").rig), *VRM)
     assert_allclose(solved(rig), worlds(rig, rig.normalised_local), atol=1e-7)
@@ -702,6 +704,7 @@ def test_every_kind_is_the_same_in_both_formats(
             assert value == theirs[key]
 
 
+@pytest.mark.ci
 def test_usd_drivers_that_are_prims_are_targets(samples: Path, tmp_path: Path) -> None:
     from pxr import Usd
 

@@ -35,6 +35,7 @@ def off_bone(rig: Rig, joint: str, axis: int = 0, sign: float = 1.0) -> float:
     return float(np.degrees(np.arccos(min(1.0, cosine))))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("name", "options", "axis", "sign"),
     [
@@ -55,6 +56,7 @@ def test_controls_are_aimed_along_their_bones_and_joints_keep_their_axes(
     assert np.array_equal(built.world[: len(rig)], rig.world)
 
 
+@pytest.mark.ci
 def test_a_joint_stands_to_its_control_by_the_rest_offset() -> None:
     """joint_world = rest_offset · control_world, by matrices alone."""
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
@@ -74,6 +76,7 @@ def test_a_joint_stands_to_its_control_by_the_rest_offset() -> None:
         assert np.abs(rig.world[node, 3, :3] - joint[3, :3]).max() < 1e-6
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["tpose.glb", slow("biped.glb"), slow("biped.usda")])
 @pytest.mark.parametrize("edit", ["orient-joints", slow("add-controls"), slow("mirror"), slow("pose")])
 def test_aimed_controls_hold_the_motion_through_bakes_and_edits(name: str, edit: str, tmp_path: Path) -> None:
@@ -134,6 +137,7 @@ def reasons(path: Path) -> dict[str, str]:
     return {entry["joint"]: entry["reason"] for entry in report.added if "reason" in entry}
 
 
+@pytest.mark.ci
 def test_a_root_that_moves_no_vertex_and_eyes_keep_their_axes_and_the_report_says_why(tmp_path: Path) -> None:
     assert reasons(SAMPLES / "flat_ik.glb") == {"root": "root joint: its motion is root motion"}
     assert reasons(SAMPLES / "biped.glb") == {}  # its hips are a root with skin of their own
@@ -144,6 +148,7 @@ def test_a_root_that_moves_no_vertex_and_eyes_keep_their_axes_and_the_report_say
     assert np.abs(here[:3, :3] - joint[:3, :3]).max() < 1e-6
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("mode", "style"),
     every_other(
@@ -168,11 +173,13 @@ def test_mirror_gives_the_twin_of_a_control_the_mirrored_axes(
     assert not [pair for pair in found.worse() if pair.node.endswith("_ctl")]
 
 
+@pytest.mark.ci
 def test_both_sides_by_one_rule_are_symmetric_whatever_axes_the_joints_have() -> None:
     built = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     assert not [pair for pair in asymmetry(built).worse() if pair.node.endswith("_ctl")]
 
 
+@pytest.mark.ci
 def test_other_axes_of_a_control_leave_the_controls_below_where_they_are() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     again = rigtri.add_controls(rig, joints=("upper_arm_L",), aim="z", up="x")

@@ -85,6 +85,7 @@ def test_a_flat_shape_lies_across_its_bone_and_grows_with_it(frame: Literal["bon
         assert_allclose(np.linalg.norm(shape.strips[0], axis=1), np.linalg.norm(bone), rtol=0.2)
 
 
+@pytest.mark.ci
 def test_sides_have_their_colours(samples: Path) -> None:
     out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
     blue, red, yellow = (
@@ -119,6 +120,7 @@ def test_the_root_s_arrow_points_where_the_character_looks(samples: Path) -> Non
         assert np.count_nonzero(points @ tip > 0.99 * np.abs(points).max()) == 1
 
 
+@pytest.mark.ci
 def test_ik_ends_and_poles_join_the_tree_of_the_root_control(samples: Path) -> None:
     out = add_controls(read(samples / "biped.glb").rig, options=WHOLE)
     (root,) = controls(out, "root").values()
@@ -134,6 +136,7 @@ def whole(rig: Rig, report: Report) -> Rig:
     return add_controls(rig, options=WHOLE, report=report)
 
 
+@pytest.mark.ci
 def test_what_a_user_sets_on_a_control_stays(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.glb", tmp_path / "rig.glb", whole)
     rig = read(tmp_path / "rig.glb").rig
@@ -300,6 +303,7 @@ def test_lines_that_a_user_has_edited_stay_and_are_named(samples: Path, tmp_path
     assert_allclose(small, 0.5 * lines(read(one).rig, "forearm_L").segments, rtol=1e-5, atol=1e-9)
 
 
+@pytest.mark.ci
 def test_a_pole_vector_is_drawn_anew_too(samples: Path, tmp_path: Path) -> None:
     one, two, three = (tmp_path / f"{k}.glb" for k in range(3))
     edit(samples / "biped.glb", one, whole)
@@ -410,6 +414,7 @@ def test_how_limbs_reach_is_stored_kept_and_mirrored(name: str, tmp_path: Path) 
     assert not {"soft", "stretch"} & set(note(plain, "hand_L"))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("whole", [False, True])
 def test_limbs_with_ik_have_fk_controls_below_it_though_they_deform_no_vertex(whole: bool) -> None:
     rig = read(SAMPLES / "biped.glb").rig
@@ -433,6 +438,7 @@ def test_limbs_with_ik_have_fk_controls_below_it_though_they_deform_no_vertex(wh
     assert len(again) == len(made)
 
 
+@pytest.mark.ci
 def test_what_a_hand_holds_does_not_make_its_control_larger() -> None:
     """The sample's right hand holds a staff; triangles of the two sides have other diagonals."""
     rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))

@@ -140,6 +140,7 @@ def test_metadata_of_the_rig_that_is_named_wins_and_that_is_reported() -> None:
     assert rig.names[node] in notice.text
 
 
+@pytest.mark.ci
 def test_joints_keep_their_rest_and_their_controls_get_that_of_the_other() -> None:
     rig = biped()
     control = next(n for n, note in rig.metadata.items() if note["type"] == "control")

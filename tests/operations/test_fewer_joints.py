@@ -24,6 +24,7 @@ from rigtri.report import Report
 TRUST = ReadOptions(allow_external_paths=True)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path) -> None:
     """The sample's head has an end joint; a twist joint that rigtri has added is none to go."""
@@ -69,6 +70,7 @@ def test_sockets_stay_in_every_run_and_ends_go() -> None:
     assert not {"wpn", "weapon_socket"} & set(rigtri.prune_joints(once, ends=True, sockets=True).names)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_path: Path) -> None:
     out = tmp_path / f"out{suffix}"

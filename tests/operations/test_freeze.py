@@ -156,6 +156,7 @@ def test_a_root_that_holds_no_turn_is_not_noted_as_blenders_own(
     assert Usd.Stage.Open(str(other)).GetPrimAtPath("/Root").HasCustomDataKey("Blender:generated")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("scale", ["(-1, 1, 1)", "(-2, -2, -2)"])
 def test_a_mirrored_prim_above_a_skeleton_is_frozen(scale: str, tmp_path: Path) -> None:
     path, out = tmp_path / "in.usda", tmp_path / "out.usda"

@@ -29,6 +29,7 @@ def test_limbs_with_japanese_names_are_several_and_found_by_them(name: str, samp
     assert make_limb(out, options=MakeLimbOptions(guides=guides)).names == out.names
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("name", "valid"),
     [("手", "手"), ("weapon grip", "weapon_grip"), ("1", "_1"), ("root.001", "root_001"), ("a/b c", "a_b_c")],

@@ -96,6 +96,7 @@ def left_arm(rig: Rig) -> Rig:
     return add_controls(rig, options=options)
 
 
+@pytest.mark.ci
 def test_what_one_arm_has_the_other_gets(samples: Path) -> None:
     out = mirror(left_arm(read(samples / "biped.glb").rig))
     for name in ("clavicle", "upper_arm", "forearm", "hand"):
@@ -240,6 +241,7 @@ def moved(name: str, folder: Path, samples: Path) -> Path:
     return path
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 @pytest.mark.parametrize("mode", MODES)
 def test_a_character_that_stands_elsewhere_is_mirrored_in_its_own_space(

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import Golden
 from numpy.testing import assert_allclose
-from places import slow
+from places import first, slow
 from program import cli
 from second_opinions import validator
 
@@ -116,6 +116,7 @@ def test_a_chain_that_names_no_joint_is_reported_and_left_out(samples: Path, nam
     assert "control 'hand_L_ik_ctl' is not mirrored: the other side has no such joint" in left_out
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", FILES)
 def test_all_of_one_side_is_built_on_the_other_once_and_nothing_else_moves(
     name: str, samples: Path, tmp_path: Path, golden: Golden
@@ -140,7 +141,7 @@ def test_all_of_one_side_is_built_on_the_other_once_and_nothing_else_moves(
     golden.check(f"mirror_{name}.txt", describe(rig) + "\n")
 
 
-@pytest.mark.parametrize("mode", MIRRORS)
+@pytest.mark.parametrize("mode", first(MIRRORS))
 def test_the_joints_of_a_limb_are_mirrored_as_the_mode_requires(mode: Mirror, samples: Path) -> None:
     out = mirror(left(read(samples / "biped.glb").rig), options=MirrorOptions(mode=mode))
     world = out.world
@@ -153,6 +154,7 @@ def test_the_joints_of_a_limb_are_mirrored_as_the_mode_requires(mode: Mirror, sa
     assert ("aim" in said(out, "wing_1_R")) == (mode != "orientation")
 
 
+@pytest.mark.ci
 def test_equal_rotations_of_a_made_limb_and_its_mirror_image_give_a_mirrored_skin(built: Rig) -> None:
     posed = turned(built, wing_1=about(1, 2, -1), wing_2=about(-2, 1, 0.5)).world
     points = np.array([[0.1, 0.02, 0.03, 1.0], [0.0, -0.2, 0.1, 1.0]])
@@ -284,6 +286,7 @@ def test_what_is_changed_on_one_side_is_brought_up_to_date_on_the_other(built: R
     assert {"twist", "constraint"} <= {entry["type"] for entry in report.added}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("what", "kind"),
     [("limbs", "limb"), slow("twists", "twist"), ("constraints", "constraint"), slow("rivets", "rivet")],

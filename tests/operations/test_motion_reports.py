@@ -58,6 +58,7 @@ def baked(source: Path, target: Path) -> Outcome:
     return edit(source, target, lambda rig, report: bake(rig, options=BakeOptions(), report=report))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_bake_reports_how_far_it_moves_joints_where_and_when(name: str, tmp_path: Path) -> None:
     source = whole(name, tmp_path)
@@ -79,6 +80,7 @@ def test_bake_reports_how_far_it_moves_joints_where_and_when(name: str, tmp_path
     assert told.as_json()["motion"]["clips"][worst.clip] == told.motion.deviation
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_what_moves_nothing_reports_it(name: str, tmp_path: Path) -> None:
     source = whole(name, tmp_path, move=False)
@@ -91,6 +93,7 @@ def test_what_moves_nothing_reports_it(name: str, tmp_path: Path) -> None:
     assert told.verification.summary().endswith("; everything that IN shows moves as in IN")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", NAMES)
 def test_take_clips_reports_how_far_what_it_took_moves(name: str, tmp_path: Path) -> None:
     edited = tmp_path / f"edited.{name}"
@@ -193,6 +196,7 @@ def test_a_pose_reports_how_far_the_rest_moves(tmp_path: Path) -> None:
     assert "at rest" in told.summary()
 
 
+@pytest.mark.ci
 def test_the_report_of_a_command_has_the_motion(tmp_path: Path) -> None:
     source, out = whole("biped.glb", tmp_path), tmp_path / "out.glb"
     report = tmp_path / "report.json"
@@ -307,6 +311,7 @@ def test_a_build_reports_the_motion_of_its_steps(tmp_path: Path) -> None:
     assert "everything that was in the file is unchanged" not in done.output
 
 
+@pytest.mark.ci
 def test_controls_are_not_what_moves_where_an_exporter_has_dropped_the_metadata(tmp_path: Path) -> None:
     """They rest where the current frame shows them, and their lines with them; IN's joints rest alike."""
     source, plain = whole("biped.gltf", tmp_path, move=False), tmp_path / "plain.gltf"

@@ -107,6 +107,7 @@ def test_a_preset_gives_the_axes_it_is_named_for(name: str) -> None:
         assert_allclose(found, HAND_CHECKED[name], atol=1e-12)
 
 
+@pytest.mark.ci
 def test_the_table_of_presets_states_what_they_give() -> None:
     table = (ROOT / "docs" / "presets.md").read_text("utf-8")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines() if "| `" in line]

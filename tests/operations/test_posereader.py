@@ -162,6 +162,7 @@ def for_kind(kind: str, options: AddPosereaderOptions = BULGE) -> AddPosereaderO
     return options if kind == "glb" else replace(options, driver="b")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("kind", ["glb", "usda"])
 def test_a_morph_follows_the_pose_and_the_other_keeps_its_keys(kind: str, tmp_path: Path) -> None:
     source = source_of(kind, tmp_path)
@@ -200,6 +201,7 @@ def test_the_same_reader_evaluated_from_its_metadata_gives_the_same(kind: str, t
     assert_allclose(said[:, 0], weights_of(tmp_path / f"out.{kind}", times)[:, 0], atol=2e-4)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("kind", ["glb", "usda"])
 def test_verify_by_itself_sees_what_was_driven(kind: str, tmp_path: Path) -> None:
     source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
@@ -208,6 +210,7 @@ def test_verify_by_itself_sees_what_was_driven(kind: str, tmp_path: Path) -> Non
     cli("verify", source, target, code=6)
 
 
+@pytest.mark.ci
 def test_the_self_check_excludes_driven_targets_alone(tmp_path: Path) -> None:
     source, target = arm().glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     driven(source, target)
@@ -222,6 +225,7 @@ def test_the_self_check_excludes_driven_targets_alone(tmp_path: Path) -> None:
     assert passes({2: {0, 1}})
 
 
+@pytest.mark.ci
 def test_steps_of_other_morphs_stay_steps(tmp_path: Path) -> None:
     source, target = arm(weights="STEP").glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     driven(source, target)
@@ -235,6 +239,7 @@ def test_spline_weights_are_refused_by_name(tmp_path: Path) -> None:
     assert not (tmp_path / "out.glb").exists()
 
 
+@pytest.mark.ci
 def test_weights_that_nothing_drove_get_a_channel_of_their_own(tmp_path: Path) -> None:
     source, target = arm(weights=None).glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     driven(source, target)
@@ -270,6 +275,7 @@ def test_a_blend_shape_of_two_meshes_is_driven_in_both_or_not_at_all(tmp_path: P
     driven(source, tmp_path / "out.usda", replace(for_kind("usda"), morph=both))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("kind", ["glb", "usda"])
 def test_a_target_without_a_morph_gets_a_node_with_its_weight(kind: str, tmp_path: Path) -> None:
     source, target = source_of(kind, tmp_path), tmp_path / f"out.{kind}"
@@ -293,6 +299,7 @@ def with_control(rig: Rig, report: Report) -> Rig:
     return add_posereader(rig, options=options, report=report)
 
 
+@pytest.mark.ci
 def test_a_control_has_the_value_as_an_attribute_over_time(tmp_path: Path) -> None:
     source = arm_usd(tmp_path)
     edit(source, tmp_path / "once.usda", with_control)
@@ -317,6 +324,7 @@ def test_values_of_a_control_that_usd_would_call_alike_are_refused(tmp_path: Pat
         add_posereader(rig, options=options)
 
 
+@pytest.mark.ci
 def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     for kind in ("dot", "cone", "rbf"):
@@ -423,6 +431,7 @@ def test_a_pose_outside_its_clip_is_that_at_the_end_and_reported(tmp_path: Path)
     assert readers[0] == readers[1]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("kind", ["dot", "rbf"])
 def test_a_reader_gives_the_same_for_a_pose_after_its_joints_were_reoriented(
     kind: str, samples: Path
@@ -443,6 +452,7 @@ def test_a_reader_gives_the_same_for_a_pose_after_its_joints_were_reoriented(
     assert np.ptp(found[0]) > 0.01
 
 
+@pytest.mark.ci
 def test_a_morph_target_that_another_reader_drives_is_reported(tmp_path: Path) -> None:
     report = Report()
     rig = read(arm().glb(tmp_path / "arm.glb")).rig
@@ -541,6 +551,7 @@ def test_a_corrective_joint_moves_turns_and_grows_with_the_weight() -> None:
     assert [len(clip.tracks) for clip in bare.clips] == [len(clip.tracks) for clip in _helped().clips]
 
 
+@pytest.mark.ci
 def test_a_second_run_of_corrective_joints_changes_nothing_and_another_takes_back() -> None:
     rig = _bent(("bent", "fix_1_L", "tx=0.02"))
     again = rigtri.add_posereader(rig, joint=(("bent", "fix_1_L", "tx=0.02"),), **ELBOW)
@@ -583,6 +594,7 @@ def test_what_no_corrective_joint_can_do_is_refused(
         _bent(joint)
 
 
+@pytest.mark.ci
 def test_corrective_joints_are_written_as_they_were_declared(tmp_path: Path) -> None:
     for name in ("biped.glb", "biped.usda"):
         out = tmp_path / name

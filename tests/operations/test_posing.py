@@ -25,6 +25,7 @@ from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
 
+@pytest.mark.ci
 def test_the_pose_is_the_one_that_baking_gives() -> None:
     up = with_keyed_controls()
     # The IK end says otherwise than the joints' own keys.
@@ -47,6 +48,7 @@ def test_without_evaluation_it_is_the_clip_as_it_plays() -> None:
         np.testing.assert_allclose(row["position"], world[rig.find(row["joint"]), 3, :3], atol=1e-12)
 
 
+@pytest.mark.ci
 def test_a_written_pose_is_the_rest_pose_and_stays_when_evaluated_again() -> None:
     up = with_keyed_controls()
     taken = stored(take_pose(up, options=PoseOptions("walk@0.5")))
@@ -58,6 +60,7 @@ def test_a_written_pose_is_the_rest_pose_and_stays_when_evaluated_again() -> Non
     assert taken.clips == up.clips
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_the_command_writes_the_pose_it_prints(name: str, tmp_path: Path) -> None:
     out = tmp_path / name
@@ -100,6 +103,7 @@ def skinned(path: Path, clip: str | None, time: float) -> list[np.ndarray]:
     ]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", slow(".gltf"), slow(".usda"), slow(".usdc"), slow(".usdz")])
 def test_a_written_pose_skins_as_the_evaluated_source_does(suffix: str, tmp_path: Path) -> None:
     name = {".usdc": ".usda"}.get(suffix, suffix)

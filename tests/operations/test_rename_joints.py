@@ -42,6 +42,7 @@ def test_schemes_have_all_bones_of_the_body() -> None:
         assert bones <= written_names(scheme).keys(), scheme
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("scheme", "suffix"),
     every_other(["unreal", "rigify", "mixamo", "vrm", "biped", "daz"], [".glb", ".usda"], of=3),
@@ -123,6 +124,7 @@ def test_tokens_follow_everywhere_in_usd(tmp_path: Path) -> None:
             assert set(map(str, UsdSkel.Animation(prim).GetJointsAttr().Get())) <= set(tokens)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_controls_find_their_joints_by_the_new_names(suffix: str, tmp_path: Path) -> None:
     rig = rigtri.read(SAMPLES / f"biped{suffix}")

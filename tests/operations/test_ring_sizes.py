@@ -51,6 +51,7 @@ def sizes(name: str, kind: str) -> dict[str, float]:
     return {record.joint: record.size or 0.0 for record in records if record.kind == kind}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "tpose.glb"])
 def test_a_ring_is_as_wide_as_its_own_limb_and_not_as_what_else_its_plane_cuts(name: str) -> None:
     """The plane of a thigh cuts the other leg, and that of a clavicle the whole trunk."""
@@ -61,6 +62,7 @@ def test_a_ring_is_as_wide_as_its_own_limb_and_not_as_what_else_its_plane_cuts(n
         assert rings[f"clavicle_{side}"] < 0.6 * rings["chest"]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "tpose.glb"])
 def test_a_cube_is_as_large_as_the_limb_is_thick_where_it_arrives(name: str) -> None:
     """Not as long as the foot is; and alike on both sides, where the skin of the shin ends at the ankle."""

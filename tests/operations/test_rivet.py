@@ -105,6 +105,7 @@ def test_a_rivet_stays_on_the_surface_and_all_else_as_it_is(path: Path, tmp_path
         says.validate(note)
 
 
+@pytest.mark.ci
 def test_a_rivet_on_the_middle_of_a_triangle_by_hand(tmp_path: Path) -> None:
     """Points (0,0,0), (1,2,0), (0,3,0), morph 'other' at 0.25 moves the first to (0.25,0,0) at rest."""
     rig = read(arm().glb(tmp_path / "in.glb")).rig
@@ -127,6 +128,7 @@ def test_a_rivet_follows_skinning_and_morphs_by_hand(tmp_path: Path) -> None:
     assert_allclose(world, [[0, 3, 0], [-2, 1, 0.5]], atol=1e-6)
 
 
+@pytest.mark.ci
 def test_a_rivet_stands_where_its_weights_put_it_in_the_triangle(tmp_path: Path) -> None:
     rig = read(arm().glb(tmp_path / "in.glb")).rig
     places = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.2, 0.3, 0.5))
@@ -149,6 +151,7 @@ def test_selected_vertices_are_skinned_as_all_vertices_are(tmp_path: Path) -> No
         )
 
 
+@pytest.mark.ci
 def test_a_tighter_bound_takes_more_keys_and_keeps_it(tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb")
     counts = []
@@ -177,6 +180,7 @@ def test_more_frames_a_second_are_more_keys(tmp_path: Path) -> None:
     assert many.added[0]["keys"]["bend"] >= 30
 
 
+@pytest.mark.ci
 def test_usd_rivets_move_by_time_samples_under_the_skeletons_prim(tmp_path: Path) -> None:
     source = arm_usd(tmp_path)
     report = riveted(source, tmp_path / "out.usda", replace(MIDDLE, mesh="Skin"))
@@ -187,6 +191,7 @@ def test_usd_rivets_move_by_time_samples_under_the_skeletons_prim(tmp_path: Path
     assert not usd_errors(tmp_path / "out.usda") - usd_errors(source)
 
 
+@pytest.mark.ci
 def test_a_moving_parent_of_a_usd_scope_is_taken_out(tmp_path: Path) -> None:
     source = arm_usd(tmp_path)
     text = source.read_text("utf-8").replace(
@@ -271,6 +276,7 @@ def test_a_mesh_of_lines_or_without_area_holds_none(tmp_path: Path) -> None:
         add_rivet(rig, options=AddRivetOptions(mesh="Skin", vertex=(0,)))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_the_command_does_what_a_reviewer_has_read(
     name: str, samples: Path, tmp_path: Path, golden: Golden

@@ -54,6 +54,7 @@ def read_by_pose(rig: Rig, report: Report) -> Rig:
     return posereader.add_posereader(rig, options=wanted, report=report)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("kind", ["glb", slow("usda")])
 def test_a_pose_reader_takes_rivets_of_its_mesh_along(kind: str, tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb") if kind == "glb" else arm_usd(tmp_path)

@@ -77,6 +77,7 @@ def test_hips_are_no_root_because_they_have_its_name() -> None:
         rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"), name="hips")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("tokens", ["listed by the mesh", "those of the skeleton"])
 def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Path) -> None:
     source, out, again, moved = (tmp_path / f"{name}.usda" for name in ("source", "out", "again", "moved"))
@@ -135,6 +136,7 @@ def test_keys_that_hold_a_root_where_it_rests_do_not_hinder(rooted: Path, tmp_pa
         rigtri.root_motion(rigtri_with(rig, (*clip.tracks, turning)))
 
 
+@pytest.mark.ci
 def test_motion_over_the_ground_goes_to_the_root(rooted: Path, tmp_path: Path) -> None:
     source, out, again, still = (tmp_path / f"{name}.glb" for name in ("source", "out", "again", "still"))
     rig = rigtri.read(rooted)
@@ -331,6 +333,7 @@ def test_a_root_of_a_body_that_stands_elsewhere_is_as_low_as_its_feet(lift: floa
     assert made.world[made.find("root"), 3, 1] == pytest.approx(joints.min(), abs=1e-6)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_ik_bones_follow_feet_and_hands_in_every_clip(suffix: str, tmp_path: Path) -> None:
     """Also where a hand has a scale: what hangs at an IK bone keeps its size."""
@@ -388,6 +391,7 @@ def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
         rigtri.add_root(taken, profile="unreal")
 
 
+@pytest.mark.ci
 def test_controls_of_joints_that_are_known_by_their_paths_find_them_below_the_root() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     rig = replace(rig, names=tuple("hand" if name.startswith("hand_") else name for name in rig.names))

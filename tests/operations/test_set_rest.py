@@ -79,6 +79,7 @@ def test_a_joint_that_rests_by_a_matrix_gets_keys(tmp_path: Path) -> None:
         assert np.abs(places(before, number) - places(after, number)).max() < 1e-6
 
 
+@pytest.mark.ci
 def test_each_of_two_characters_of_a_stage_plays_as_before(tmp_path: Path) -> None:
     shutil.copy(SAMPLES / "biped.usda", tmp_path / "hero.usda")
     arcs = "".join(f'def "{name}" (references = @./hero.usda@)\n{{\n}}\n' for name in ("A", "B"))
@@ -87,6 +88,7 @@ def test_each_of_two_characters_of_a_stage_plays_as_before(tmp_path: Path) -> No
     assert deviation(source, out, at_rest=False) < 1e-6
 
 
+@pytest.mark.ci
 def test_a_moment_and_another_file_give_the_rest_pose(tmp_path: Path) -> None:
     out, alike = tmp_path / "out.glb", tmp_path / "alike.glb"
     cli("set-rest", SAMPLES / "biped.glb", "-o", out, "--pose", "walk@0.5", code=0)

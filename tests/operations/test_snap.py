@@ -66,6 +66,7 @@ def keyed(rig: Rig, clip: str) -> set[int]:
     return {track.node for track in rig.clip(clip).tracks}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("time", [slow(0.0), 0.3, slow(1.0)])
 def test_fk_takes_over_where_ik_has_put_the_joints(time: float) -> None:
     rig = posed_by_ik()
@@ -88,6 +89,7 @@ def test_ik_takes_over_where_fk_has_put_the_joints(time: float) -> None:
     assert control(rig, "hand_R", "ik") not in keyed(done, "new")
 
 
+@pytest.mark.ci
 def test_several_frames_stand_each_and_there_and_back_is_the_pose() -> None:
     rig = posed_by_fk()
     at = ("new@0.25", "new@0.75", "new@1")
@@ -98,6 +100,7 @@ def test_several_frames_stand_each_and_there_and_back_is_the_pose() -> None:
         assert apart(rig, back, moment) < 2 * BOUND
 
 
+@pytest.mark.ci
 def test_ik_takes_up_what_fk_controls_hold_below_it() -> None:
     rig = with_keyed_controls()
     elbow = control(rig, "forearm_L", "fk")
@@ -135,6 +138,7 @@ def test_what_takes_over_shows_the_whole_clip(to: str) -> None:
     assert end in keyed(again, clip)
 
 
+@pytest.mark.ci
 def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
     # The joints have keys of their own, which would show again without keys of FK controls.
     rig = with_keyed_controls()
@@ -152,6 +156,7 @@ def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
     assert control(rig, "hand_L", "fk") in keyed(done, "walk")
 
 
+@pytest.mark.ci
 def test_controls_below_a_limb_stand_on_its_joints_when_fk_has_taken_over() -> None:
     rig = posed_by_ik()
     done = snap(rig, options=SnapOptions("fk", ("walk@0.25",), (ARM,)))
@@ -166,6 +171,7 @@ def test_controls_below_a_limb_stand_on_its_joints_when_fk_has_taken_over() -> N
             np.testing.assert_allclose(*places, atol=BOUND * size(state))
 
 
+@pytest.mark.ci
 def test_splines_take_keys_and_stay_as_they_are_elsewhere() -> None:
     rig = posed_by_fk()
     done = snap(rig, options=SnapOptions("ik", ("new@0.5",), (ARM,)))
@@ -242,6 +248,7 @@ def outside() -> list[Any]:
     ]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("maker", "to", "time"), outside())
 def test_a_time_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
     maker: Callable[[], Rig], to: str, time: float

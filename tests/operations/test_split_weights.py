@@ -110,6 +110,7 @@ def test_a_fifth_joint_opens_a_second_set_unless_the_nearest_is_to_take_all(tmp_
     assert not [errors - before for errors in after if errors - before]
 
 
+@pytest.mark.ci
 def test_more_than_256_joints_need_larger_numbers(tmp_path: Path) -> None:
     builder = small(255)
     (primitive,) = builder.gltf["meshes"][0]["primitives"]
@@ -203,6 +204,7 @@ def test_a_draco_mesh_is_refused_by_name(tmp_path: Path) -> None:
         result(builder, tmp_path)
 
 
+@pytest.mark.ci
 def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
     from pxr import Usd
 
@@ -219,6 +221,7 @@ def test_usd_influences_keep_their_form(samples: Path, tmp_path: Path) -> None:
         assert len(new.Get()) == width * len(bodies[1].GetAttribute("points").Get())
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_the_command_reports_every_twist_joint(suffix: str, samples: Path, tmp_path: Path) -> None:
     arguments: list[Any] = ["add-twist", samples / f"biped{suffix}", "-o", tmp_path / f"out{suffix}"]
@@ -247,6 +250,7 @@ def test_options_that_do_not_fit_are_reported(
     assert words in run.output
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_path: Path, name: str) -> None:
     built, out = tmp_path / f"built_{name}", tmp_path / name
@@ -262,6 +266,7 @@ def test_rigid_lines_of_controls_do_not_disturb_the_check(samples: Path, tmp_pat
     assert outcome.verification.deviation < 1e-6
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("before", [False, True], ids=["at once", "later"])
 def test_a_skin_without_inverse_binds_gets_them_where_twist_joints_get_weight(
     before: bool, tmp_path: Path

@@ -56,6 +56,7 @@ def test_controls_put_in_and_taken_out_leave_the_file_as_it_was(path: Path, tmp_
     assert other == []
 
 
+@pytest.mark.ci
 def test_all_that_went_is_reported(samples: Path, tmp_path: Path) -> None:
     added = edit(samples / "hand.glb", tmp_path / "built.glb", controls).report.added
     removed = edit(tmp_path / "built.glb", tmp_path / "bare.glb", stripped).report.removed
@@ -121,6 +122,7 @@ def reordered(path: Path, extension: str) -> None:
     path.write_bytes(glb_bytes(gltf, binary))
 
 
+@pytest.mark.ci
 def test_nodes_that_another_tool_has_moved_go_too(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.glb", tmp_path / "built.glb", controls)
     reordered(tmp_path / "built.glb", "KHR_materials_unlit")
@@ -171,6 +173,7 @@ def test_an_extension_that_may_hold_numbers_of_nodes_is_named(
     assert not (tmp_path / "bare.glb").exists()
 
 
+@pytest.mark.ci
 def test_nothing_in_a_stripped_layer_speaks_of_rigtri(samples: Path, tmp_path: Path) -> None:
     edit(samples / "biped.usda", tmp_path / "built.usda", controls)
     edit(tmp_path / "built.usda", tmp_path / "bare.usda", stripped)

@@ -72,6 +72,7 @@ def in_format(suffix: str, samples: Path, folder: Path) -> Path:
 OF_COMMANDS = {"controls", "poles", "limbs", "twist", "rivet", "posereader", "constrain"}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "name", [slow(name) if name in OF_COMMANDS else name for name in (*STEPS, "everything")]
 )
@@ -209,6 +210,7 @@ def test_a_shape_that_the_clip_did_not_list_goes_from_it_again(tmp_path: Path) -
     assert texts[0] == texts[1]  # but for the spelling of the samples
 
 
+@pytest.mark.ci
 def test_keys_whose_clip_is_gone_are_named(tmp_path: Path) -> None:
     source, built = arm_usd(tmp_path), tmp_path / "built.usda"
     edit(source, built, driven)
@@ -235,6 +237,7 @@ def test_a_second_reader_of_the_same_morph_keeps_what_the_first_has_kept(tmp_pat
     assert comes_back(source, step, tmp_path) == source.read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_joints_of_ours_that_are_reoriented_keep_the_record_of_how_they_were_made(
     name: str, samples: Path, tmp_path: Path

@@ -98,6 +98,7 @@ def test_a_key_that_was_moved_under_other_axes_comes_home_alone(name: str) -> No
     assert changed == [("forearm_L", "rotation")]
 
 
+@pytest.mark.ci
 def test_lines_and_splines_stay_what_they_are() -> None:
     rig = rig_of()
     for clip, joint, way in (("walk", "thigh_L", "LINEAR"), ("wave", "forearm_R", "CUBICSPLINE")):
@@ -113,6 +114,7 @@ def test_lines_and_splines_stay_what_they_are() -> None:
         assert apart(home, rig, clip) > 0.01
 
 
+@pytest.mark.ci
 def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
     rig = rig_of()
     report = Report()
@@ -132,6 +134,7 @@ def test_unit_up_order_and_a_node_above_all_make_no_difference() -> None:
     assert apart(take_clips(large, from_=wanted), edited, "walk") < 100.0 * CLOSE
 
 
+@pytest.mark.ci
 def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
     rig = rig_of()
     bind = bind_pose.bind_worlds(rig, rig.skins[0])
@@ -151,6 +154,7 @@ def test_a_bind_pose_where_ours_rests_in_a_pose_is_no_motion() -> None:
     assert apart(home, made, "jump") < CLOSE
 
 
+@pytest.mark.ci
 def test_frames_of_a_dcc_are_no_change_where_it_interpolates_number_by_number() -> None:
     rig = rig_of()
 
@@ -173,6 +177,7 @@ def test_frames_of_a_dcc_are_no_change_where_it_interpolates_number_by_number() 
     assert [(rig.names[t.node], len(t.times)) for t in changed] == [("shin_R", 11)]
 
 
+@pytest.mark.ci
 def test_a_key_that_was_taken_out_is_seen() -> None:
     rig = rig_of()
     node = rig.find("thigh_L")
@@ -189,6 +194,7 @@ def test_a_key_that_was_taken_out_is_seen() -> None:
     assert apart(home, edited, "walk") < CLOSE
 
 
+@pytest.mark.ci
 def test_splines_that_came_back_as_frames_stay_unless_their_keys_moved() -> None:
     rig = rig_of()
     node = rig.find("forearm_R")
@@ -211,6 +217,7 @@ def test_splines_that_came_back_as_frames_stay_unless_their_keys_moved() -> None
     assert apart(take_clips(rig, from_=framed(1.5)), framed(1.5), "wave") < CLOSE
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("pattern", ["walk_{}", "{}|walk", "walk_{}.001", "{}Action"])
 def test_clips_that_were_split_per_object_are_one_again(pattern: str) -> None:
     rig = rig_of()
@@ -222,6 +229,7 @@ def test_clips_that_were_split_per_object_are_one_again(pattern: str) -> None:
     assert notices(report) == []
 
 
+@pytest.mark.ci
 def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_declared_to_be_another() -> None:
     rig = rig_of()
     head = rig.find("head")
@@ -243,6 +251,7 @@ def test_an_action_that_fits_no_clip_is_one_of_its_own_until_it_is_declared_to_b
         take_clips(rig, options=TakeClipsOptions(from_=edited, as_={"armAction": "wave"}))
 
 
+@pytest.mark.ci
 def test_new_clips_are_added_missing_ones_stay_and_only_those_requested_are_taken() -> None:
     rig = rig_of()
     edited = turned_key(turned_key(rig, "shin_L"), "forearm_R", "wave")
@@ -276,6 +285,7 @@ def test_controls_have_the_axes_of_what_is_above_them_whatever_frame_was_shown()
     assert take_clips(ours, from_=edited) is ours
 
 
+@pytest.mark.ci
 def test_a_joint_that_is_parented_elsewhere_moves_as_in_the_world() -> None:
     rig = turned_key(rig_of(), "chest")
     head, hips = rig.find("head"), rig.find("hips")
@@ -414,6 +424,7 @@ def _of(rig: Rig, nodes: list[int]) -> list[Track]:
     return [track for clip in rig.clips for track in clip.tracks if track.node in nodes]
 
 
+@pytest.mark.ci
 def test_keys_that_were_left_out_stay_with_a_notice() -> None:
     rig = rig_of()
     node = rig.find("shin_L")
@@ -423,6 +434,7 @@ def test_keys_that_were_left_out_stay_with_a_notice() -> None:
     assert notices(report) == ["kept-keys"]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("ours", "theirs"), [("biped.glb", "biped.usda"), ("biped.usda", "biped.glb")])
 def test_gltf_and_usd_take_from_each_other(ours: str, theirs: str, tmp_path: Path) -> None:
     document = read(SAMPLES / theirs)
@@ -463,6 +475,7 @@ def test_several_clips_for_a_usd_file_are_chosen_or_refused() -> None:
     )
 
 
+@pytest.mark.ci
 def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(tmp_path: Path) -> None:
     turned, out, report = tmp_path / "turned.glb", tmp_path / "out.glb", tmp_path / "report.json"
     edit(BIPED, turned, lambda rig, report: orient_joints(rig, report=report))
@@ -477,6 +490,7 @@ def test_the_program_leaves_the_bytes_of_what_nobody_has_changed(tmp_path: Path)
     ]
 
 
+@pytest.mark.ci
 def test_a_usd_mesh_below_a_prim_of_its_name_and_names_that_begin_with_digits_are_known() -> None:
     rig = rig_of()
     names = [f"2{name}" if name == "hand_L" else name for name in rig.names]
@@ -554,6 +568,7 @@ def ends(track: Track) -> Track:
     return replace(track, times=track.times[[0, -1]], values=track.values[[0, -1]])
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("by", "same"), [(4e-5, True), (4e-4, False)])
 def test_keys_that_an_exporter_left_out_as_nothing_hardly_moves_are_no_edit(by: float, same: bool) -> None:
     rig = rig_of()
@@ -563,6 +578,7 @@ def test_keys_that_an_exporter_left_out_as_nothing_hardly_moves_are_no_edit(by: 
     assert (take_clips(ours, from_=edited) is ours) == same
 
 
+@pytest.mark.ci
 def test_a_world_of_another_up_is_of_one_size_with_ours_whatever_pose_it_rests_in() -> None:
     rig = rig_of()
     lower = rig.rotation.copy()
@@ -610,6 +626,7 @@ def test_angles_of_usd_prims_describe_rotations_badly_where_two_axes_nearly_meet
     assert take_clips(ours, from_=with_raw(edited)) is not ours
 
 
+@pytest.mark.ci
 def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() -> None:
     rig = rig_of()
     times = np.linspace(0.0, 1.0, 9)
@@ -628,6 +645,7 @@ def test_scales_of_skeletons_in_usd_are_halves_and_lack_samples_that_are_near() 
     assert take_clips(ours, from_=with_raw(told(grown + 0.005, 9))) is not ours
 
 
+@pytest.mark.ci
 def test_a_rotation_is_an_edit_where_its_children_move_by_more_than_can_be_lost() -> None:
     rig = rig_of()
     for angle, same in ((2e-6, True), (2e-4, False)):
@@ -637,6 +655,7 @@ def test_a_rotation_is_an_edit_where_its_children_move_by_more_than_can_be_lost(
 # --- what is taken of a track
 
 
+@pytest.mark.ci
 def test_tangents_that_were_moved_are_an_edit() -> None:
     rig = rig_of()
     node = rig.find("forearm_R")
@@ -669,6 +688,7 @@ def frames(rig: Rig, joint: str, fps: float, edit: Callable[[Floats, Floats], Fl
     return with_tracks(rig, "walk", changed)
 
 
+@pytest.mark.ci
 def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_are_few() -> None:
     rig = rig_of()
     node = rig.find("thigh_L")
@@ -699,6 +719,7 @@ def test_outside_the_edited_frames_the_keys_stay_bit_for_bit_and_inside_there_ar
     )
 
 
+@pytest.mark.ci
 def test_a_new_clip_of_a_key_a_frame_has_as_few_keys_as_it_needs_and_its_length() -> None:
     rig = rig_of()
     edited = frames(rig, "thigh_L", 96.0, lambda times, values: values)

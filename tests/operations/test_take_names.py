@@ -98,6 +98,7 @@ def test_a_clip_that_was_declared_new_is_no_warning() -> None:
     assert not notices
 
 
+@pytest.mark.ci
 def test_the_command_takes_both_spellings(tmp_path: Path) -> None:
     biped, out = str(SAMPLES / "biped.glb"), str(tmp_path / "out.glb")
     words = ["take-clips", biped, "--from", biped, "-o", out, "--overwrite"]

@@ -82,6 +82,7 @@ def lowest(rig: Rig) -> float:
     return min(float(at[:, 1].min()) for name, at in places(rig, "walk", TIMES).items() if "toe" in name)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("name", "file"),
     every_other(list(BODIES), ["with keys", "as it is", "without skin", "without skin, with keys"], of=4),
@@ -100,6 +101,7 @@ def test_bones_point_as_in_edited_and_keep_their_lengths(name: str, file: str) -
         np.testing.assert_allclose(length(bone), length(was[joint]), rtol=1e-6)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("size", [1.0, 1.2, 3.0, 0.01])
 def test_what_carries_the_body_is_scaled_with_its_legs(size: float) -> None:
     rig, report = rig_of(), Report()
@@ -127,6 +129,7 @@ def test_feet_stay_on_the_ground_where_edited_rests_in_another_pose() -> None:
     assert abs(lowest(home) - lowest(rig)) < 5e-3
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("size", [1.0, 1.2, 0.5, 100.0])
 def test_a_larger_copy_with_keys_of_scale_gives_back_the_motion_of_the_rig(size: float) -> None:
     """Before, a copy 1.2 times as large made the character float by 0.2 and grow by 1.2."""
@@ -137,6 +140,7 @@ def test_a_larger_copy_with_keys_of_scale_gives_back_the_motion_of_the_rig(size:
         np.testing.assert_allclose(at, places(rig, "walk", TIMES)[name], atol=1e-5, err_msg=name)
 
 
+@pytest.mark.ci
 def test_a_bone_that_stretches_in_edited_stretches_by_as_much() -> None:
     rig = rig_of()
     edited = body(rig, {"forearm_L": 0.8})
@@ -149,6 +153,7 @@ def test_a_bone_that_stretches_in_edited_stretches_by_as_much() -> None:
     np.testing.assert_allclose(longer, 1.0 + 0.5 * TIMES, atol=1e-6)
 
 
+@pytest.mark.ci
 def test_bind_poses_in_another_unit_than_the_world_are_the_same_bodies() -> None:
     rig = rig_of()
     edited = body(rig, BODIES["all"])
@@ -194,6 +199,7 @@ def posed(rig: Rig, seed: int, most: float) -> Rig:
     return replace(rig, rotation=rotation)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("by", [(5.0, 0.0, 0.0), (0.0, 0.0, 5.0), (3.0, 0.0, -2.0)])
 def test_a_character_that_stands_aside_is_not_turned(by: tuple[float, float, float]) -> None:
     rig = rig_of()
@@ -203,6 +209,7 @@ def test_a_character_that_stands_aside_is_not_turned(by: tuple[float, float, flo
         np.testing.assert_allclose(found, there[name], atol=1e-6)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("seed", range(6))
 def test_both_files_may_rest_in_poses_of_their_own(seed: int) -> None:
     rig = held(rig_of(), "rotation")

@@ -71,6 +71,7 @@ def test_unchanged_tracks_show_where_a_longer_clip_that_starts_elsewhere_lies(na
     assert take_clips(home, from_=edited) is home
 
 
+@pytest.mark.ci
 def test_a_key_put_before_a_clip_that_starts_elsewhere_does_not_move_it() -> None:
     """The unchanged tracks tell more than the starts do."""
     plain = rig_of()
@@ -90,6 +91,7 @@ def test_a_key_put_before_a_clip_that_starts_elsewhere_does_not_move_it() -> Non
     assert changed[0].times[[0, 1, -1]] == pytest.approx([4.75, 5.0, 6.0])
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("stretch", [1.5, 0.6])
 def test_a_retimed_clip_that_starts_elsewhere_is_taken_as_a_whole_from_the_start_of_ours(
     stretch: float,
@@ -105,6 +107,7 @@ def test_a_retimed_clip_that_starts_elsewhere_is_taken_as_a_whole_from_the_start
     assert take_clips(home, from_=edited) is home
 
 
+@pytest.mark.ci
 def test_of_a_shorter_clip_the_keys_inside_stay_bit_for_bit_and_all_tracks_end_with_it() -> None:
     rig = rig_of()
     edited = with_tracks(rig, "walk", lambda track: cut(track, 0.0, 0.55))
@@ -160,6 +163,7 @@ def test_a_track_that_was_cut_goes_the_same_way_inside_and_one_that_was_held_eve
     assert cut(track, 4.0, 5.0).times.tolist() == [4.0]
 
 
+@pytest.mark.ci
 def test_steps_become_samples_just_before_each_jump_in_usd(tmp_path: Path) -> None:
     """A clip that an animator has made stepped: samples of USD go straight from one to the next."""
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -51,6 +51,7 @@ def in_centimetres(rig: Rig) -> Rig:
     return replace(rig, translation=rig.translation * 100.0, clips=clips)
 
 
+@pytest.mark.ci
 def test_other_axes_without_a_skin_are_refused_with_the_worst_joints_and_degrees() -> None:
     """Before, thighs were 90° and more off, and the self-check found all as intended."""
     rig = rig_of()
@@ -61,6 +62,7 @@ def test_other_axes_without_a_skin_are_refused_with_the_worst_joints_and_degrees
     assert apart(take_clips(rig, from_=edited), edited, "walk") < CLOSE
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("shown", [None, 0.3], ids=["rest", "a frame"])
 @pytest.mark.parametrize("unit", [1.0, 0.01])
 def test_the_same_skeleton_without_a_skin_is_taken(shown: float | None, unit: float) -> None:
@@ -148,6 +150,7 @@ def with_matrix(name: str, folder: Path, *, shear: float = 0.0) -> Path:
     return path
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("lenient", [False, True])
 def test_a_node_with_a_matrix_gets_the_parts_that_a_clip_moves(lenient: bool, tmp_path: Path) -> None:
     """Before, its motion was left out, or written beside the matrix, which glTF forbids."""
@@ -165,6 +168,7 @@ def test_a_sheared_matrix_is_refused_where_a_clip_would_move_it(tmp_path: Path) 
         take_clips(rig_of(path), from_=rig_of())
 
 
+@pytest.mark.ci
 def test_a_flat_matrix_is_moved_where_parts_hold_it_and_else_refused(tmp_path: Path) -> None:
     """Before, its motion was left out, and EDITED was said to have no changes."""
     rig = rig_of(with_matrix("thigh_L", tmp_path))

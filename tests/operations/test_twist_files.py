@@ -117,6 +117,7 @@ def test_split_weights_change_no_pose_that_does_not_twist_and_split_once(path: P
         assert_allclose(again.moved, outcome.verification.moved, rtol=1e-6)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_biped_with_twist_joints_reads_as_in_its_golden(
     name: str, samples: Path, tmp_path: Path, golden: Golden
@@ -125,6 +126,7 @@ def test_a_biped_with_twist_joints_reads_as_in_its_golden(
     golden.check(f"add-twist_{name}.txt", describe(read(tmp_path / name).rig) + "\n")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
     name: str, samples: Path, tmp_path: Path
@@ -145,6 +147,7 @@ def test_more_twist_joints_along_a_bone_find_new_places_at_rest_and_in_clips(
         )
 
 
+@pytest.mark.ci
 def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matrices(tmp_path: Path) -> None:
     gltf, binary = glb_parts(SAMPLES / "biped.glb")
     for skin in gltf["skins"]:

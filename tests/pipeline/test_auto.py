@@ -62,6 +62,7 @@ def _doubted(one: Character, which: str) -> Character:
     return replace(one, chains=tuple(chains))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_the_spec_that_auto_writes_builds_the_same_bytes(tmp_path: Path, name: str) -> None:
     out, again = tmp_path / f"out.{name}", tmp_path / f"again.{name}"
@@ -85,11 +86,13 @@ def test_auto_of_what_auto_has_built_changes_no_byte(tmp_path: Path) -> None:
     assert again.read_bytes() == out.read_bytes()
 
 
+@pytest.mark.ci
 def test_the_spec_of_the_biped_is_as_it_was(tmp_path: Path, golden: object) -> None:
     run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb")
     golden.check("auto_biped.glb.yaml", (tmp_path / "out.rig.yaml").read_text("utf-8"))  # type: ignore[attr-defined]
 
 
+@pytest.mark.ci
 def test_a_spec_that_is_there_is_replaced_only_on_request(tmp_path: Path) -> None:
     source, out, spec = SAMPLES / "flat_ik.glb", tmp_path / "out.glb", tmp_path / "mine.yaml"
     spec.write_text("mine")
@@ -103,6 +106,7 @@ def test_a_spec_that_is_there_is_replaced_only_on_request(tmp_path: Path) -> Non
     assert "thigh" in spec.read_text("utf-8")
 
 
+@pytest.mark.ci
 def test_a_spec_by_which_nothing_was_built_says_so(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     run("auto", SAMPLES / "biped.glb", "-o", out, "--tolerance", "1e-12", code=6)
@@ -136,6 +140,7 @@ def test_a_picture_that_cannot_be_written_says_what_was(
     assert f"p.svg: No space left on device. {words}" in result.stderr.splitlines()[-1]
 
 
+@pytest.mark.ci
 def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> None:
     picture = tmp_path / "hero.svg"
     result = run("auto", SAMPLES / "biped.glb", "-n", "--picture", picture)
@@ -190,6 +195,7 @@ def test_what_is_no_character_is_left_alone(tmp_path: Path, make: object) -> Non
     assert [path.name for path in tmp_path.iterdir()] == [source.name]
 
 
+@pytest.mark.ci
 def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     result = run("auto", written(two_characters(), tmp_path), "-o", out)
@@ -200,6 +206,7 @@ def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
 
 
+@pytest.mark.ci
 def test_the_report_lists_what_was_recognised_and_done(tmp_path: Path) -> None:
     result = run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--json")
     report = json.loads(result.stdout)
@@ -215,6 +222,7 @@ def test_the_report_lists_what_was_recognised_and_done(tmp_path: Path) -> None:
     assert (tmp_path / "out.rig.yaml").read_text("utf-8").startswith(report["spec"])
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("name", "root"), [("arm.usda", "/arm/shoulder"), ("arm.gltf", "shoulder")])
 def test_reading_options_stand_in_the_spec(tmp_path: Path, name: str, root: str) -> None:
     source, out, again = SAMPLES / name, tmp_path / f"out.{name}", tmp_path / f"again.{name}"
@@ -266,6 +274,7 @@ def test_words_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
     run("auto", source, "-o", out, "--spec-out", tmp_path / "a.toml", code=2)
 
 
+@pytest.mark.ci
 def test_a_character_on_standard_input_gets_the_same_rig(tmp_path: Path) -> None:
     source, named, piped = SAMPLES / "tpose.glb", tmp_path / "named.glb", tmp_path / "piped.glb"
     run("auto", source, "-o", named)
@@ -285,6 +294,7 @@ def test_a_scheme_of_ones_own_names_limbs_for_auto(tmp_path: Path) -> None:
     assert "no.toml" in refused.stderr
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "tpose.glb"])
 def test_the_axes_by_default_are_those_of_orient_joints_and_make_sense(name: str, tmp_path: Path) -> None:
     out, plain = tmp_path / "out.glb", tmp_path / "plain.glb"
@@ -297,6 +307,7 @@ def test_the_axes_by_default_are_those_of_orient_joints_and_make_sense(name: str
         assert np.abs(axes[0] - axes[1]).max() < 1e-5
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", slow(".usda")])
 def test_limbs_that_have_twist_joints_of_rigtri_keep_them(suffix: str, tmp_path: Path) -> None:
     one, built, again = (tmp_path / f"{name}{suffix}" for name in ("one", "built", "again"))

@@ -107,6 +107,7 @@ def test_auto_leaves_no_output_and_marks_its_spec_where_a_control_does_nothing(
     assert "hand_L_ik_ctl" in why
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda"), slow("mirrored_pair.glb"), "flat_ik.glb"])
 def test_each_twist_joint_that_auto_adds_has_weight(name: str, tmp_path: Path) -> None:
     out = tmp_path / f"out.{name}"

@@ -63,6 +63,7 @@ def test_what_pygltflib_keeps_is_kept(source: Path) -> None:
     assert [node.get("name") for node in after["nodes"]] == names
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.gltf"])
 def test_it_looks_the_same_and_is_what_the_file_would_become(name: str, tmp_path: Path) -> None:
     rig = orient_joints(from_pygltflib(held(SAMPLES / name)), aim="z", up="-x")
@@ -73,6 +74,7 @@ def test_it_looks_the_same_and_is_what_the_file_would_become(name: str, tmp_path
     assert_array_equal(read(made).rotation, read(tmp_path / name).rotation)
 
 
+@pytest.mark.ci
 def test_it_is_written_as_a_file_too(tmp_path: Path) -> None:
     rig = orient_joints(from_pygltflib(held(SAMPLES / "biped.gltf")))
     write(rig, tmp_path / "out.glb")
@@ -80,6 +82,7 @@ def test_it_is_written_as_a_file_too(tmp_path: Path) -> None:
     assert verify(SAMPLES / "biped.gltf", tmp_path / "out.glb").passes()
 
 
+@pytest.mark.ci
 def test_an_object_that_was_made_and_never_loaded(tmp_path: Path) -> None:
     loaded = held(SAMPLES / "biped.gltf")
     content = (SAMPLES / "biped.bin").read_bytes()

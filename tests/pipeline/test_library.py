@@ -91,6 +91,7 @@ def two(tmp_path: Path) -> tuple[Path, Path]:
     return folders
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("source", FILES, ids=lambda path: path.name)
 def test_every_format_gets_the_bytes_of_the_command(source: Path, two: tuple[Path, Path]) -> None:
     if not source.exists():
@@ -132,6 +133,7 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     assert (two[0] / "home.glb").read_bytes() == (tmp_path / "home.glb").read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("command", "function", "keywords", "name"),
     [
@@ -185,6 +187,7 @@ def test_what_looks_different_on_purpose_is_known_when_the_rig_is_written(tmp_pa
     assert not rigtri.write(plain, tmp_path / "plain.glb").report.morph_changes
 
 
+@pytest.mark.ci
 def test_operations_one_after_the_other_are_one_edit(tmp_path: Path) -> None:
     report = Report()
     rigtri.write(everything(rigtri.read(BIPED), report), tmp_path / "by-hand.glb")
@@ -193,6 +196,7 @@ def test_operations_one_after_the_other_are_one_edit(tmp_path: Path) -> None:
     assert report.added == outcome.report.added
 
 
+@pytest.mark.ci
 def test_what_operations_report_comes_with_what_is_written(tmp_path: Path) -> None:
     own = Report()
     first = rigtri.read(BIPED)
@@ -269,6 +273,7 @@ def test_joints_are_not_reoriented_where_a_skeleton_of_usd_is_made_shorter(tmp_p
     assert not (tmp_path / "out.usda").exists()
 
 
+@pytest.mark.ci
 def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
     source = tmp_path / "hero.glb"
     source.write_bytes(BIPED.read_bytes())

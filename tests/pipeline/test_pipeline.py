@@ -78,6 +78,7 @@ def test_a_dry_run_measures_and_writes_nothing(samples: Path, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.ci
 def test_an_existing_file_is_replaced_only_on_request(samples: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.glb"
     target.write_bytes(b"precious")
@@ -88,6 +89,7 @@ def test_an_existing_file_is_replaced_only_on_request(samples: Path, tmp_path: P
     assert len(read(target).rig) == len(read(samples / "biped.glb").rig)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz"])
 def test_source_and_target_may_be_one_file(name: str, samples: Path, tmp_path: Path) -> None:
     path = tmp_path / name
@@ -106,6 +108,7 @@ def test_a_gltf_takes_its_files_along(samples: Path, tmp_path: Path) -> None:
     assert (tmp_path / "biped.bin").read_bytes() == (samples / "biped.bin").read_bytes()
 
 
+@pytest.mark.ci
 def test_edits_of_a_gltf_in_place_do_not_pile_up_buffers(samples: Path, tmp_path: Path) -> None:
     from rigtri.operations.orient_joints.orient import OrientJointsOptions
 
@@ -172,6 +175,7 @@ def test_the_output_has_the_format_of_the_input(samples: Path, tmp_path: Path) -
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("edit_target", ["bare", "new"])
 def test_an_override_is_measured_over_its_source(edit_target: str, samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "over.usda"
@@ -184,6 +188,7 @@ def test_an_override_is_measured_over_its_source(edit_target: str, samples: Path
         edit(samples / "biped.usda", tmp_path / "bad.usda", nudge, options=options)
 
 
+@pytest.mark.ci
 def test_a_split_is_exact_in_gltf_and_refused_in_usd(samples: Path, tmp_path: Path) -> None:
     import numpy as np
 
@@ -234,6 +239,7 @@ def test_the_part_of_a_run_that_was_killed_is_removed_by_the_next(samples: Path,
     assert alive.exists()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tmp_path: Path) -> None:
     from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
@@ -250,6 +256,7 @@ def test_a_pole_vector_may_be_moved_by_a_second_run(name: str, samples: Path, tm
     assert len(read(one).rig) == len(read(two).rig)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -> None:
     """A ring of references would keep it open until the next collection, and layers stale."""
@@ -268,6 +275,7 @@ def test_a_file_is_let_go_as_soon_as_nobody_holds_it(samples: Path, name: str) -
         gc.enable()
 
 
+@pytest.mark.ci
 def test_a_file_about_to_appear_is_announced_before_it_does(samples: Path, tmp_path: Path) -> None:
     source, target = samples / "biped.gltf", tmp_path / "out.gltf"
     told: list[tuple[Outcome, StagedOutput]] = []

@@ -124,6 +124,7 @@ def asset(name: str) -> Path:
 # 1. Rest is not bind in 40 of 78.
 
 
+@pytest.mark.ci
 def test_where_rest_is_not_bind_the_user_chooses_and_both_stay(tmp_path: Path) -> None:
     leg = Leg()
     leg.gltf["nodes"][1]["rotation"] = from_axis_angle([0, 0, 1], 0.5).tolist()
@@ -305,6 +306,7 @@ def test_a_child_far_off_without_weight_is_no_continuation(tmp_path: Path) -> No
     assert np.degrees(angle(foot, [0.3, 0.1, 0])) > 30
 
 
+@pytest.mark.ci
 def test_several_roots_and_an_animated_root_are_reoriented_only_when_named(tmp_path: Path) -> None:
     leg = Leg()
     other = leg.node(name="second root", translation=[1, 0, 0])
@@ -341,6 +343,7 @@ def test_a_shin_whose_foot_is_parented_to_the_root_aims_at_the_foot(tmp_path: Pa
 # 9. Things on joints: rigid meshes, cameras, lights, on the joint itself, animated children.
 
 
+@pytest.mark.ci
 def test_whatever_is_parented_to_joints_stays_where_it_is(tmp_path: Path) -> None:
     leg = Leg()
     points = leg.accessor([[0, 0, 0], [0.1, 0, 0], [0, 0.2, 0]], min=[0, 0, 0], max=[0.1, 0.2, 0])
@@ -370,6 +373,7 @@ def test_whatever_is_parented_to_joints_stays_where_it_is(tmp_path: Path) -> Non
 # 10. Names: none, twice, colons, bars, dots, spaces.
 
 
+@pytest.mark.ci
 def test_joints_are_found_by_name_index_and_path(tmp_path: Path) -> None:
     leg = Leg()
     nodes = leg.gltf["nodes"]
@@ -431,6 +435,7 @@ def straight(leg: Leg) -> Leg:
     return leg
 
 
+@pytest.mark.ci
 def test_a_straight_leg_learns_its_hinge_from_its_clips(tmp_path: Path) -> None:
     leg = straight(Leg())
     turns = [from_axis_angle([0.6, 0, 0.8], turn) for turn in (0.1, 0.9, 1.2)]

@@ -118,6 +118,7 @@ def places(rig: Rig, clip: str, times: Floats) -> Floats:
     return sampling.worlds(rig, sampling.locals_at(rig, rig.clip(clip), times))[..., 3, :3]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("name", "suffix"), CASES)
 def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
     name: str, suffix: str, loop: Callable[[str], Loop], tmp_path: Path
@@ -153,6 +154,7 @@ def test_a_control_moved_in_blender_moves_its_limb_and_nothing_else(
     assert_follows(now, clip, trip.control, [now.find(name) for name in trip.chain], size)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("name", "suffix"), CASES)
 def test_nothing_is_taken_of_a_loop_in_which_nobody_has_moved_a_key(
     name: str, suffix: str, loop: Callable[[str], Loop]

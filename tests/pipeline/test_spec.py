@@ -205,6 +205,7 @@ steps:
 """
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("sample", ["biped.glb", *map(slow, ("biped.gltf", "biped.usda", "biped.usdz"))])
 def test_a_build_makes_what_its_commands_make_one_by_one(sample: str, tmp_path: Path) -> None:
     source = SAMPLES / sample
@@ -392,6 +393,7 @@ def test_files_that_are_no_specs_are_refused(tmp_path: Path) -> None:
         load(tmp_path / "latin.yaml")
 
 
+@pytest.mark.ci
 def test_files_that_a_spec_names_are_found_beside_it(tmp_path: Path) -> None:
     folder = tmp_path / "specs"
     folder.mkdir()
@@ -668,6 +670,7 @@ def test_spec_init_and_build_are_two_commands_from_a_character_to_its_rig(tmp_pa
     assert any(note["type"] == "control" for note in read(out).rig.metadata.values())
 
 
+@pytest.mark.ci
 def test_warnings_of_later_steps_speak_of_the_users_file(tmp_path: Path) -> None:
     source = tmp_path / "odd.glb"
     source.write_bytes((SAMPLES / "biped.glb").read_bytes())

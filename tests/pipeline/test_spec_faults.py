@@ -130,6 +130,7 @@ def test_a_mapping_over_several_lines_is_reported_at_its_key(tmp_path: Path) -> 
     assert list(faults(write(tmp_path, text), SAMPLES / "biped.glb")) == [(7, 10)]
 
 
+@pytest.mark.ci
 def test_steps_are_numbered_as_the_file_has_them(tmp_path: Path) -> None:
     text = 'steps:\n- {do: orient-joints, joints: "hand_{L,R}"}\n'
     text += '- {do: constrain, type: parent, child: "hed_{L,R}", driver: chest}\n'

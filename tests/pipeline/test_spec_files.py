@@ -123,6 +123,7 @@ def test_a_text_larger_than_any_real_one_is_refused(tmp_path: Path) -> None:
         text_of(path, most=4)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("sample", ["biped.glb", slow("biped.usda")])
 def test_a_stream_goes_through_several_steps_to_a_stream(sample: str, tmp_path: Path) -> None:
     spec, content = write(tmp_path, TWO), (SAMPLES / sample).read_bytes()

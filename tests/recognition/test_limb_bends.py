@@ -93,6 +93,7 @@ SMALL = [
 ]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("parts", "degrees", "axis", "bent"), SMALL)
 def test_clips_that_bend_a_little_the_wrong_way_are_not_believed(
     parts: tuple[str, ...], degrees: float, axis: Floats | None, bent: float
@@ -110,6 +111,7 @@ def test_clips_that_bend_a_little_the_wrong_way_are_not_believed(
     assert all("bent less than 10° in the animation clips" in text for text in doubted)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("degrees", [-12.0, -10.0, 10.0])
 def test_clips_that_bend_clearly_are_the_truth(degrees: float) -> None:
     """Also where the pose is bent a little to another side."""
@@ -130,6 +132,7 @@ def test_the_motion_of_straight_limbs_is_seen_below_a_negative_scale(above: str)
     assert max(max(both) for both in off(rig, body).values()) < 1
 
 
+@pytest.mark.ci
 def test_a_clear_motion_near_the_natural_side_confirms_it_against_the_pose() -> None:
     """And is the plane of a limb whose pose is straight."""
     aside = np.array([1.0, 0.0, 1.0])
@@ -140,6 +143,7 @@ def test_a_clear_motion_near_the_natural_side_confirms_it_against_the_pose() -> 
             assert least <= degrees <= most
 
 
+@pytest.mark.ci
 def test_a_few_clear_bends_go_before_many_small_ones() -> None:
     body = posed_body(Pose())
     locked = moved(body, KNEES, -6.0)
@@ -169,6 +173,7 @@ def test_a_straight_limb_follows_the_other_side_only_where_that_is_believed() ->
         assert sources["mixamorig:RightLeg"] == source
 
 
+@pytest.mark.ci
 def test_a_limb_that_is_not_believed_follows_a_clear_motion_of_the_other_side() -> None:
     """Both elbows are bent by 4° to the front, and a clip bends one of them backwards or forwards."""
     body = posed_body(Pose(elbow=-4.0))

@@ -44,6 +44,7 @@ def check(cases: Iterable[Case], *, named: float, unnamed: float) -> None:
         assert share(findings)[0] >= least, wrong
 
 
+@pytest.mark.ci
 def test_limbs_of_samples_and_real_files_are_right() -> None:
     check(files_here(), named=0.95, unnamed=0.85)
 
@@ -53,6 +54,7 @@ def test_limbs_of_hard_cases_are_right(tmp_path: Path) -> None:
     check(made(tmp_path), named=0.95, unnamed=0.7)
 
 
+@pytest.mark.ci
 def test_limbs_of_every_naming_scheme_are_right(tmp_path: Path) -> None:
     check(schemes(tmp_path), named=0.95, unnamed=0.85)
 

@@ -23,6 +23,7 @@ def gltf() -> Rig:
     return replace(chain((0, 0, 0), (0, 1, 0)), rules=FormatRules(facing=(0.0, 0.0, 1.0)))
 
 
+@pytest.mark.ci
 @given(directions, directions)
 def test_a_view_is_right_handed_and_unit_wherever_it_is_from(eye: Floats, up: Floats) -> None:
     view = View.along(eye, up, cross(eye, [0.3, 0.5, 0.8]))

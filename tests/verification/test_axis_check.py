@@ -78,11 +78,13 @@ def test_both_hands_and_each_knee_are_reported() -> None:
     assert found.count("axes.hinge") == 2
 
 
+@pytest.mark.ci
 def test_what_is_below_the_limits_is_not_reported() -> None:
     out = rolled(posed_body(Pose()), left_ring_1=25.0, left_lower_leg=15.0, chest=25.0)
     assert rules(out) == set()
 
 
+@pytest.mark.ci
 def test_poles_are_judged_where_a_limb_is_nearly_straight() -> None:
     assert rules(with_poles(posed_body(Pose()))) == set()
     assert rules(backwards(posed_body(Pose()))) == {"axes.pole"}
@@ -118,6 +120,7 @@ def test_rolled_hands_thumbs_feet_and_clavicles_are_named(part: str, degrees: fl
     assert "+y" in text
 
 
+@pytest.mark.ci
 def test_a_joint_within_a_finger_that_is_rolled_is_named() -> None:
     body = posed_body(Pose())
     found = list(axis_findings(rolled(body, left_ring_2=90.0)))
@@ -125,6 +128,7 @@ def test_a_joint_within_a_finger_that_is_rolled_is_named() -> None:
     assert rules(rolled(body, left_ring_2=25.0)) == set()
 
 
+@pytest.mark.ci
 def test_a_hand_whose_fingers_all_close_the_other_way_is_named() -> None:
     found = list(axis_findings(rolled(posed_body(Pose()), **dict.fromkeys(FINGERS, 180.0))))
     ((_, _, text),) = [each for each in found if each[0] == "axes.hands"]
@@ -132,6 +136,7 @@ def test_a_hand_whose_fingers_all_close_the_other_way_is_named() -> None:
     assert "by +y" in text
 
 
+@pytest.mark.ci
 def test_joints_without_weight_are_left_out() -> None:
     out = rolled(posed_body(Pose()), left_lower_leg=90.0)
     (skin,) = out.skins

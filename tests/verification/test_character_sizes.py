@@ -45,6 +45,7 @@ def in_a_field(samples: Path, folder: Path, suffix: str, off: float) -> Path:
     return out
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", ["usda", "gltf"])
 def test_a_ground_hides_no_elbow_that_is_off(suffix: str, samples: Path, tmp_path: Path) -> None:
     one = in_a_field(samples, tmp_path / "one", suffix, 0.0)

@@ -98,6 +98,7 @@ def test_what_a_sparse_accessor_replaces_does_not_count(tmp_path: Path) -> None:
     assert "gltf.mesh.vertex-nan" not in ids(check(sparse_texture(rows, {2: [1, 1]})(tmp_path)))
 
 
+@pytest.mark.ci
 def test_vertices_are_looked_at_some_at_a_time(tmp_path: Path) -> None:
     """A million more vertices, of which one is wrong far behind, take little more memory than their bytes."""
     normals = np.zeros((1_000_000, 3), dtype=np.float32)

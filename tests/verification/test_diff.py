@@ -403,6 +403,7 @@ def test_another_encoding_is_the_only_difference_of_a_copy(tmp_path: Path) -> No
     assert lines(found) == ["layers: ~ root layer  encoding usda → usdc"]
 
 
+@pytest.mark.ci
 def test_a_difference_of_another_layer_is_named_by_its_path(tmp_path: Path) -> None:
     one = planted(tmp_path / "a", ".usda")
     two = planted(tmp_path / "b", ".usda")
@@ -507,6 +508,7 @@ def test_whatever_stands_in_the_json_is_compared_or_refused(seed: int, tmp_path:
             assert not diff(*pair, verify=False).same
 
 
+@pytest.mark.ci
 def test_how_they_look_is_measured_unless_disabled(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "biped.glb"
     edit(samples / "biped.glb", out, lambda rig, report: orient_joints(rig, report=report))
@@ -537,6 +539,7 @@ def test_the_program_ends_with_0_1_and_2(samples: Path, tmp_path: Path) -> None:
     run(one, one, "--only", "nothing", code=2)
 
 
+@pytest.mark.ci
 def test_long_groups_are_cut_unless_all_is_requested(samples: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.glb"
     edit(samples / "biped.glb", out, lambda rig, report: orient_joints(rig, report=report))
@@ -599,6 +602,7 @@ def test_rotations_of_many_frames_are_those_of_each_alone() -> None:
     assert np.isnan(turns(np.full((1, 3, 3), np.nan), np.eye(3)[np.newaxis])[0][0])
 
 
+@pytest.mark.ci
 def test_the_work_of_a_difference_grows_as_the_joints_do(tmp_path: Path) -> None:
     """Four times as many joints take at most a little over four times as many calls, whatever the machine."""
     calls = []

@@ -305,6 +305,7 @@ REAL_FAULTS: dict[str, Fault] = {
 }
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("path", real_files(), ids=lambda p: p.name)
 def test_real_rigs_pass_with_random_axes_and_fail_with_any_fault(path: Path) -> None:
     document = read(path)

@@ -59,6 +59,7 @@ def test_a_real_file_in_usd_looks_the_same(path: Path | None, tmp_path: Path, as
     assert not usd_errors(out)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "look", [{}, {"up_axis": "z", "meters_per_unit": 0.01}], ids=["metres", "centimetres"]
 )
@@ -104,6 +105,15 @@ def test_joints_and_skins_share_a_skeleton_where_their_bind_poses_agree(stage: A
     coats = [p for p in stage.Traverse() if p.IsA(UsdGeom.Mesh) and p.GetParent().GetName() == "coat"]
     geom = UsdSkel.BindingAPI(coats[0]).GetGeomBindTransformAttr().Get()
     np.testing.assert_allclose(np.array(geom), np.diag([2.0, 2.0, 2.0, 1.0]), atol=1e-6)
+
+
+def test_colours_of_points_are_display_colours_and_opacities(stage: Any) -> None:
+    coat = next(p for p in stage.Traverse() if p.IsA(UsdGeom.Mesh) and p.GetParent().GetName() == "coat")
+    colour, opacity = (
+        UsdGeom.PrimvarsAPI(coat).GetPrimvar(f"display{name}") for name in ("Color", "Opacity")
+    )
+    np.testing.assert_allclose(np.array(colour.Get()), [[0.5, 0.25, 1.0]] * len(opacity.Get()))
+    np.testing.assert_allclose(np.array(opacity.Get()), 1.0)
 
 
 def test_whole_numbers_that_usd_has_no_int_for_are_kept_as_json() -> None:
@@ -193,6 +203,7 @@ def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, t
         rigtri.convert(everything, tmp_path / "b.usda", strict=True)
 
 
+@pytest.mark.ci
 def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_path: Path) -> None:
     outcome = rigtri.convert(samples / "biped.glb", tmp_path / "out.usdz")
     assert any("half floats" in notice.text for notice in outcome.report.warnings)
@@ -226,6 +237,7 @@ def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.ci
 def test_a_second_run_writes_the_same_bytes(everything: Path, tmp_path: Path) -> None:
     for name in ("a.usdz", "b.usdz"):
         (tmp_path / name[0]).mkdir()

@@ -77,6 +77,7 @@ JSON = st.recursive(
 )
 
 
+@pytest.mark.ci
 @given(
     old=st.dictionaries(st.text(max_size=3), JSON, max_size=5),
     more=st.dictionaries(st.text(max_size=3), JSON, max_size=3),
@@ -109,6 +110,7 @@ MEMBER = st.recursive(
 )
 
 
+@pytest.mark.ci
 @given(
     old=st.lists(st.dictionaries(KEYS, MEMBER, max_size=4), max_size=5),
     to=MEMBER,

@@ -274,6 +274,7 @@ CASES = [
 ]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(("kind", "style", "action"), CASES)
 def test_what_rigtri_does_not_know_survives(kind: str, style: str, action: str, tmp_path: Path) -> None:
     seed = 31 * sorted(STYLES).index(style) + len(kind)

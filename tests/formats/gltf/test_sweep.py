@@ -73,6 +73,7 @@ def _mixed(samples: Path, folder: Path) -> tuple[Path, Path]:
     return folder / "in.glb", run(folder / "in.glb", *steps[:2], _orient, *steps[2:], _mirror)
 
 
+@pytest.mark.ci
 def test_after_axes_have_changed_between_builds_nothing_of_ours_is_left(
     samples: Path, tmp_path: Path
 ) -> None:
@@ -93,6 +94,7 @@ def test_after_axes_have_changed_between_builds_nothing_of_ours_is_left(
     assert not measured.lost
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("first", [slow("controls"), "split weights"])
 def test_what_several_runs_have_replaced_goes_and_what_others_left_unused_stays(
     samples: Path, first: str, tmp_path: Path

@@ -121,6 +121,7 @@ def baked_alone(built: Path) -> int:
 
 
 # Of references alone, wherever they are, and of payloads, which are read as they are, others stand for them.
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "text", [slow(text) if text in ("once", "twice", "payload", "deep") else text for text in SHOTS]
 )
@@ -143,6 +144,7 @@ def test_a_composed_rig_bakes_as_the_rig_that_it_refers_to(text: str, built: Pat
     assert max(np.abs(one[key] - other[key]).max() for key in one) <= 1e-5 * size
 
 
+@pytest.mark.ci
 def test_references_survive_another_name_of_the_prim_that_is_referenced(built: Path) -> None:
     """Their texts name what is not there any more; relationships are remapped."""
     shot = built / "renamed.usda"
@@ -159,6 +161,7 @@ def test_references_survive_another_name_of_the_prim_that_is_referenced(built: P
         assert rig.labels[node].split("/")[1] == str(rig.keys[joint][1]).split("/")[1]
 
 
+@pytest.mark.ci
 def test_the_targets_of_constraints_are_relationships(built: Path) -> None:
     stage = Usd.Stage.Open(str(built / "rigged.usda"))
     control = next(p for p in stage.Traverse() if p.GetAttribute("rigtri:chain").Get())
@@ -179,6 +182,7 @@ def test_the_targets_of_constraints_are_relationships(built: Path) -> None:
     assert constraint.GetAttribute("rigtri:weights").GetTypeName() == "double[]"
 
 
+@pytest.mark.ci
 def test_influences_above_controls_do_not_move_their_curves(tmp_path: Path) -> None:
     rigid = "\n".join(
         [

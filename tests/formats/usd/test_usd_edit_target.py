@@ -23,6 +23,7 @@ def shot(tmp_path: Path) -> Path:
     return save(tmp_path, "#usda 1.0\n(\nsubLayers = [@./dept/all.usda@]\n)\n", "shot.usda")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("folder", ["dept", "versions"])
 def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) -> None:
     out = shot.parent / folder / "anim_v2.usda"
@@ -43,6 +44,7 @@ def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) ->
     assert deviation(shot, seen) < 1e-6
 
 
+@pytest.mark.ci
 def test_what_the_root_layer_comes_to_hide_is_told(shot: Path) -> None:
     out = shot.parent / "turned.usda"
     told = cli("orient-joints", shot, "-o", out, "--report", shot.parent / "report.json", code=0).stderr

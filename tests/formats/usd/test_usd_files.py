@@ -34,6 +34,7 @@ def test_a_rig_nobody_changed_gives_back_the_same_bytes(path: Path, tmp_path: Pa
     assert target.read_bytes() == path.read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.name)
 def test_reoriented_joints_move_no_point_in_our_eyes_nor_in_usdskels(path: Path, tmp_path: Path) -> None:
     source = _beside(path, tmp_path)

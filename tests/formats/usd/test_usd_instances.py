@@ -73,6 +73,7 @@ def test_reports_and_errors_of_a_crowd_name_the_prims_that_its_maker_knows(tmp_p
     assert f"</Root/Skel> of {tmp_path / 'parts' / 'hero.usda'}" in error
 
 
+@pytest.mark.ci
 def test_a_large_crowd_is_one_character_wherever_its_agents_stand(tmp_path: Path) -> None:
     """Fifty agents far apart and turned: one prototype, no copies, a file that hardly grows."""
     save(tmp_path, HERO, "parts/hero.usda")
@@ -146,6 +147,7 @@ def test_an_instance_inside_another_is_edited_through_both_classes(tmp_path: Pat
     assert prototypes(out) == prototypes(source) == 2
 
 
+@pytest.mark.ci
 def test_a_crowd_holds_in_a_shot_that_sublayers_or_references_it(tmp_path: Path) -> None:
     source = crowd(tmp_path)
     document = read(source)
@@ -227,6 +229,7 @@ def test_an_instance_that_is_turned_where_it_stands_looks_different(tmp_path: Pa
     assert "instance Two" in str(result.worst)
 
 
+@pytest.mark.ci
 def test_instances_that_stand_differently_are_reoriented_alike_to_the_bit(tmp_path: Path) -> None:
     source = turned_crowd(tmp_path)
     for preset in ("maya", "unreal-editor", "blender"):

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 from program import cli
 from pxr import Usd
@@ -46,6 +47,7 @@ def test_joints_stand_as_the_animation_poses_them_first(tmp_path: Path) -> None:
     assert "</World/Anim>" in notice.text
 
 
+@pytest.mark.ci
 def test_frames_of_a_skeleton_reorient_the_library_as_its_own_animation(tmp_path: Path) -> None:
     hero = save(tmp_path, scene(skeleton(), animation(), MESH))
     clips = save(tmp_path, library(animation()), "clips.usda")

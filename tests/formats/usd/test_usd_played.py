@@ -60,6 +60,7 @@ def tracks(rig: Rig, name: str, path: str) -> list[Track]:
     return [t for clip in rig.clips for t in clip.tracks if (t.node, t.path) == (node, path)]
 
 
+@pytest.mark.ci
 def test_keys_that_are_new_to_a_control_come_into_a_usd_file(tmp_path: Path) -> None:
     home = rigged(tmp_path)
     edited = keyed(home, tmp_path / "edited.usda", "chest_ctl")
@@ -94,6 +95,7 @@ def held(stage: Any) -> None:
         attribute.Set(value)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("still", [without_animation, slow(held)])
 def test_controls_move_joints_that_have_no_samples(still: Callable[[Any], None], tmp_path: Path) -> None:
     # Of its own: a layer that is opened by its path is the same for all who have it open.
@@ -152,6 +154,7 @@ def test_a_usd_file_that_has_lost_its_metadata_is_baked_with_that_of_another(
     assert np.abs(joint_poses(home) - joint_poses(out)).max() < 1e-5
 
 
+@pytest.mark.ci
 def test_keys_of_controls_read_the_same_with_metadata_and_without(tmp_path: Path) -> None:
     up = keyed_file("biped.usda", tmp_path / "up.usda")
     one, other = read(up).rig, read(without_notes(up, tmp_path / "bare.usda")).rig
@@ -230,6 +233,7 @@ def test_keys_that_repeat_the_rest_pose_of_a_node_of_ours_are_not_lost_and_other
     assert lost("scale", [[1, 1, 1], [1, 1, 1]], rig)  # of a node of somebody else
 
 
+@pytest.mark.ci
 def test_a_scale_that_sixteen_bits_cannot_hold_is_reported_by_name(tmp_path: Path) -> None:
     def larger(rig: Rig, report: Report, by: float) -> Rig:
         report.reposed = True

@@ -40,6 +40,7 @@ def test_an_animation_that_was_split_has_lost_nothing(other: str, tmp_path: Path
         assert result.lost + result.added + result.changed == ()
 
 
+@pytest.mark.ci
 def test_a_property_that_the_copy_lacks_is_lost(tmp_path: Path) -> None:
     source, out = split(tmp_path)
     head, copy = out.read_text().split('def SkelAnimation "Anim_2"')
@@ -51,6 +52,7 @@ def test_a_property_that_the_copy_lacks_is_lost(tmp_path: Path) -> None:
         assert any("translation of" in what for what in result.lost)
 
 
+@pytest.mark.ci
 def test_a_changed_key_of_the_copy_is_seen(tmp_path: Path) -> None:
     source, out = split(tmp_path)
     head, copy = out.read_text().split('def SkelAnimation "Anim_2"')
@@ -60,6 +62,7 @@ def test_a_changed_key_of_the_copy_is_seen(tmp_path: Path) -> None:
         assert not result.passes()
 
 
+@pytest.mark.ci
 def test_a_copy_that_nothing_is_bound_to_is_lost(tmp_path: Path) -> None:
     source, out = split(tmp_path)
     loose = out.read_text().replace("</Root/Anim_2>", "</Root/Anim>")

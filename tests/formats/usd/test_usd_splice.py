@@ -204,6 +204,7 @@ def test_a_block_of_too_many_statements_is_left_to_usd(monkeypatch: pytest.Monke
         changed(ODD, put("/B.tail", 8))
 
 
+@pytest.mark.ci
 def test_an_override_that_somebody_wrote_into_keeps_what_they_wrote(tmp_path: Path) -> None:
     path, over = rich(tmp_path), tmp_path / "over.usda"
     edit(path, over, EDITS["orient-joints"], options=ReadOptions(edit_target="bare"))
@@ -218,6 +219,7 @@ def test_an_override_that_somebody_wrote_into_keeps_what_they_wrote(tmp_path: Pa
     assert lost == []
 
 
+@pytest.mark.ci
 def test_the_text_in_a_package_keeps_its_bytes(tmp_path: Path) -> None:
     path = rich(tmp_path)
     package = packed(path)

@@ -73,6 +73,7 @@ def test_splines_are_read_as_usd_plays_them(tmp_path: Path) -> None:
     assert np.abs(found - _of_usd(path, "/lift/arm")).max() < 1e-12
 
 
+@pytest.mark.ci
 def test_conversion_follows_splines(tmp_path: Path) -> None:
     steady = LIFT.replace("0 & 9", "9").replace("post: linear,", "")
     path = save(tmp_path, steady)
@@ -84,6 +85,7 @@ def test_conversion_follows_splines(tmp_path: Path) -> None:
     assert np.abs(found - _of_usd(path, "/lift/arm")[:, 3]).max() < 1e-4
 
 
+@pytest.mark.ci
 def test_comparison_sees_what_splines_change(tmp_path: Path) -> None:
     first = read(save(tmp_path, LIFT), root="/lift")
     other = read(save(tmp_path, LIFT.replace("11: 90", "11: 80"), "other.usda"), root="/lift")

@@ -76,6 +76,7 @@ def test_a_split_is_refused_where_joints_may_not_be_renamed(tmp_path: Path) -> N
     assert not (tmp_path / "out.usda").exists()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usdz"])
 def test_a_split_puts_a_joint_above_in_every_encoding(suffix: str, tmp_path: Path) -> None:
     source, out, again = usd(tmp_path / f"in{suffix}", LIMB), tmp_path / f"o{suffix}", tmp_path / f"a{suffix}"
@@ -101,6 +102,7 @@ def test_indices_of_meshes_keep_their_meaning_and_their_bytes(own_order: bool, t
     assert tokens(out, "/Root/Body", "skel:joints") == (order[::-1] if own_order else order)
 
 
+@pytest.mark.ci
 def test_influences_that_shifted_by_a_split_are_seen(tmp_path: Path) -> None:
     source, out = usd(tmp_path / "in.usda", LIMB), tmp_path / "out.usda"
     split(source, out)
@@ -109,6 +111,7 @@ def test_influences_that_shifted_by_a_split_are_seen(tmp_path: Path) -> None:
     assert verify(read(source), read(broken)).deviation > 1e-2
 
 
+@pytest.mark.ci
 def test_what_a_split_has_added_is_lost_on_the_way_back(tmp_path: Path) -> None:
     source, out = usd(tmp_path / "in.usda", LIMB), tmp_path / "out.usda"
     split(source, out)
@@ -122,6 +125,7 @@ def test_what_a_split_has_added_is_lost_on_the_way_back(tmp_path: Path) -> None:
     assert "joint elbow_orient" in verify(read(source), read(unnoted)).added
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("edit_target", ["bare", "new"])
 def test_an_override_splits_too_and_leaves_its_source_alone(edit_target: str, tmp_path: Path) -> None:
     source, out, again = usd(tmp_path / "in.usdc", LIMB), tmp_path / "over.usda", tmp_path / "again.usda"
@@ -186,6 +190,7 @@ def test_a_joint_that_the_animation_leaves_at_rest_gets_no_column(tmp_path: Path
     assert deviation(source, out) < 2e-6
 
 
+@pytest.mark.ci
 def test_a_locator_is_found_again_after_its_joints_were_renamed(tmp_path: Path) -> None:
     def pole(rig: Rig, report: Report) -> Rig:
         limbs = (given(rig, "shoulder", "elbow", "wrist"),)
@@ -380,6 +385,7 @@ def test_a_joint_flat_at_rest_is_named_where_a_clip_leaves_some_of_it_to_rest(tm
         orient_joints(replace(rig, clips=(replace(clip, tracks=tracks),)), exclude=["elbow"])
 
 
+@pytest.mark.ci
 def test_a_pose_may_mix_the_scale_of_a_clip_with_the_rotation_of_a_mirrored_rest(tmp_path: Path) -> None:
     """A default scale beside sampled rotations: rest and scale mirror about the same axis."""
     text = usda(Limb(rest={"elbow": (-1, 1, 1)}))

@@ -57,6 +57,7 @@ def test_what_standard_output_gets_works_beside_the_source(
     assert deviation(source, save(tmp_path, text, "beside.usda")) < 1e-6
 
 
+@pytest.mark.ci
 def test_what_standard_output_gets_is_not_given_away_by_the_temporary_folder(
     tmp_path: Path, capsysbinary: pytest.CaptureFixture[bytes], monkeypatch: pytest.MonkeyPatch
 ) -> None:

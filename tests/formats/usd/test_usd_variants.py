@@ -161,6 +161,7 @@ def test_what_is_common_to_all_variants_is_written_once_outside_of_them(tmp_path
         assert list(prim.properties.keys()) == ["rotations"]
 
 
+@pytest.mark.ci
 def test_nested_variants_are_reoriented_in_every_combination(tmp_path: Path) -> None:
     inner = variant_set("mood", sad=over("Anim", RUN), glad=over("Anim", RUN.replace("0.8", "-0.8")))
     head = 'variants = { string mood = "glad" }\nprepend variantSets = "mood"'
@@ -194,6 +195,7 @@ def test_two_sets_that_matter_are_reoriented_in_every_combination(tmp_path: Path
     assert not layer.GetPrimAtPath("/Root{body=low}{clip=b}Anim")
 
 
+@pytest.mark.ci
 def test_instances_keep_their_variants_and_share_their_prototypes(tmp_path: Path) -> None:
     save(tmp_path, choosing(SCENES["animation"], clip="a"), "parts/hero.usda")
     chosen = "instanceable = true", 'instanceable = true\n    variants = { string clip = "b" }'

@@ -76,6 +76,7 @@ def test_the_line_above_a_node_ends_with_the_root() -> None:
     assert list(line(3, [-1, 0, 1, 1])) == [3, 1, 0]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("seed", [0, 1, *map(slow, range(2, 6))])
 def test_constraints_move_everything_as_before_whatever_reorientation_is_requested(
     seed: int, tmp_path: Path
@@ -89,6 +90,7 @@ def test_constraints_move_everything_as_before_whatever_reorientation_is_request
     assert rotates(turns_of(rig, after))[[NODES[n] for n in ("hips", "hand", "finger", "sleeve")]].all()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "preset", ["blender", "maya", *map(slow, sorted(PRESETS.keys() - {"blender", "maya"}))]
 )
@@ -99,6 +101,7 @@ def test_constraints_mean_the_same_under_every_preset(preset: str, tmp_path: Pat
         assert deviation(rig, after) < 1e-9
 
 
+@pytest.mark.ci
 def test_a_reorientation_that_a_constraint_forbids_is_seen_by_the_evaluator(tmp_path: Path) -> None:
     rig = opened(avatar(2), tmp_path)
     for name in CONSTRAINTS:
@@ -134,6 +137,7 @@ def test_a_source_is_reoriented_although_what_copies_it_was_not_named(tmp_path: 
     assert not [notice for notice in report.warnings if notice.code == "constraint"]
 
 
+@pytest.mark.ci
 def test_what_is_driven_does_not_reorient_its_source(tmp_path: Path) -> None:
     rig, report = opened(avatar(3), tmp_path), Report()
     options = OrientJointsOptions(joints=("sleeve", "hand"))
@@ -143,6 +147,7 @@ def test_what_is_driven_does_not_reorient_its_source(tmp_path: Path) -> None:
     assert reasons["sleeve"].startswith("'upper_arm' stays (not selected)")
 
 
+@pytest.mark.ci
 def test_a_driven_node_that_is_no_joint_follows_and_one_that_leads_stays(tmp_path: Path) -> None:
     builder = avatar(3, without=tuple(CONSTRAINTS))
     for node, source in (("badge", "upper_arm"), ("hair", "plate")):
@@ -236,6 +241,7 @@ def test_on_constraint_error_names_the_joint_and_what_to_do(tmp_path: Path) -> N
     orient_joints(free, options=OrientJointsOptions(on_constraint="error"))
 
 
+@pytest.mark.ci
 def test_the_least_is_frozen(tmp_path: Path) -> None:
     """By default the driven twist bones stay; each bond holds what its constraints compare, no more."""
     rig = opened(avatar(6), tmp_path)
