@@ -85,7 +85,8 @@ _OF_BONES = "joints take the planes of their own bones, not those of a body. Nam
 _UNSURE = {
     "biped": _OF_BONES,
     "quadruped": _OF_BONES,
-    "hand": "its fingers close about one axis, to the side that their bends or the thumb tell. Names as index_01_l make it sure",
+    "hand": "its fingers close about one axis, to the side that their bends or the thumb tell. "
+    "Names as index_01_l make it sure",
 }
 
 
