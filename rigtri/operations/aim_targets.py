@@ -12,6 +12,7 @@ import numpy as np
 from rigtri.frames.skeleton import ZERO_LENGTH, ReferencePose, Skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.matrices import transform_directions, transform_points
+from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
 from rigtri.model.joint_names import twin
@@ -190,15 +191,18 @@ def trunk_children(tree: Skeleton, characters: Iterable[Character]) -> dict[int,
     return after
 
 
-def chain_ends(tree: Skeleton, ref: ReferencePose, characters: Iterable[Character]) -> dict[int, int]:
-    """For the last joint of each sure finger, hand, foot and head the one that says where it ends, if any.
+def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Character]) -> dict[int, int]:
+    """For each joint of a sure finger or foot the next one, however far that is bent.
 
-    A head on four legs goes on from the neck to its nose.
+    And for the last of each finger, hand, foot and head the one that says where it ends, if any. A head on
+    four legs goes on from the neck to its nose.
     """
-    found = {}
+    found: dict[int, int] = {}
     for character in characters:
-        for chain in (chain for chain in character.chains if chain.kind in _ENDED and chain.is_sure):
+        for chain in (chain for chain in character.sure_chains if chain.kind in _ENDED):
             last = chain.joints[-1]
+            if chain.kind in ("finger", "foot"):
+                found |= {a: b for a, b in pairwise(chain.joints) if tree.above.get(b) == a}
             # What hangs at a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
@@ -224,7 +228,18 @@ def _end_joints(tree: Skeleton, ref: ReferencePose, joint: int, *, called: bool)
     if found or called:
         return found
     bare = [k for k in below if not (tree.carries[k] or tree.below[k] or roles_in_name(names[k]))]
-    return [k for k in bare if _within(tree, ref, joint, k, AVERAGE_OFF)]
+    return [k for k in bare if _within(tree, ref, joint, k, AVERAGE_OFF) or _curls_on(tree, ref, joint, k)]
+
+
+def _curls_on(tree: Skeleton, ref: ReferencePose, joint: int, child: int) -> bool:
+    """Whether a joint is as far bent, and to the same side, as the one above: within 60° of that."""
+    parent = tree.above[joint]
+    start = tree.above.get(parent, -1)
+    if start < 0:
+        return False
+    ways = ((start, parent), (parent, joint), (joint, child))
+    before, bone, after = (normalise(np.array(_way(ref, a, b))) for a, b in ways)
+    return bool(dot(rotate(between(before, bone), bone), after) >= AVERAGE_OFF)
 
 
 def _ends_in_name(names: Sequence[str], joint: int, nodes: Iterable[int]) -> list[int]:

@@ -23,7 +23,7 @@ from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hand_hinges import Hinge, hand_hinges
-from rigtri.recognition.layout import CONFIDENT, Chain, Character
+from rigtri.recognition.layout import Chain, Character
 from rigtri.recognition.pose_samples import bind_pose
 
 # A bone nearer to the lateral axis than this (a cosine) takes its hinge across the facing direction.
@@ -69,7 +69,7 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Flo
     directions (NaN). That is one by its shape: fingers side by side close together, whatever they are of.
     """
     found = []
-    for character in (k for k in characters if k.confidence >= CONFIDENT or k.form == "hand"):
+    for character in (k for k in characters if k.gives_axes):
         frame = _frame(rig, character, world, facing)
         if frame is None and character.form == "hand":
             found.append(_hand_alone(character, world[:, 3, :3]))
@@ -194,9 +194,7 @@ def _hinges(
 ) -> Iterator[tuple[int, Hinge]]:
     """What a character says of its joints; later ones count."""
     left = cross(up, ahead)
-    # Fingers belong to their hand as surely as that is one, even where it is a guess which finger each is.
-    hands = {chain.side for chain in character.chains if chain.kind == "hand" and chain.is_sure}
-    chains = [k for k in character.chains if k.is_sure or (k.kind == "finger" and k.side in hands)]
+    chains = character.sure_chains
     if character.hips >= 0:
         yield character.hips, Hinge("lateral axis of the body", left)
     for chain in chains:

@@ -117,6 +117,21 @@ class Character:
     evidence: tuple[str, ...] = ()
 
     @property
+    def gives_axes(self) -> bool:
+        """Whether joints take axes from it: it is sure, or a hand by its shape, whatever it is of."""
+        return self.confidence >= CONFIDENT or self.form == "hand"
+
+    @property
+    def sure_chains(self) -> list[Chain]:
+        """Those from which joints take axes: fingers belong to their hand as surely as that is one.
+
+        Even where it is a guess which finger each is.
+        """
+        alone = self.form == "hand"
+        hands = {k.side for k in self.chains if k.kind == "hand" and (k.is_sure or alone)}
+        return [k for k in self.chains if k.is_sure or (k.kind in ("finger", "hand") and k.side in hands)]
+
+    @property
     def limbs(self) -> Iterator[Chain]:
         """The chains that bend, sure or not."""
         return (chain for chain in self.chains if chain.bend)

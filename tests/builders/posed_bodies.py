@@ -13,7 +13,7 @@ import numpy as np
 from rigs import rig_of
 
 from rigtri.maths.matrices import inverse
-from rigtri.maths.quaternions import unit
+from rigtri.maths.quaternions import from_axes, unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
@@ -334,6 +334,18 @@ def _translations(rig: Rig, places: Floats) -> Floats:
         matrix[3, :3] = local[:3]
         world[node] = matrix @ above
     return translation
+
+
+def bent(rig: Rig, joint: str, axis: Floats, degrees: float) -> Rig:
+    """The rig with a joint turned about an axis of the world, in its bind pose too."""
+    node = rig.find(joint)
+    world = rig.world[node, :3, :3] @ _about(axis, degrees)
+    above = rig.world[rig.parents[node], :3, :3]
+    rotation = rig.rotation.copy()
+    rotation[node] = from_axes(world @ np.linalg.inv(above))
+    rig = replace(rig, rotation=rotation)
+    (skin,) = rig.skins
+    return replace(rig, skins=(replace(skin, inverse_bind=inverse(rig.world[skin.joints])),))
 
 
 def poses() -> Iterator[Pose]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from posed_bodies import NAMES, Pose, posed_body
+from posed_bodies import NAMES, Pose, bent, posed_body
 from recognition_bodies.skeletons import HORSE, MAN, Joint, both, line, rig_with
 
 from rigtri import orient_joints
@@ -97,8 +97,8 @@ def test_a_rule_for_branches_that_the_user_names_is_for_heads_too() -> None:
     assert aim(orient_joints(body.rig, branch="average"), body.parts["head"])[1] < 0.9
 
 
-@pytest.mark.parametrize("curl", [5.0, 50.0])
-@pytest.mark.parametrize("names", ["mixamo", "unreal", "blender"])
+@pytest.mark.parametrize("curl", [5.0, 50.0, 70.0])
+@pytest.mark.parametrize("names", ["mixamo", "unreal", "blender", "none"])
 def test_the_last_joint_aims_at_the_one_that_says_where_it_ends(names: str, curl: float) -> None:
     """Such joints have no weight; they are neither sockets nor parts of the chain."""
     body = posed_body(Pose(names, curl=curl, ends=True))
@@ -110,6 +110,14 @@ def test_the_last_joint_aims_at_the_one_that_says_where_it_ends(names: str, curl
         bone = at[body.parts[end]] - at[body.parts[last]]
         np.testing.assert_allclose(aim(out, body.parts[last]), bone / np.linalg.norm(bone), atol=1e-5)
         np.testing.assert_allclose(out.world[body.parts[end]], body.rig.world[body.parts[end]], atol=1e-9)
+
+
+def test_a_toe_aims_at_its_end_however_a_nameless_foot_slopes() -> None:
+    body = posed_body(Pose("none", ends=True))
+    toes, end = body.parts["left toes"], body.parts["left toes end"]
+    rig = bent(body.rig, f"#{toes}", np.array([1.0, 0.0, 0.0]), -25.0)
+    bone = rig.world[end, 3, :3] - rig.world[toes, 3, :3]
+    np.testing.assert_allclose(aim(orient_joints(rig), toes), bone / np.linalg.norm(bone), atol=1e-5)
 
 
 def test_the_head_of_a_numbered_spine_is_its_last_joint() -> None:

@@ -7,31 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from posed_bodies import Pose, posed_body
+from posed_bodies import Pose, bent, posed_body
 from rigs import chain
 
 from rigtri import orient_joints
 from rigtri.maths.matrices import inverse
-from rigtri.maths.quaternions import from_axes
-from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 
 LEFT, RIGHT = "mixamorig:Left", "mixamorig:Right"
 MIRROR = np.array([1.0, -1.0, -1.0])  # of a hinge
-
-
-def bent(rig: Rig, joint: str, axis: Floats, degrees: float) -> Rig:
-    """The rig with a joint turned about an axis of the world, in its bind pose too."""
-    node, a = rig.find(joint), np.radians(degrees)
-    x, y, z = axis / np.linalg.norm(axis)
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    world = rig.world[node, :3, :3] @ (np.eye(3) + np.sin(a) * k + (1 - np.cos(a)) * k @ k).T
-    above = rig.world[rig.parents[node], :3, :3]
-    rotation = rig.rotation.copy()
-    rotation[node] = from_axes(world @ np.linalg.inv(above))
-    rig = replace(rig, rotation=rotation)
-    (skin,) = rig.skins
-    return replace(rig, skins=(replace(skin, inverse_bind=inverse(rig.world[skin.joints])),))
 
 
 def with_thumbs(rig: Rig, left: float, right: float) -> Rig:

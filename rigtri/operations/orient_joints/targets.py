@@ -20,7 +20,7 @@ from rigtri.operations.aim_targets import (
     Aim,
     Rules,
     aim_targets,
-    chain_ends,
+    chain_children,
     limb_children,
     trunk_children,
 )
@@ -30,7 +30,7 @@ from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.recognition import body_hinges
-from rigtri.recognition.layout import CONFIDENT, Chain, Character
+from rigtri.recognition.layout import Chain, Character
 from rigtri.recognition.limbs import Limb, along, named_limbs, with_recognised
 from rigtri.recognition.recognise import recognise
 
@@ -105,9 +105,9 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     everything = elsewhere or options.root is not None or bool(aligned)
     characters: Sequence[Character] = ()
     if not everything:
-        characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
+        characters = [k for k in recognise(rig).characters if k.gives_axes]
         tree = replace(tree, sockets=body_hinges.sockets(rig, characters))
-    chains = [(k, chain) for k in characters for chain in k.chains if chain.is_sure]
+    chains = [(k, chain) for k in characters for chain in k.sure_chains]
     hips = frozenset(k.hips for k, chain in chains if chain.kind == "spine")
     fingers = [chain for _, chain in chains if chain.kind == "finger"]
     heads = {c.joints[-1]: k.hips if k.form == "biped" else -1 for k, c in chains if c.kind == "head"}
@@ -133,7 +133,7 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
     limbs = with_recognised(rig, tuple(named_limbs(rig, options.limb)))
     known = limb_children(tree, limbs)
     if not options.branch:  # a rule that the user names goes before what is known of a body
-        known = trunk_children(tree, characters) | chain_ends(tree, ref, characters) | known
+        known = trunk_children(tree, characters) | chain_children(tree, ref, characters) | known
     rules = Rules(
         options.branch_rule,
         tuple(rig.find(name, "rule of --branch, nor joint,") for name in options.branch_to),
