@@ -5,9 +5,10 @@ Source: docs/evaluation.md, which describes the same in words.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property
 
+from rigtri.errors import GeometryError
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.dependency_graph import channel_order, in_order, steps_for
 from rigtri.evaluation.fk import Fk
@@ -26,7 +27,8 @@ class Solver:
     """The steps of a rig, in the order in which they can be taken.
 
     driven: the controls, IK ends and poles that are at work; None: all of them. reference: that of a rig
-    which differs in nothing but its clips. Raises ControlCycleError.
+    which differs in nothing but its clips. Raises ControlCycleError, and GeometryError for a driver whose
+    motion could not be read.
     """
 
     def __init__(
@@ -36,6 +38,7 @@ class Solver:
         self.reference = ControlsAtZero(rig) if reference is None else reference
         self.driven = driven
         rules = constraints_of(rig).values()
+        _refuse_unread(rig, rules)
         self.poles = {rule.chain: rule for rule in rules if rule.kind == "polevector"}
         self.rules: dict[int, list[Constraint]] = {}
         for rule in rules:
@@ -183,6 +186,16 @@ class Solver:
     def sets(self) -> list[int]:
         """The nodes that are moved, parents first."""
         return sorted({node for step in self.steps for node in step.sets})
+
+
+def _refuse_unread(rig: Rig, rules: Iterable[Constraint]) -> None:
+    """GeometryError for what follows a node whose motion no track can hold."""
+    for rule in rules if rig.rules.unread else ():
+        for node in rig.with_ancestors(rule.sources).intersection(rig.rules.unread):
+            raise GeometryError(
+                f"'{rig.title(rule.child)}' cannot follow '{rig.title(rule.sources[0])}': "
+                f"{rig.rules.unread[node]}, being flat or sheared"
+            )
 
 
 def refuse_cycles(rig: Rig) -> None:

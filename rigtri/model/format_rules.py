@@ -35,7 +35,8 @@ class FormatRules:
     named: nodes that extensions of the file refer to.
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
-    resting: nodes that show their rest pose in the midst of a clip.
+    resting: nodes that show their rest pose in the midst of a clip. unread: nodes whose motion no track can
+    hold, with the reason.
     instances: nodes that show what another shows, which is read there alone: by each of them, that one.
     per_second: units of clips' time in a second. valid_name: a name as this format can have it; `str`: any.
     """
@@ -55,6 +56,7 @@ class FormatRules:
     sized_binding: bool = False
     per_second: float = 1.0
     resting: Mapping[int, Resting] = field(default_factory=dict)
+    unread: Mapping[int, str] = field(default_factory=dict)
     instances: Mapping[int, int] = field(default_factory=dict)
     valid_name: Callable[[str], str] = str
 
@@ -64,6 +66,7 @@ class FormatRules:
             self,
             fixed={new[k]: reason for k, reason in self.fixed.items()},
             resting={new[k]: why for k, why in self.resting.items()},
+            unread={new[k]: why for k, why in self.unread.items()},
             world_aligned=frozenset(new[k] for k in self.world_aligned),
             data_nodes=frozenset(new[k] for k in self.data_nodes),
             named=frozenset(new[k] for k in self.named),

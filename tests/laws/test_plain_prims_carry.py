@@ -126,3 +126,40 @@ def test_a_root_above_a_prim_is_refused_in_its_own_words(tmp_path: Path) -> None
     error = cli(*words, code=2).stderr
     assert "'hip' is a prim" in error
     assert "--on-nonuniform-scale" not in error
+
+
+def _driven_by_matrices(path: Path, shear: float) -> None:
+    """A prim beside one that turns by a matrix on every frame, about an axis that is none of its own."""
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/rig").GetPrim())
+    op = UsdGeom.Xform.Define(stage, "/rig/driver").AddTransformOp()
+    for time in range(25):
+        matrix = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 2, 0.5), 90 * time / 24))
+        op.Set(Gf.Matrix4d(1, shear, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.1 * time, 0, 0, 1) * matrix, time)
+    UsdGeom.Xform.Define(stage, "/rig/child").AddTranslateOp().Set(Gf.Vec3d(3, 1, 0))
+    stage.Save()
+
+
+def test_prims_follow_matrices_and_refuse_sheared_ones(tmp_path: Path) -> None:
+    source, built, baked = (tmp_path / f"{name}.usda" for name in ("in", "built", "baked"))
+    _driven_by_matrices(source, 0.0)
+    words = ("--root", "/rig", "--child", "/rig/child", "--driver", "/rig/driver")
+    cli("constrain", source, "-o", built, *words, code=0)
+    cli("bake", built, "-o", baked, "--root", "/rig", code=0)
+    stage = Usd.Stage.Open(str(baked))
+
+    def places(time: float) -> list[np.ndarray]:
+        cache = UsdGeom.XformCache(time)
+        prims = map(stage.GetPrimAtPath, ("/rig/child", "/rig/driver"))
+        return [np.array(cache.GetLocalToWorldTransform(prim)) for prim in prims]
+
+    child, driver = places(0)
+    offset = child @ np.linalg.inv(driver)
+    for time, bound in ((7, 1e-5), (24, 1e-5), (7.5, 2e-3)):  # between samples OpenUSD shears the driver
+        child, driver = places(time)
+        assert np.abs(child - offset @ driver)[3].max() < bound
+    _driven_by_matrices(sheared := tmp_path / "sheared.usda", 0.3)
+    error = cli("constrain", sheared, "-o", tmp_path / "out.usda", *words, code=5).stderr
+    assert "'child' cannot follow 'driver'" in error
+    assert "sheared" in error

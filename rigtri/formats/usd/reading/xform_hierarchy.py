@@ -72,6 +72,7 @@ def _animated(
     """The rig with a clip of its animated Xform joints, as far as tracks can hold it."""
     rest: dict[Path, Floats] = {path: getattr(rig, path).copy() for path in OPS}
     tracks: list[Track] = []
+    unread: dict[int, str] = {}
     for node in joints:
         prim = stage.GetPrimAtPath(rig.labels[node])
         xformable = UsdGeom.Xformable(prim)
@@ -84,12 +85,14 @@ def _animated(
         if stand is None and (sampled := sampled_tracks(prim, node, interpolation)) is not None:
             stand = dict(zip(PATHS, decompose(rig.local[node]), strict=True)), sampled
         if stand is None:
-            text = f"<{prim.GetPath()}> moves by ops that no track can hold; only its rest is measured."
-            warnings.append(Notice("animated-xform", text))
+            why = f"<{prim.GetPath()}> moves by ops that no track can hold"
+            warnings.append(Notice("animated-xform", f"{why}; only its rest is measured."))
+            unread[node] = why
             continue
         for path, value in stand[0].items():
             rest[path][node] = value
         tracks += stand[1]
+    rig = replace(rig, rules=replace(rig.rules, unread=unread))
     if not tracks:
         return rig
     clip = replace(XFORMS, tracks=tuple(tracks))
@@ -210,21 +213,24 @@ def read_transform(
 
 
 def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
-    """The tracks of a prim with any ops, by its matrices; None where these are flat or sheared."""
+    """The tracks of a prim with any ops, by its matrices; None where these are flat, or sheared at samples.
+
+    Between them elements of matrices go straight, which shears what turns; tracks go the same way without it.
+    """
     xformable = UsdGeom.Xformable(prim)
 
-    def parts_at(times: list[float]) -> tuple[Floats, ...] | None:
+    def parts_at(times: list[float], sheared: float) -> tuple[Floats, ...] | None:
         local = np.array([xformable.GetLocalTransformation(t) for t in times], dtype=np.float64)
-        if not np.isfinite(local).all() or (skew(local) > SKEW).any():
+        if not np.isfinite(local).all() or (skew(local) > sheared).any():
             return None
         found = decompose(local)
         return found if np.isfinite(found[1]).all() else None
 
     times = [float(time) for time in ops_times(xformable)]
-    found = parts_at(times)
+    found = parts_at(times, SKEW)
     for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
         between = [(a + b) / 2.0 for a, b in pairwise(times)]
-        there = parts_at(between)
+        there = parts_at(between, np.inf)
         if found is None or there is None:
             return None
         tracks = _tracks(node, interpolation, times, found)
