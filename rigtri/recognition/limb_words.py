@@ -35,13 +35,14 @@ class LimbWords:
     """levels: the places along a limb that a name may mean, with how far it says so, 0 to 1; none for a
     name without such words. kind: the limb that its words are of, "" where they do not say or disagree.
     place: ``front`` or ``hind``, where it says one. plain: of vague words alone, the name without its
-    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb."""
+    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. animal: of one."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
     place: Place = ""
     plain: str = ""
     is_middle: bool = False
+    animal: bool = False
 
 
 NO_WORDS = LimbWords({}, "")
@@ -53,6 +54,7 @@ class _Table:
     vague: Mapping[str, frozenset[Level]]
     kinds: Mapping[str, LimbKind]
     places: Mapping[str, Place]
+    bodies: Mapping[str, str]
 
 
 @lru_cache(_NAMES)
@@ -73,17 +75,19 @@ def limb_words(name: str) -> LimbWords:
     kind = kinds.pop() if len(kinds) == 1 else ""
     places = {table.places[word] for word in found if word in table.places}
     place = places.pop() if len(places) == 1 else ""
+    animal = any(word in table.bodies for word in found)
     if not said:
-        return LimbWords({}, kind, place)
+        return LimbWords({}, kind, place, animal=animal)
     common = frozenset[Level].intersection(*said)
     if common:
         plain = " ".join(word for word in found if len(word) > 1 and not is_number(word))
         plain = plain if weight < 1.0 else ""
         middle = weight < 1.0 and not {"mid", "middle"}.isdisjoint(found)
-        return LimbWords(dict.fromkeys(sorted(common, key=LEVELS.index), weight), kind, place, plain, middle)
+        levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
+        return LimbWords(levels, kind, place, plain, middle, animal)
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in said for level in each}
-    return LimbWords(last | ({"after": 1.0} if "after" in last else {}), kind, place)
+    return LimbWords(last | ({"after": 1.0} if "after" in last else {}), kind, place, animal=animal)
 
 
 def agreement(names: Sequence[LimbWords], at: tuple[int, int, int]) -> float:
@@ -180,4 +184,5 @@ def _table() -> _Table:
         return {word: meaning for meaning, line in lines.items() for word in line.split()}
 
     plain = {level: line for level, line in text.items() if isinstance(line, str)}
-    return _Table(by_word(plain), by_word(text["vague"]), turned(text["kinds"]), turned(text["places"]))
+    kinds, places, bodies = (turned(text[table]) for table in ("kinds", "places", "bodies"))
+    return _Table(by_word(plain), by_word(text["vague"]), kinds, places, bodies)

@@ -15,7 +15,7 @@ from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of, many_le
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import first_bend
-from rigtri.recognition.limb_words import LimbWords
+from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
 
@@ -77,6 +77,8 @@ def _seen(
     pairs = opposite(tree, pairs, plane)
     limbs = limbs_of(tree, pairs, poses, names)
     ways = bodies(tree, limbs, plane)
+    if any(names.get(node, NO_WORDS).animal for node in tree.nodes):
+        ways = [replace(way, doubt=False) for way in ways]
     legs = many_legs(tree, limbs, plane)
     if plane is not None and ways and not legs:
         known = _pointed(tree, ways[0], plane, poses, names)

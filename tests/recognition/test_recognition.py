@@ -217,6 +217,18 @@ def test_a_horse_has_four_legs_and_a_tail() -> None:
     assert np.allclose(character.facing, (0, 0, 1))
 
 
+@pytest.mark.parametrize("link", ["HorseLink", "hock", "paw"])
+def test_names_of_animals_make_legs_of_arms_that_do_not_quite_reach_the_ground(link: str) -> None:
+    joints = [
+        (name.replace("foot", link), over.replace("foot", link), (*place[:1], place[1] + 0.2, *place[2:]))
+        if name.startswith("finger")
+        else (name.replace("foot", link), over.replace("foot", link), place)
+        for name, over, place in HORSE
+    ]
+    (character,) = recognise(rig_with(joints)).characters
+    assert character.form == "quadruped"
+
+
 @pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
 @pytest.mark.parametrize("thing", THINGS)
 def test_what_is_no_character_has_no_limb_and_is_reported_as_none(thing: str, named: bool) -> None:
