@@ -263,7 +263,7 @@ def lay_hand(draft: Draft) -> bool:
         chains = finger_chains(draft, node, 0.0)
         if not 3 <= len(chains) <= 5:
             continue
-        covered = 1 + sum(len(chain) for chain in chains)
+        covered = 1 + sum(len(tree.branch(chain[0])) for chain in chains)
         if covered < 0.75 * len(joints):
             continue
         named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]

@@ -164,18 +164,24 @@ def test_a_hand_alone_closes_too(side: str) -> None:
 
 
 @pytest.mark.parametrize("curl", [0.0, 10.0])
+@pytest.mark.parametrize("ends", [False, True])
 @pytest.mark.parametrize(("call", "sure"), [("", False), ("Bip01 R {}", True), ("rig:R_{}_jnt", True)])
-def test_a_hand_alone_closes_whatever_names_its_fingers_have(curl: float, call: str, sure: bool) -> None:
-    body = posed_body(Pose("none", curl=curl, noise=2.0, metacarpals=True))
+def test_a_hand_alone_closes_whatever_names_its_fingers_have(
+    curl: float, call: str, sure: bool, ends: bool
+) -> None:
+    """With metacarpals, or with ends and some joints of its arm."""
+    body = posed_body(Pose("none", curl=curl, noise=2.0, metacarpals=not ends, ends=ends))
+    arm = ("right upper arm", "right lower arm") if ends else ()
     order = ("right hand", "right thumb", "right index", "right middle", "right ring", "right little")
-    parts = {node: part for part, node in body.parts.items() if part.startswith(order)}
+    parts = {node: part for part, node in body.parts.items() if part.startswith((*order, *arm))}
     rig, place = body.rig.subset(list(parts))
     names = [""] * len(rig)
     for node, part in parts.items():
         finger, _, k = part.rpartition(" ")
         words = f"Finger{order.index(finger) - 1}{k}" if k.isdigit() else "Hand"
-        names[place[node]] = call.format(words)
-    skin = Skin("skin", np.arange(len(rig)), inverse(rig.world))
+        names[place[node]] = "" if part in arm else call.format(words)
+    weighted = np.array([not part.endswith(" 4") for part in parts.values()])
+    skin = Skin("skin", np.array([*place.values()]), inverse(rig.world), weigh=lambda: weighted)
     rig, report = replace(rig, names=tuple(names), skins=(skin,)), Report()
     axes = hinge_axes(orient_joints(rig, report=report), "+y")
     hand = body.parts["right hand"]
