@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from body_files import AXES, FINGERS, backwards, rolled, with_poles
 from broken_vrm import avatar_0
-from places import samples_of_all_kinds
+from places import SAMPLES, samples_of_all_kinds
 from posed_bodies import Pose, posed_body, poses
 
 from rigtri import mirror, orient_joints
 from rigtri.formats import ReadOptions, read
+from rigtri.frames.reframe import reframe
+from rigtri.maths.quaternions import IDENTITY, from_axis_angle
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.verification.checks import check
@@ -126,6 +128,15 @@ def test_a_joint_within_a_finger_that_is_rolled_is_named() -> None:
     found = list(axis_findings(rolled(body, left_ring_2=90.0)))
     assert ("axes.roll", body.parts["left ring 2"]) in [(rule, node) for rule, node, _ in found]
     assert rules(rolled(body, left_ring_2=25.0)) == set()
+
+
+def test_a_finger_of_a_hand_alone_that_curls_about_another_axis_is_named() -> None:
+    rig = orient_joints(read(SAMPLES / "hand.glb").rig)
+    assert rules(rig) == set()
+    delta = np.tile(IDENTITY, (len(rig), 1))
+    delta[[rig.find(f"index_{k}") for k in (1, 2, 3)]] = from_axis_angle(np.array([1.0, 0.0, 0.0]), np.pi / 2)
+    ((_, _, text),) = [each for each in axis_findings(reframe(rig, delta)) if each[0] == "axes.fingers"]
+    assert text.startswith("the fingers of the hand curl about axes up to 9")
 
 
 @pytest.mark.ci

@@ -32,7 +32,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import posed
 from rigtri.recognition.bend_direction import CLEAR
 from rigtri.recognition.body_hinges import Body, bodies
-from rigtri.recognition.layout import CONFIDENT, Chain, Character
+from rigtri.recognition.layout import Chain, Character
 from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
@@ -70,7 +70,7 @@ def check_axes(rig: Rig, findings: Findings) -> None:
 
 def axis_findings(rig: Rig) -> Iterator[Found]:
     """The rules ``axes.*`` that a rig breaks: the id, the node and a sentence about it."""
-    characters = [k for k in recognise(rig).characters if k.confidence >= CONFIDENT]
+    characters = [k for k in recognise(rig).characters if k.gives_axes]
     if not characters or not rig.is_joint.any() or not np.isfinite(rig.world).all():
         return
     tree = skeleton(rig)
@@ -120,7 +120,7 @@ class _Seen:
     @cached_property
     def chains(self) -> dict[str, Chain]:
         carries = self.tree.carries
-        return {k.name: k for k in self.character.chains if k.is_sure and carries[list(k.joints)].all()}
+        return {k.name: k for k in self.character.sure_chains if carries[list(k.joints)].all()}
 
     @cached_property
     def limbs(self) -> list[Limb]:
@@ -151,8 +151,8 @@ class _Seen:
         """The fingers of each hand but the thumb, two at least."""
         names = ("index", "middle", "ring", "little")
         found = []
-        for side in ("left", "right"):
-            fingers = [self.chains.get(f"{side} {name} finger") for name in names]
+        for side in ("left", "right", ""):
+            fingers = [self.chains.get(f"{side} {name} finger".strip()) for name in names]
             hand = [finger for finger in fingers if finger and len(finger.joints) > 1]
             if len(hand) > 1:
                 found.append((side, hand))
@@ -225,7 +225,7 @@ class _Seen:
         rolls = [(self._roll(aim, a.joints[0], b.joints[0]), a, b) for a, b in combinations(hand, 2)]
         most, a, b = max(rolls, key=lambda roll: roll[0])
         if most > FINGERS:
-            text = f"the fingers of the {side} hand curl about axes up to {most:.0f}° apart"
+            text = f"the fingers of the {f'{side} hand'.strip()} curl about axes up to {most:.0f}° apart"
             yield "axes.fingers", a.joints[0], f"{text}: {a.name} and {b.name}"
 
     def _closing_hand(self, hand: Sequence[Chain]) -> set[Signed]:
@@ -249,7 +249,7 @@ class _Seen:
 
     def _rolled_hand(self, side: str, hand: Sequence[Chain], closing: set[Signed]) -> Iterator[Found]:
         """The thumb and the wrist that another axis closes than the fingers."""
-        thumb, wrist = self.chains.get(f"{side} thumb"), self.chains.get(f"{side} hand")
+        thumb, wrist = (self.chains.get(f"{side} {part}".strip()) for part in ("thumb", "hand"))
         bones = [(*pair, THUMB) for pair in pairwise(thumb.joints if thumb else ())]
         bones += [(wrist.joints[0], finger.joints[0], FLEXES) for finger in hand[1:2] if wrist]
         for joint, target, least in bones:
