@@ -109,6 +109,15 @@ class Fk:
         carrier = self.reference.world[self._carrier] if self._carrier >= 0 else np.eye(4)
         return multiply(self.reference.world[self.own.offset], inverse(carrier))
 
+    def _moves_on(self, rest: Parts) -> Floats:
+        """What takes a move along the control's axes into the space of its joint's parent, (1 or f, 4, 4).
+
+        rest: the joint's local parts while its channels are zero; the control stands on it, as below IK.
+        """
+        turn = rest.rotation if self._axes is None else product(rest.rotation, self._axes)
+        sizes = length(self._moves[:3, :3])[:, np.newaxis]
+        return from_frame(to_axes(turn) * sizes, np.zeros(3))
+
     def _carried(self, posed: PoseCache) -> tuple[Parts, Floats]:
         """The joint's local parts while its channels are zero; what takes moves into its parent's space."""
         if self._direct:
@@ -130,12 +139,15 @@ class Fk:
         posed.set(self.joint, self.moved(rest, posed.part(self.own.control), moves))
 
     def moved(self, rest: Parts, channels: Parts, moves: Floats | None = None) -> Parts:
-        """Local parts of the joint, of those at ``rest`` and the channels of its control."""
+        """Local parts of the joint, of those at ``rest`` and the channels of its control.
+
+        moves: what takes moves into the space of its parent; None: where the control stands on the joint.
+        """
         turn, size = channels.rotation, channels.scale
         if self._axes is not None:
             turn, size = _scaled_along(turn, size, self._shares)
             turn = product(product(self._axes, turn), conjugate(self._axes))
-        move = transform_directions(channels.translation, self._moves if moves is None else moves)
+        move = transform_directions(channels.translation, self._moves_on(rest) if moves is None else moves)
         return Parts(rest.translation + move, product(rest.rotation, turn), rest.scale * size)
 
     def riding(self, posed: PoseCache) -> Parts:
@@ -173,7 +185,7 @@ class Fk:
     def needed(self, rest: Parts, target: Parts, moves: Floats | None = None) -> Parts:
         """The channels that take the joint from ``rest`` to its local parts ``target``; see `moved`."""
         turn = product(conjugate(rest.rotation), target.rotation)
-        back = inverse(self._moves if moves is None else moves)
+        back = inverse(self._moves_on(rest) if moves is None else moves)
         move = transform_directions(target.translation - rest.translation, back)
         with np.errstate(divide="ignore", invalid="ignore"):
             size = np.where(rest.scale == 0, 1.0, target.scale / rest.scale)

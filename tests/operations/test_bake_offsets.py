@@ -14,6 +14,7 @@ from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle
+from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
@@ -122,3 +123,20 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     np.testing.assert_allclose(
         world[:, rig.find("staff")], offset @ np.linalg.inv(back) @ world[:, joint], atol=3e-5
     )
+
+
+def test_a_control_that_is_moved_below_ik_takes_its_joint_along_its_own_axes() -> None:
+    """Wherever IK has turned the bone: the control stands on its joint, as before it was moved."""
+    up = bake(rigged("biped.glb"), options=BakeOptions(to="controls", tolerance=1e-6))
+    walk = up.clip("walk")
+    times = sampling.key_times(walk)
+    control, joint = up.find("forearm_L_ctl"), up.find("forearm_L")
+    kept = [track for track in walk.tracks if (track.node, track.path) != (control, "translation")]
+    away = Track(control, "translation", "STEP", times[:1], np.array([[0.1, 0.02, 0.0]]))
+    moved = replace(up, clips=(replace(walk, tracks=(*kept, away)),))
+    down = bake(moved, options=BakeOptions(to="joints", tolerance=1e-6))
+    shown, baked = (
+        sampling.worlds(rig, sampling.locals_at(rig, rig.clip("walk"), times))[:, node, 3, :3]
+        for rig, node in ((moved, control), (down, joint))
+    )
+    assert np.abs(shown - baked).max() < NEAR * size(up)
