@@ -24,6 +24,7 @@ from rigtri.maths.matrices import multiply as after
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Clip, Track
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
@@ -353,3 +354,17 @@ def test_a_mode_that_keeps_vrm_constraints_is_named_where_another_loses_them(
         # A twin that keeps its axes for a reason of its own is a twin all the same.
         assert "'hand.R' keeps its axes, as its twin 'hand.L' is not re-oriented" in told["no-twin"]
     assert 0 < len(lost) < len(MIRRORS)
+
+
+def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples: Path) -> None:
+    rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
+    rule = ConstrainOptions(child="hand_L_ik_ctl", driver=(("head", 1.0),))
+    rig = constrain(rig, options=rule)
+    still, keyed = Report(), Report()
+    mirror(rig, options=MirrorOptions(from_side="left"), report=still)
+    assert "mirror-moves" not in {notice.code for notice in still.warnings}
+    keys = Track(rig.find("hand_R_ik_ctl"), "translation", "STEP", np.zeros(1), np.full((1, 3), 0.1))
+    rig = replace(rig, clips=(Clip("reach", (keys,)), *rig.clips))
+    mirror(rig, options=MirrorOptions(from_side="left"), report=keyed)
+    (text,) = [notice.text for notice in keyed.warnings if notice.code == "mirror-moves"]
+    assert text.startswith("hand_R_ik_ctl has keys in reach")

@@ -12,7 +12,7 @@ from rigtri.maths.matrices import identity
 from rigtri.maths.quaternions import IDENTITY, angle_between, conjugate, from_axes, multiply, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.constraints import Constraint, constraints_of
-from rigtri.model.metadata import ConstraintRecord, Triple
+from rigtri.model.metadata import ConstraintRecord, ControlRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import follow
 from rigtri.operations.constrain.weight_keys import WeightKeys
@@ -28,6 +28,7 @@ from rigtri.operations.mirror.counterparts import (
 )
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.report import Report
+from rigtri.text import listed
 
 
 def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
@@ -45,9 +46,24 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         same = len(built) == len(rig) and all(
             alike(stored, built.metadata[k], size_of(rig)) for k, stored in rig.metadata.items()
         )
+        if not same:
+            _warn_keyed(rig, mirrored, report)
         return rig if same else built
 
     return mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
+
+
+def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
+    """Warn of clips in which controls have keys that a new rule overrules: the next bake moves them."""
+    found = {node: record.chain for node, record in rig.records(PoleVectorRecord).items()}
+    found |= {node: record.chain for node, record in rig.records(ControlRecord).items()}
+    chain = tuple(map(rig.address, rule.chain))
+    moved = {node for node, limb in found.items() if node == rule.child or (chain and limb == chain)}
+    clips = [clip.name for clip in rig.clips if any(track.node in moved for track in clip.tracks)]
+    if clips:
+        names = listed([rig.title(node) for node in sorted(moved)], 6)
+        text = f"{names} has keys in {listed(clips, 6)} and follows a constraint from now on"
+        report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
 
 
 def _mirrored(rig: Rig, rule: Constraint, options: MirrorOptions) -> Constraint | None:
