@@ -11,7 +11,7 @@ faults stay unseen: some have no effect that anybody could see, which only a rea
 
 ``--contexts`` is data of coverage.py whose contexts are ids of tests, as pytest-cov writes it with
 ``pytest -n auto --cov=rigtri --cov-context=test --cov-report=``. Where a line has moved since, the tests of
-its neighbours run; where only processes that tests start execute it, those of its room.
+its neighbours run; where those do not see it, the tests of its room, some of which start processes.
 """
 
 from __future__ import annotations
@@ -188,13 +188,12 @@ def laid_out(folder: Path) -> Path:
 
 def runs_for(fault: Fault, contexts: Path | None) -> Iterator[list[str]]:
     """Arguments of pytest, those that see it soonest first."""
-    covering = list(_covering(fault, contexts)) if contexts is not None else []
-    if covering:
-        yield from covering
-        return
     room = next(room for room in sorted(ROOMS, key=len, reverse=True) if f"/{room}/" in fault.file)
-    yield [f"tests/{room}"]
-    if contexts is None:
+    if contexts is not None:
+        yield from _covering(fault, contexts)
+        yield [f"tests/{room}", "tests/house"]
+    else:
+        yield [f"tests/{room}"]
         yield ["-m", "quick"]
         yield ["tests"]
 

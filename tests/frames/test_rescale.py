@@ -7,11 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import SAMPLES
 from rigs import chain
 
+import rigtri
 from rigtri.evaluation.sampling import locals_at
 from rigtri.frames.rescale import rescale
+from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import PoseReaderRecord
 
 
 @pytest.mark.parametrize(
@@ -33,3 +37,22 @@ def test_a_mirrored_frame_stands_as_it_did_in_its_clips_too(
     assert_allclose(out.scale[1], left)
     for before, after in zip(*(locals_at(one, one.clips[0], [0.0, 1.0]) for one in (rig, out)), strict=True):
         assert_allclose(after[1, :3, :3], -before[1, :3, :3], atol=1e-12)
+
+
+def test_what_a_corrective_joint_moves_is_in_the_units_of_the_frame_above_it() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    words = {"driver": "upper_arm_L", "target": ("up=0,1,0",), "joint": (("up", "hand_R", "tx=0.1"),)}
+    rig = rigtri.add_posereader(rig, name="lift", **words)
+    hand = rig.find("hand_R")
+
+    def moved(sizes: Floats) -> float:
+        (reader,) = rescale(rig, sizes).records(PoseReaderRecord).values()
+        translation = reader.outputs[0].translation
+        assert translation is not None
+        return translation[0]
+
+    sizes = np.ones(len(rig))
+    sizes[hand] = 0.5
+    assert moved(sizes) == pytest.approx(0.1)
+    sizes[rig.parents[hand]] = 0.25
+    assert moved(sizes) == pytest.approx(0.4)
