@@ -149,10 +149,10 @@ def _is_text(node: ast.BinOp) -> bool:
 
 
 def _is_whole(node: ast.expr) -> bool:
-    """Whether an expression is a whole number, as far as one sees."""
+    """Whether an expression is a whole number, as far as one sees; 0 is where signs of real numbers part."""
     if isinstance(node, ast.Call):
         return isinstance(node.func, ast.Name) and node.func.id == "len"
-    return isinstance(node, ast.Constant) and type(node.value) is int
+    return isinstance(node, ast.Constant) and type(node.value) is int and node.value != 0
 
 
 def _writes(node: ast.AST) -> bool:
