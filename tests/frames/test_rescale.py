@@ -40,19 +40,20 @@ def test_a_mirrored_frame_stands_as_it_did_in_its_clips_too(
 
 
 def test_what_a_corrective_joint_moves_is_in_the_units_of_the_frame_above_it() -> None:
-    rig = rigtri.read(SAMPLES / "biped.glb")
-    words = {"driver": "upper_arm_L", "target": ("up=0,1,0",), "joint": (("up", "hand_R", "tx=0.1"),)}
-    rig = rigtri.add_posereader(rig, name="lift", **words)
+    rig = replace(rigtri.read(SAMPLES / "biped.glb"), clips=())
+    joint = (("up", "hand_R", "tx=0.1"), ("up", "hand_L", "rz=9"))
+    rig = rigtri.add_posereader(rig, name="lift", driver="upper_arm_L", target=("up=0,1,0",), joint=joint)
     hand = rig.find("hand_R")
 
     def moved(sizes: Floats) -> float:
         (reader,) = rescale(rig, sizes).records(PoseReaderRecord).values()
-        translation = reader.outputs[0].translation
+        translation, none = (output.translation for output in reader.outputs)
+        assert none is None
         assert translation is not None
         return translation[0]
 
     sizes = np.ones(len(rig))
     sizes[hand] = 0.5
     assert moved(sizes) == pytest.approx(0.1)
-    sizes[rig.parents[hand]] = 0.25
+    sizes[rig.parents[hand]] = sizes[rig.parents[rig.find("hand_L")]] = 0.25
     assert moved(sizes) == pytest.approx(0.4)
