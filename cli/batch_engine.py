@@ -58,14 +58,15 @@ def _limits(values: dict[str, Any]) -> dict[str, Any]:
 def signals(engines: list[Engine], *, quiet: bool) -> Iterator[list[int]]:
     """Meanwhile an interrupt lets the files end that are begun, and a second one gives them up.
 
-    Yields the signals that were received.
+    engines: who does the work, then who tries whether it can be done, which writes nothing and is given up at
+    once. Yields the signals that were received.
     """
     received: list[int] = []
 
     def receive(number: int, _frame: object) -> None:
         received.append(number)
-        for engine in engines:
-            if len(received) > 1:
+        for place, engine in enumerate(engines):
+            if place or len(received) > 1:
                 engine.kill()
             else:
                 engine.stop()

@@ -129,12 +129,12 @@ def in_keywords(keywords: Mapping[str, str]) -> Iterator[None]:
 
 
 def kind_name(error: type[RigtriError]) -> str:
-    """The class of an error in words, of those that are in this module.
+    """What kind of error it is in words: the class right below `RigtriError`.
 
-    >>> kind_name(NameNotFoundError)
-    'name not found'
+    >>> kind_name(NameNotFoundError), kind_name(NoLimbError)
+    ('name not found', 'geometry')
     """
-    known = next(kind for kind in error.__mro__ if kind.__module__ == RigtriError.__module__)
+    known = error.__mro__[max(error.__mro__.index(RigtriError) - 1, 0)]
     words = re.findall("[A-Z][a-z]+", known.__name__.removesuffix("Error"))
     return " ".join(words).lower()
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rigtri.errors import RigtriError
+from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.text_files import check_plain
 
 # The first bytes of a stream show its format, and with it the suffix that `read` goes by.
@@ -31,6 +31,8 @@ def opened(source: Path | str) -> Iterator[Path]:
 
 def path_of(source: Path | str) -> Path:
     """A file's path; TypeError, with what to do, for what is none, as a rig."""
+    if source == "":
+        raise UsageError("the name of the file is empty")
     try:
         return Path(source)
     except TypeError:
@@ -48,6 +50,8 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
 
     from rigtri.files import temp_dirs
 
+    if sys.stdin is None:
+        raise FileError("standard input is closed: give a file, or one that - stands for")
     start = sys.stdin.buffer.read(16)
     suffix = next((s for magic, s in SUFFIX_OF.items() if start.startswith(magic)), ".gltf")
     with temp_dirs.folder() as folder:

@@ -7,7 +7,7 @@ turns each of them into a FileError that names the place.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NoReturn
 
 from rigtri.errors import FileError
@@ -113,6 +113,20 @@ class Value:
     def _below(self, key: str) -> str:
         # 'file: nodes' but 'nodes[3].rotation'.
         return f"{self.where}{' ' if self.where.endswith(':') else '.'}{key}"
+
+
+def name_in(raw: Mapping[str, Any]) -> str:
+    """The name of an object, "" for one that has none, or none of text.
+
+    JSON can escape halves of characters, which no other file can hold: they are read as U+FFFD.
+
+    >>> name_in({"name": "hips"}), name_in({"name": 3}), name_in({"name": "a\\ud800"})
+    ('hips', '', 'a\ufffd')
+    """
+    name = raw.get("name")
+    if not isinstance(name, str):
+        return ""
+    return name if name.isprintable() else name.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
 def short_repr(raw: Any) -> str:

@@ -99,6 +99,8 @@ class NodeNames(Hierarchy, ABC):
 
         Raises NameNotFoundError, or AmbiguousNameError where several share the name.
         """
+        if not isinstance(name, str):
+            raise TypeError(f"a node is found by its name, or as text by its number ('#3'), not by {name!r}")
         found = self._by_name.get(name, []) if name else []
         if len(found) > 1:
             # A joint wins over a mesh node of the same name; nothing else is guessed.

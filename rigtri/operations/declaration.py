@@ -277,11 +277,17 @@ def check(options: Any, given: Collection[str] | None = None) -> None:
         given = [name for name, one in declared.items() if getattr(options, name) != one.default]
     for name, one in declared.items():
         _check_value(one, getattr(options, name))
+        if name in given and name in _ALL_WITHOUT and getattr(options, name) == ():
+            raise UsageError(f"{one.flag} names nothing; leave it out for all")
         for other in one.excludes if name in given else ():
             if other in given:
                 raise UsageError(f"give {one.flag} or {declared[other].flag}, not both")
     if hasattr(options, "check"):
         options.check(given)
+
+
+# Options that are left out for all: a list of names that comes out empty is not meant to be that.
+_ALL_WITHOUT = ("joints", "chain", "below", "clip", "what")
 
 
 def _check_value(one: Option, value: Any) -> None:

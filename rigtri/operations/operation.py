@@ -24,6 +24,7 @@ from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
 from rigtri.operations.declaration import (
+    Option,
     Vector,
     check,
     default_of,
@@ -196,8 +197,18 @@ def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
     for keyword, default in known.items():
         if default is MISSING and keyword not in keywords:
             raise TypeError(f"{name}() needs {keyword}")
-    cased = {word: declared[word].cased(value) for word, value in keywords.items()}
+    cased = {word: declared[word].cased(_spelled(declared[word], value)) for word, value in keywords.items()}
     return kind(**{word: _fitted(hints[word], value, word) for word, value in cased.items()})
+
+
+def _spelled(one: Option, value: Any) -> Any:
+    """A value with what it has in words as the command line reads these: colours by name."""
+    plain = typing.get_args(one.hint)[1:] == (str,)
+    if one.kind is None or one.kind.read is None or plain or not isinstance(value, collections.abc.Mapping):
+        return value
+    said = [f"{name or 'centre'}={each}" for name, each in value.items() if isinstance(each, str)]
+    rest = {name: each for name, each in value.items() if not isinstance(each, str)}
+    return rest | dict(one.kind.read(one.flag, said)) if said else value
 
 
 def _fitted(hint: Any, value: Any, word: str) -> Any:

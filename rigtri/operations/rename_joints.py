@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -33,13 +33,14 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     ``report.joints``. Raises GeometryError for joints of which it is not sure what they are, UsageError for
     names that several would have, NameNotFoundError for joints that are not there.
     """
-    names = dict(_of_map(rig, options, report)) | dict(_of_scheme(rig, options))
+    mapped = dict(_of_map(rig, options, report))
+    names = mapped | dict(_of_scheme(rig, options))
     names = {node: name and rig.rules.valid_name(name) for node, name in names.items()}
     names |= {
         rig.find(joint): given_name(rig, name, report, f"--name {joint}=")
         for joint, name in options.name.items()
     }
-    _refuse_clashes(rig, names)
+    _refuse_clashes(rig, names, mapped if options.inverse else ())
     names = {node: name for node, name in names.items() if rig.names[node] != name}
     _refuse_taken(rig, names, [rig.find(joint) for joint in options.name])
     if not names:
@@ -74,7 +75,8 @@ def set_aside(rig: Rig, to: str) -> dict[str, str]:
 def names_json(report: Report) -> dict[str, Any]:
     """What --save-map writes: by the address that each joint had its new name.
 
-    And by the address that it has its old name, where the names alone do not lead back: several share one.
+    And by the address that it has its old name, where the names alone do not lead back: several share one,
+    or one looks as an address does.
     """
     names = {each["address"]: each["name"] for each in report.joints}
     plain = {"was": "address", "now": "name"}
@@ -82,8 +84,14 @@ def names_json(report: Report) -> dict[str, Any]:
         each["now"]: each["was"]
         for each in report.joints
         if any(each[side] != each[name] for side, name in plain.items())
+        or _called(each["address"]) != each["was"]
     }
     return {"format": FORMAT, "names": names, **({"back": back} if back else {})}
+
+
+def _called(address: str) -> str:
+    """The name of a node by its address; one without a name was found by its number."""
+    return re.sub("^#[0-9]+$", "", address.rpartition("/")[2])
 
 
 def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[tuple[int, str]]:
@@ -94,8 +102,7 @@ def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[
     if options.map is None:
         return
     table, back = _tables(options.map)
-    # A node without a name was found by its number.
-    plain = {new: re.sub("^#[0-9]+$", "", old.rpartition("/")[2]) for old, new in table.items()}
+    plain = {new: _called(old) for old, new in table.items()}
     found = (plain | back) if options.inverse else table
     if found and not any(map(rig.has, found)):
         later = set(found.values())
@@ -156,15 +163,15 @@ def _bones(rig: Rig) -> list[Part]:
     return found
 
 
-def _refuse_clashes(rig: Rig, names: Mapping[int, str]) -> None:
-    """UsageError for a name that two joints would have."""
+def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -> None:
+    """UsageError for a name that two joints would have. back: those that get names they have had."""
     joints = {*np.flatnonzero(rig.is_joint).tolist(), *names}
     taken: dict[str, int] = {}
     for node in sorted(joints):
         name = names.get(node, rig.names[node])
         if name and name in taken and (node in names or taken[name] in names):
             pair = f"'{rig.title(taken[name])}' and '{rig.title(node)}'"
-            if rig.names[node] == rig.names[taken[name]]:
+            if rig.names[node] == rig.names[taken[name]] or (node in back and taken[name] in back):
                 continue  # they shared one before
             raise UsageError(
                 f"{pair} would both be called '{name}'. Name one of them with --name JOINT=NAME, or leave "

@@ -16,7 +16,7 @@ import numpy as np
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError, in_keywords
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
-from rigtri.files.input_stream import called, opened
+from rigtri.files.input_stream import called, opened, path_of
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
 from rigtri.limits import TOLERANCE
@@ -86,6 +86,11 @@ class EditRequest:
     document: Document | None = None
     ahead: BackgroundCopies | None = None
     ready: Callable[[Outcome, StagedOutput], None] | None = None
+
+    def __post_init__(self) -> None:
+        path_of(self.source), path_of(self.target)
+        if not self.tolerance >= 0:
+            raise UsageError(f"--tolerance {self.tolerance} is not a valid tolerance: use a number from 0 on")
 
     @property
     def to_stdout(self) -> bool:

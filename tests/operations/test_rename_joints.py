@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,10 +14,12 @@ from program import cli
 import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.formats import read
+from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.layout import MIDDLE, SIDED
 from rigtri.recognition.naming_schemes import parse_name, schemes
 from rigtri.recognition.recognise import recognise
 from rigtri.recognition.written_names import SIDE_STYLES, scheme_names, written_names
+from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
 
@@ -77,6 +80,16 @@ def test_a_map_leads_back_to_names_that_no_scheme_has(suffix: str, tmp_path: Pat
     assert "upperarm_l" in json.loads(names.read_text())["names"].values()
     cli("rename-joints", out, "-o", back, "--map", names, "--inverse", code=0)
     assert back.read_bytes() == source.read_bytes()
+
+
+def test_names_that_look_like_addresses_and_shared_ones_come_back() -> None:
+    """Before, two joints of one name were refused, "neck/sub" came back as "sub", and "#7" as none."""
+    old = {"neck": "neck/sub", "forearm_L": "#7", "thigh_L": "dup", "thigh_R": "dup"}
+    rig = read(SAMPLES / "biped.glb").rig
+    odd = replace(rig, names=tuple(old.get(name, name) for name in rig.names))
+    report = Report()
+    new = rigtri.rename_joints(odd, to="unreal", report=report)
+    assert rigtri.rename_joints(new, map=names_json(report), inverse=True).names == odd.names
 
 
 def test_two_characters_with_the_same_names_get_theirs_back(tmp_path: Path) -> None:

@@ -500,3 +500,43 @@ def test_a_pointer_of_git_lfs_is_named_as_such(name: str, tmp_path: Path) -> Non
         rigtri.read(path)
     (only,) = rigtri.check(path)
     assert "git lfs pull" in str(only)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (lambda rig: rigtri.orient_joints(rig, joints=[]), UsageError, "names nothing"),
+        (lambda rig: rigtri.bake(rig, clip=[]), UsageError, "names nothing"),
+        (lambda rig: rigtri.write(rig, "x.glb", tolerance=-1), UsageError, "not a valid tolerance"),
+        (lambda rig: rigtri.write(rig, None), TypeError, "give the path"),
+        (lambda rig: rigtri.build(BIPED, "x.glb", {"steps": []}), TypeError, "give the path"),
+        (lambda rig: rig.find(3), TypeError, "'#3'"),
+        (lambda rig: rigtri.read(""), UsageError, "empty"),
+    ],
+)
+def test_what_a_script_gets_wrong_is_said_and_never_taken_for_all(
+    call: Any, error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        call(rigtri.read(BIPED))
+
+
+def test_colours_are_words_in_python_too() -> None:
+    rig = rigtri.read(BIPED)
+    named = rigtri.add_controls(rig, whole_character=True, color={"left": "red", "": "#ffffff"})
+    plain = rigtri.add_controls(rig, whole_character=True, color={"left": (1, 0, 0), "": (1, 1, 1)})
+    colours = [{shape.color for shape in each.pending.shapes.values()} for each in (named, plain)]
+    assert colours[0] == colours[1]
+
+
+def test_names_with_halves_of_characters_are_read_as_text(tmp_path: Path) -> None:
+    """JSON can escape them, and nothing else can hold them: `convert` was a traceback, specs were lost."""
+    source, turned = tmp_path / "in.glb", tmp_path / "turned.glb"
+    source.write_bytes(BIPED.read_bytes().replace(b'"upper_arm_L"', b'"upp\\ud800_L"'))
+    rig = rigtri.read(source)
+    assert rig.has("upp\ufffd_L")
+    cli("convert", source, "-o", tmp_path / "out.usda", code=0)
+    cli("spec-init", source, "-o", tmp_path / "rig.yaml", code=0)
+    cli("build", source, "--spec", tmp_path / "rig.yaml", "-o", tmp_path / "built.glb", code=0)
+    cli("orient-joints", source, "-o", turned, code=0)
+    assert b'"upp\\ud800_L"' in turned.read_bytes()

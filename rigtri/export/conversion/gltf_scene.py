@@ -16,6 +16,7 @@ from rigtri.export.conversion.scene import Camera, Image, Light, Material, Primi
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.scene_facts import LIGHTS
 from rigtri.formats.gltf.uris import is_data
+from rigtri.formats.json_values import name_in
 from rigtri.model.rig import Rig
 
 _WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
@@ -141,7 +142,7 @@ class _Reader:
             if surface is None:
                 scene.lose(f"mesh {mesh.name}, whose faces cannot be read")
                 continue
-            name = raw.get("name") if isinstance(raw.get("name"), str) else ""
+            name = name_in(raw)
             primitive = raw["primitives"][number]
             shared, material = (index, number), primitive.get("material")
             if material is not None and not (type(material) is int and 0 <= material < len(scene.materials)):
@@ -152,7 +153,7 @@ class _Reader:
 
     def _camera(self, raw: Mapping[str, Any]) -> Camera:
         lens = self._object(raw, str(raw.get("type")))
-        name = str(raw.get("name") or "")
+        name = name_in(raw)
         near, far = float(lens.get("znear", 0.01)), lens.get("zfar")
         if raw.get("type") == "orthographic":
             height = 2.0 * float(lens["ymag"])
@@ -164,7 +165,7 @@ class _Reader:
         if raw.get("range") is not None:
             self.scene.lose(f"the range of light '{raw.get('name', '')}'")
         return Light(
-            str(raw.get("name") or ""),
+            name_in(raw),
             str(raw.get("type")),
             tuple(map(float, raw.get("color", (1.0, 1.0, 1.0)))),  # type: ignore[arg-type]
             float(raw.get("intensity", 1.0)),
@@ -185,7 +186,7 @@ class _Reader:
         strength = float(self._object(more, "KHR_materials_emissive_strength").get("emissiveStrength", 1.0))
         coat = self._object(more, "KHR_materials_clearcoat")
         return Material(
-            str(raw.get("name") or f"material_{number}"),
+            name_in(raw) or f"material_{number}",
             tuple(map(float, plain.get("baseColorFactor", (1.0,) * 4))),  # type: ignore[arg-type]
             float(plain.get("metallicFactor", 1.0)),
             float(plain.get("roughnessFactor", 1.0)),

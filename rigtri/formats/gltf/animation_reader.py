@@ -26,7 +26,7 @@ from rigtri.formats.gltf.rules import (
     twice_violation,
     value_width_violation,
 )
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, name_in
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Interpolation, Path, Tracks
@@ -139,8 +139,7 @@ class ClipReader:
         return clips
 
     def _clip(self, number: int, animation: Value) -> Clip:
-        name = animation.object().get("name")
-        name = name if isinstance(name, str) else ""
+        name = name_in(animation.object())
         groups = self._known_groups(number, animation.raw)
         if groups is None:
             noticed = len(self._notices)

@@ -41,7 +41,7 @@ from rigtri.formats.gltf.structure import (
     shows,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, name_in
 from rigtri.formats.vrm.vrm1 import read_bindings
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
@@ -242,7 +242,6 @@ class GltfDocument:
         tree, rest, options = self.tree, self.rest, self.options
         nodes = gltf.object().get("nodes", [])
         ordered = [nodes[index] for index in tree.order]
-        names = [node.get("name") for node in ordered]
         extras = [node.get("extras") for node in ordered]
         skins = read_skins(
             gltf, self.accessors, tree, self.notices, self._reader.weighted, lenient=options.lenient
@@ -258,7 +257,7 @@ class GltfDocument:
         self._pointers = [pointer for _, _, pointer in bindings.bound]
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
         rig = Rig(
-            names=tuple(name if isinstance(name, str) else "" for name in names),
+            names=tuple(map(name_in, ordered)),
             parents=np.array([_place(tree.place, tree.above[k]) for k in tree.order], dtype=np.int64),
             translation=rest.translation,
             rotation=rest.rotation,

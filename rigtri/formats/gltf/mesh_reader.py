@@ -18,7 +18,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.formats.gltf.accessors import Accessors
 from rigtri.formats.gltf.node_reader import Tree
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, name_in
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bounding_boxes import boxes, extent
@@ -233,7 +233,7 @@ class MeshReader:
             if len(joints) != len(points):
                 primitive.fail(f"has {len(points)} positions and {len(joints)} sets of joints")
         morphs = self._morphs(primitive, points, some)
-        name = raw.get("name") or mesh.get("name") or f"#{node}"
+        name = name_in(raw) or name_in(mesh) or f"#{node}"
         return Mesh(
             name=f"{name}/{number}",
             node=self._tree.place[node],

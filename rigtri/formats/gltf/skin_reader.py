@@ -21,7 +21,7 @@ from rigtri.formats.gltf.rules import (
     joints_outside,
     refuse,
 )
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, name_in
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.skin import Skin
@@ -41,13 +41,13 @@ def read_skins(
     skins = []
     drawn = {node.get("skin") for node in gltf.object().get("nodes", []) if "mesh" in node}
     for number, item in enumerate(gltf.each("skins")):
-        name = item.object().get("name")
+        name = name_in(item.object())
         skin = Value(item.raw, f"{gltf.where} skin '{name}' (#{number})" if name else item.where)
         joints = _joints(gltf, skin, tree, notices)
         matrices = _inverse_bind(gltf, skin, accessors, joints, notices, lenient=lenient)
         skins.append(
             Skin(
-                name=name if isinstance(name, str) else "",
+                name=name,
                 joints=np.array([tree.place[joint] for joint in joints], dtype=np.int64),
                 inverse_bind=np.tile(np.eye(4), (len(joints), 1, 1)) if matrices is None else matrices,
                 stored=matrices is not None,

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
 from rigtri.operations.declaration import options_of
@@ -119,7 +120,7 @@ def load(
     need_libraries()
     from rigtri.pipeline.rigspec.expand import merged, plain
 
-    path, given = Path(path), dict.fromkeys(variables or (), Path()) | dict(folders or {})
+    path, given = path_of(path), dict.fromkeys(variables or (), Path()) | dict(folders or {})
     spec = merged(path, variables or {})
     tree, unsure = spec.tree, spec.unsure
     paths, lost = _find_files(tree, given)
