@@ -16,8 +16,10 @@ from rigtri.model.skin_weights import limited
 def limit_weights(edit: UsdEdit) -> None:
     """Let the points of all skinned meshes have as many joints as allowed. FileError where that cannot be."""
     limit = edit.rig.pending.weight_limit
-    for _, query in edit.source.bindings.every if limit is not None else ():
-        if limit is None or not query.HasJointInfluences() or query.IsRigidlyDeformed():
+    if limit is None:
+        return
+    for _, query in edit.source.bindings.every:
+        if query.IsRigidlyDeformed():
             continue
         count = len(seen_at_start(query.GetPrim().GetAttribute("points")) or ())
         before = read_influences(query, count)
