@@ -102,20 +102,20 @@ class Command(click.Command):
             longer = [f"'{flag}'" for flag in known if flag.lower().startswith(word)]
             if not longer:
                 raise
-            asked = f"No such option '{error.option_name}'. Did you mean {' or '.join(longer)}?"
-            raise click.UsageError(asked, ctx) from None
+            text = f"No such option '{error.option_name}'. Did you mean {' or '.join(longer)}?"
+            raise click.UsageError(text, ctx) from None
         except click.BadOptionUsage as error:
             option = next((each for each in self.params if error.option_name in each.opts), None)
             if option is not None and option.nargs > 1:
-                told = f"{error.message.rstrip('.')}: {option.metavar}"
-                raise click.BadOptionUsage(error.option_name, told, ctx) from None
+                text = f"{error.message.rstrip('.')}: {option.metavar}"
+                raise click.BadOptionUsage(error.option_name, text, ctx) from None
             raise
         except click.MissingParameter as error:
             others = self.make_parser(ctx).parse_args(words)[1]
             if others and error.param is not None and isinstance(error.param, click.Option):
                 flag = error.param.opts[0]
-                asked = f"Missing option '{flag}'. Did you mean {flag} {others[0]}?"
-                raise click.UsageError(asked, ctx) from None
+                text = f"Missing option '{flag}'. Did you mean {flag} {others[0]}?"
+                raise click.UsageError(text, ctx) from None
             raise
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -78,7 +78,7 @@ def _made(rig: Rig, options: MakeLimbOptions, report: Report) -> Rig:
         rig, joints = _update(rig, known, shape, options, report)
     else:
         rig, joints = _build(rig, shape, options, report)
-    for node, part in zip(joints, range(len(joints)), strict=True):
+    for part, node in enumerate(joints):
         rig = with_record(rig, node, _limb_record(rig, joints, part, shape, options))
     for part, node in enumerate(joints):
         report.added.append(_record(rig, node, shape, part, new=not known))
@@ -93,11 +93,10 @@ def _made(rig: Rig, options: MakeLimbOptions, report: Report) -> Rig:
 
 def _expanded(rig: Rig, options: MakeLimbOptions) -> MakeLimbOptions:
     """The options with the locators that a pattern means, in the order of their names: a_2 before a_10."""
-    if not (
-        len(options.locators) == 1 and is_pattern(options.locators[0]) and not rig.has(options.locators[0])
-    ):
+    first, *more = options.locators or ("",)
+    if more or not is_pattern(first) or rig.has(first):
         return options
-    found = sorted(rig.match(options.locators[0]), key=lambda node: natural(rig.names[node]))
+    found = sorted(rig.match(first), key=lambda node: natural(rig.names[node]))
     options = replace(options, locators=tuple(map(rig.address, found)))
     check(options, {"locators"})
     return options
@@ -148,13 +147,12 @@ def _shape(rig: Rig, options: MakeLimbOptions, report: Report) -> _Shape:
 
 
 def _points(rig: Rig, options: MakeLimbOptions) -> Floats:
-    if options.points:
-        return np.array(options.points, dtype=np.float64)
-    return np.array([_read(rig, name, options.pose) for name in options.locators])
+    """Where the joints are to stand, (n, 3): the points, or the locators in their pose."""
+    places = options.points or [_read(rig, name, options.pose) for name in options.locators]
+    return np.array(places, dtype=np.float64)
 
 
 def _read(rig: Rig, name: str, pose: str) -> Floats:
-    """Where a locator stands in a pose, (3,)."""
     return np.asarray(posed(rig, pose).position(rig.find(name, "locator")))
 
 
@@ -168,9 +166,8 @@ def _refuse_one_place(points: Floats, titles: Sequence[str], size: float, *, cho
         one, other = titles[near[0]], titles[near[0] + 1]
         raise GeometryError(f"{one} and {other} are at one place, so there is no bone between them")
     if chord and not distance(points[0], points[-1]) > ONE_PLACE * size:
-        raise GeometryError(
-            f"{titles[0]} and {titles[-1]}, root and end, are at one place: there is no chord"
-        )
+        ends = f"{titles[0]} and {titles[-1]}"
+        raise GeometryError(f"{ends}, root and end, are at one place: there is no chord")
 
 
 def _middle(points: Floats) -> int:
@@ -320,8 +317,7 @@ def _names(rig: Rig, options: MakeLimbOptions, count: int) -> list[str]:
     names = [*map(rig.rules.valid_name, names)]
     taken = [name for name in names if names.count(name) > 1 or free_name(rig, name, None) != name]
     if taken:
-        other = "joint or node" if options.names else "node"
-        raise UsageError(f"another {other} is called '{taken[0]}'; give the joints --names of their own")
+        raise UsageError(f"another node is called '{taken[0]}'; give the joints --names of their own")
     return names
 
 

@@ -51,8 +51,8 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
         for node in rig.match(glob):
             merging.take(node)
     if options.still:
-        asked = rig.with_ancestors([node for glob in options.exclude for node in rig.match(glob)])
-        _tell_kept(rig, [node for node in merging.take_still() if node not in asked], report)
+        excluded = rig.with_ancestors([node for glob in options.exclude for node in rig.match(glob)])
+        _report_kept(rig, [node for node in merging.take_still() if node not in excluded], report)
     if options.max_joints is not None:
         merging.take_least(options.max_joints)
     gone = merging.gone
@@ -67,7 +67,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
     return less
 
 
-def _tell_kept(rig: Rig, still: Sequence[int], report: Report) -> None:
+def _report_kept(rig: Rig, still: Sequence[int], report: Report) -> None:
     if still:
         names = listed([rig.title(node) for node in still], 6)
         why = "a mesh, camera or light hangs there or below, or the file or rigtri's metadata name them"

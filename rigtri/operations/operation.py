@@ -206,9 +206,9 @@ def _spelled(one: Option, value: Any) -> Any:
     plain = typing.get_args(one.hint)[1:] == (str,)
     if one.kind is None or one.kind.read is None or plain or not isinstance(value, collections.abc.Mapping):
         return value
-    said = [f"{name or 'centre'}={each}" for name, each in value.items() if isinstance(each, str)]
+    words = [f"{name or 'centre'}={each}" for name, each in value.items() if isinstance(each, str)]
     rest = {name: each for name, each in value.items() if not isinstance(each, str)}
-    return rest | dict(one.kind.read(one.flag, said)) if said else value
+    return rest | dict(one.kind.read(one.flag, words)) if words else value
 
 
 def _fitted(hint: Any, value: Any, word: str) -> Any:
