@@ -178,7 +178,7 @@ def test_names_and_sides() -> None:
     out, joints, _ = made(rig=out, name="arm", side="right", names=("shoulder", "elbow", "wrist"))
     assert [out.names[k] for k in joints] == ["shoulder", "elbow", "wrist"]
     assert len(out.skins) == 2
-    with pytest.raises(UsageError, match="another joint or node is called 'elbow'"):
+    with pytest.raises(UsageError, match="another node is called 'elbow'"):
         made(rig=out, name="leg", names=("hip", "elbow", "foot"))
     with pytest.raises(UsageError, match="2 names for 3 joints"):
         made(names=("a", "b"))
