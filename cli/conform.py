@@ -32,7 +32,7 @@ def _spec(report: Report) -> str:
 
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
-    steps = [entry["do"] for entry in report.added if entry["type"] == "step"]
+    steps = dict.fromkeys(entry["do"] for entry in report.added if entry["type"] == "step")
     return f"conforms: {', '.join(steps)}"
 
 
