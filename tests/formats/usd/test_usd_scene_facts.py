@@ -21,3 +21,12 @@ def test_a_binding_to_what_is_no_material_shows_nothing_of_it(path: str, facts: 
     found = read_scenery(stage, {0: "/Body"}, closely=True).nodes[0]
     assert found["material"] == path
     assert [name for name in found if "of the material" in name] == facts
+
+
+def test_one_sample_is_what_shows_at_all_times() -> None:
+    """Before, the fallback hid it: a mesh with one sample of "invisible" was taken for a visible one."""
+    stage = Usd.Stage.CreateInMemory()
+    mesh = UsdGeom.Mesh.Define(stage, "/Body")
+    shown = read_scenery(stage, {0: "/Body"}).nodes[0]["visibility"]
+    mesh.CreateVisibilityAttr().Set("invisible", 5.0)
+    assert "invisible" in read_scenery(stage, {0: "/Body"}).nodes[0]["visibility"] != shown

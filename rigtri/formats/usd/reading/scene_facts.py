@@ -109,7 +109,9 @@ def _over_time(attribute: Any) -> Any:
     value = _plain(attribute.Get(DEFAULT))
     times = moving_times(attribute)
     if len(times) < 2:
-        return _plain(attribute.Get(times[0])) if times and value is None else value
+        # One sample shows at all times, and what else there is at none but the default one.
+        only = _plain(attribute.Get(times[0])) if times else value
+        return only if value in (None, only) else (value, only)
     return tuple((time, _plain(attribute.Get(time))) for time in times)
 
 
