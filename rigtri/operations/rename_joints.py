@@ -35,6 +35,8 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     """
     mapped = dict(_of_map(rig, options, report))
     names = mapped | dict(_of_scheme(rig, options))
+    if options.to is not None:
+        _warn_unnamed_trunk(rig, names, report)
     names = {node: name and rig.rules.valid_name(name) for node, name in names.items()}
     names |= {
         rig.find(joint): given_name(rig, name, report, f"--name {joint}=")
@@ -151,6 +153,16 @@ def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, st
             if options.prefix is not None:
                 name = options.prefix + name.rpartition(":")[2]
             yield part.joint, name
+
+
+def _warn_unnamed_trunk(rig: Rig, names: Collection[int], report: Report) -> None:
+    """Warn of joints of a spine that keep their names among others: a scheme has three."""
+    for character in recognise(rig).characters:
+        spine = [joint for chain in character.chains if chain.kind == "spine" for joint in chain.joints]
+        left = [rig.title(joint) for joint in spine if joint not in names]
+        if 0 < len(left) < len(spine):
+            text = f"{listed(left, 6)} of the spine: no new name, for schemes have three joints there. "
+            report.warn("spine-unnamed", text + "Name each with --name JOINT=NAME, or merge them before")
 
 
 def _bones(rig: Rig) -> list[Part]:

@@ -230,7 +230,7 @@ def _misnamed(draft: Draft, each: Found) -> str:
     """Names of a limb whose hand is missing: a forearm at its end, or bones that count from the middle."""
     names = [draft.tree.rig.names[node] for node in each.joints]
     last = limb_words(names[2]).levels
-    if last.get("lower") == 1.0 and len(last) == 1:
+    if each.kind == "arm" and last.get("lower") == 1.0 and len(last) == 1:  # hocks are called so, too
         return f"{_title(draft, each.joints[2])} is called as a lower bone is"
     first, second, third = (parse_name(name) for name in names)
     counts = second.plain == third.plain != first.plain and second.key != third.key

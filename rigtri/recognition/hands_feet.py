@@ -263,7 +263,10 @@ def lay_hand(draft: Draft) -> bool:
         chains = finger_chains(draft, node, 0.0)
         if not 3 <= len(chains) <= 5:
             continue
-        covered = 1 + sum(len(tree.branch(chain[0])) for chain in chains)
+        # A finger is one line to its end; what branches is a trunk, of which the chain is a beginning.
+        whole = [tree.branch(chain[0]) for chain in chains]
+        lines = [all(len(tree.below[k]) < 2 for k in branch) for branch in whole]
+        covered = 1 + sum(len(b if line else c) for b, line, c in zip(whole, lines, chains, strict=True))
         if covered < 0.75 * len(joints):
             continue
         named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]

@@ -85,9 +85,11 @@ def _spine(draft: Draft, found: Sequence[Found]) -> None:
     neck = bones.get("neck", -1)
     joints = joints[: joints.index(neck)] if neck in joints else joints
     named = {bone: bones[bone] for bone in _SPINE if bones.get(bone, -1) in joints}
-    # A humanoid has its chest above a spine: names that say otherwise do not say which joint is which.
+    # A humanoid has its chest above a spine, and no joint of so few is none: names that say otherwise do not
+    # say which joint is which.
     in_order = list(named.values()) == sorted(named.values(), key=joints.index)
-    if draft.certain or ("spine" in named and in_order):
+    whole = len(named) >= min(len(joints), len(_SPINE))
+    if draft.certain or ("spine" in named and in_order and whole):
         for bone, node in named.items():
             draft.call(bone, node)
     else:

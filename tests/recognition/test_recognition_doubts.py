@@ -228,3 +228,22 @@ def test_limbs_of_partial_people_side_by_side_are_not_surely_others(
     found = measure(rig, case.truth, layout, named=named)
     assert [each for each in found if each.outcome == "surely wrong"] == []
     assert any(why in remark for remark in layout.remarks)
+
+
+def test_a_trunk_from_which_legs_and_a_tail_go_is_no_palm() -> None:
+    """Before, all that is below its four chains counted as their joints."""
+    case = next(case for case in population(1) if case.name == "quadruped 28")
+    assert recognise(case.rig).characters[0].form == "quadruped"
+
+
+@pytest.mark.parametrize("names", ["Waist Spine01 Spine02", "Torso1 Torso2 Torso3", "Spine Chest Spine3"])
+def test_three_joints_of_a_trunk_are_the_three_bones_of_one(names: str) -> None:
+    """Before, one of them had none, and conformed characters had holes in their trunks."""
+    case = next(case for case in population(1) if case.name == "person 0")
+    layout = recognise(case.rig)
+    (spine,) = (chain.joints for chain in layout.characters[0].chains if chain.kind == "spine")
+    assert len(spine) == 3
+    called = dict(zip(spine, names.split(), strict=True))
+    rig = replace(case.rig, names=tuple(called.get(k, name) for k, name in enumerate(case.rig.names)))
+    bones = {part.joint: part.bone for part in recognise(rig).characters[0].parts}
+    assert [bones[joint] for joint in spine] == ["spine", "chest", "upperChest"]

@@ -205,6 +205,8 @@ class AddControlsOptions(OneCharacter):
                 raise UsageError(f"--shape: '{kind}' is not a valid shape.{hint}")
         if unknown := [kind for kind in self.shape if kind not in _CONTROLS]:
             raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
+        if any(not 0 <= part <= 1 for color in self.color.values() for part in color):
+            raise UsageError("--color: red, green and blue lie between 0 and 1")
         if unknown := [side for side in self.color if side not in _SIDES.values()]:
             raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
         if self.as_ is not None and not (self.ik or self.limbs or self.whole_character):
