@@ -197,3 +197,20 @@ def test_a_bake_to_controls_is_refused_where_only_controls_have_the_motion() -> 
     bake(bake(rig), options=BakeOptions(to="controls"))
     lost = bake(rig, options=BakeOptions(to="controls", discard_motion=True))
     assert not any(len(track.times) > 1 for track in lost.clip("waves").tracks)
+
+
+def test_what_is_keyed_on_a_root_control_goes_to_the_joints_and_back() -> None:
+    """Before, the control below the root got all of it and the root kept its keys: twice the motion."""
+    rig = add_controls(read(SAMPLES / "biped.glb").rig, options=WHOLE)
+    root, hips = control(rig, "hips", "root"), rig.find("hips")
+    times = np.array([0.0, 0.5, 1.0]) * rig.rules.per_second
+    keys = Track(root, "translation", "LINEAR", times, single([[0, 0, 0], [0.3, 0, 0.1], [0.1, 0, 0.4]]))
+    rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, keys)),))
+    there = bake(rig)
+    back = bake(bake(there, options=BakeOptions(to="controls")))
+    shown = [
+        sampling.worlds(each, sampling.locals_at(each, each.clips[0], times))[:, hips]
+        for each in (there, back)
+    ]
+    np.testing.assert_allclose(shown[1], shown[0], atol=2e-6)
+    assert np.abs(shown[0][1:, 3, 0] - shown[0][0, 3, 0]).min() > 0.05

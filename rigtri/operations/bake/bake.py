@@ -314,7 +314,8 @@ class _Baker:
         # A joint that only the root control carries keeps its own keys; that control gets none.
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
         solver = self._solver(self.movers - carrying)
-        made = self.movers | solver.offsets
+        # What an animator has put on a root control stays there: what is below it counts from that.
+        made = (self.movers | solver.offsets).difference(own.control for own in reference.roots)
         timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
