@@ -216,7 +216,8 @@ class _Builder:
             self._add()
         else:
             self._again(control, "root", top, drawing)
-            self._stand(control, place, np.eye(3))
+            if not self.moved:  # keys of poles, and of what else is right below, count from it
+                self._stand(control, place, np.eye(3))
         self.made.append((control, "root", top))
 
     def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:

@@ -20,11 +20,13 @@ from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, multiply, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
+from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_posereader.posereader import AddPosereaderOptions, Goal, add_posereader
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.bake.bake import BakeOptions, bake
+from rigtri.operations.freeze import FreezeOptions, freeze
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -214,3 +216,15 @@ def test_what_is_keyed_on_a_root_control_goes_to_the_joints_and_back() -> None:
     ]
     np.testing.assert_allclose(shown[1], shown[0], atol=2e-6)
     assert np.abs(shown[0][1:, 3, 0] - shown[0][0, 3, 0]).min() > 0.05
+
+
+def test_a_root_control_stays_where_keys_of_others_count_from_it() -> None:
+    """Before, a second add-controls turned it to the new up axis, and keyed poles went along."""
+    rig = read(SAMPLES / "biped.usda").rig
+    rig = bake(add_controls(rig, options=WHOLE), options=BakeOptions(to="controls"))
+    lying = freeze(rig, options=FreezeOptions(up_axis="z"))
+    again = add_controls(lying, options=WHOLE)
+    pole = min(lying.nodes_of(PoleVectorRecord.type))
+    times = np.array([0.0, 0.5]) * rig.rules.per_second
+    shown = [sampling.worlds(each, sampling.locals_at(each, each.clips[0], times)) for each in (lying, again)]
+    np.testing.assert_allclose(shown[1][:, pole, 3], shown[0][:, pole, 3], atol=1e-9)
