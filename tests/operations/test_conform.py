@@ -37,8 +37,8 @@ SCALED = """def SkelRoot "figure"
 @pytest.mark.parametrize(("target", "suffix"), every_other(list(TARGETS), [".glb", ".usda"]))
 def test_a_second_time_changes_no_byte(target: str, suffix: str, tmp_path: Path) -> None:
     out, again = tmp_path / f"out{suffix}", tmp_path / f"again{suffix}"
-    steps = cli("conform", SAMPLES / f"biped{suffix}", "-o", out, "--to", target, code=0).stdout
-    assert steps.splitlines()[0].count("orient-joints") == 1
+    steps = cli("conform", SAMPLES / f"biped{suffix}", "-o", out, "--to", target, code=0).output
+    assert steps.count("orient-joints") == 1
     cli("conform", out, "-o", again, "--to", target, code=0)
     assert again.read_bytes() == out.read_bytes()
 

@@ -314,8 +314,10 @@ class _Baker:
         # A joint that only the root control carries keeps its own keys; that control gets none.
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
         solver = self._solver(self.movers - carrying)
-        # What an animator has put on a root control stays there: what is below it counts from that.
-        made = (self.movers | solver.offsets).difference(own.control for own in reference.roots)
+        # What an animator has put on a root control stays there: what is below it counts from that, unless
+        # it makes all of it flat.
+        flat = {t.node for t in timeline.clip.tracks if t.path == "scale" and not t.values.all()}
+        made = (self.movers | solver.offsets).difference({own.control for own in reference.roots} - flat)
         timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
