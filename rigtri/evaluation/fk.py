@@ -192,7 +192,8 @@ class Fk:
         if self._axes is not None:
             turn, size = _scaled_along(turn, size, self._shares.T)
             turn = product(product(conjugate(self._axes), turn), self._axes)
-        return Parts(move, turn, size)
+        # One matrix is inverted otherwise than many: the sign of a zero must not tell.
+        return Parts(move + 0.0, turn, size)
 
 
 def _scaled_along(turn: Floats, scale: Floats, shares: Floats) -> tuple[Floats, Floats]:
