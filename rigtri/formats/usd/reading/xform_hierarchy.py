@@ -21,8 +21,9 @@ from rigtri.formats.usd.composition.stage import why_locked
 from rigtri.formats.usd.composition.time_samples import has_splines, ops_times
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.maths.matrices import SKEW, decompose, inverse, skew
-from rigtri.maths.quaternions import IDENTITY, angle_between, multiply, rotate
+from rigtri.maths.arrays import Booleans
+from rigtri.maths.matrices import SKEW, decompose, inverse, nearest_rotation, skew
+from rigtri.maths.quaternions import IDENTITY, angle_between, from_axes, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.rig import Rig
@@ -215,33 +216,43 @@ def read_transform(
 def sampled_tracks(prim: Any, node: int, interpolation: Interpolation) -> list[Track] | None:
     """The tracks of a prim with any ops, by its matrices; None where these are flat, or sheared at samples.
 
-    Between them elements of matrices go straight, which shears what turns; tracks go the same way without it.
+    Between them elements of matrices go straight, which shears and shrinks what turns: tracks move the same
+    way, turn as the nearest rotation does, which is the same in other axes, and scale from sample to sample.
     """
     xformable = UsdGeom.Xformable(prim)
 
-    def parts_at(times: list[float], sheared: float) -> tuple[Floats, ...] | None:
+    def parts_at(times: list[float]) -> tuple[tuple[Floats, ...], Booleans] | None:
+        """What the matrices are made of, and which are sheared."""
         local = np.array([xformable.GetLocalTransformation(t) for t in times], dtype=np.float64)
-        if not np.isfinite(local).all() or (skew(local) > sheared).any():
+        if not np.isfinite(local).all():
             return None
-        found = decompose(local)
-        return found if np.isfinite(found[1]).all() else None
+        place, turn, size = decompose(local)
+        sheared = skew(local) > SKEW
+        turn[sheared] = from_axes(nearest_rotation(local[sheared]))
+        return ((place, turn, size), sheared) if np.isfinite(turn).all() else None
 
     times = [float(time) for time in ops_times(xformable)]
-    found = parts_at(times, SKEW)
+    start = parts_at(times)
+    if start is None or start[1].any():
+        return None
+    found = start[0]
     for _ in range(_HALVINGS if interpolation != "STEP" and len(times) > 1 else 0):
         between = [(a + b) / 2.0 for a, b in pairwise(times)]
-        there = parts_at(between, np.inf)
-        if found is None or there is None:
+        there = parts_at(between)
+        if there is None:
             return None
+        (place, turn, size), sheared = there
         tracks = _tracks(node, interpolation, times, found)
-        off = np.max([_off(t.path, sample(t, between), now) for t, now in zip(tracks, there, strict=True)], 0)
+        size = np.where(sheared[:, np.newaxis], sample(tracks[-1], between), size)
+        now = (place, turn, size)
+        off = np.max([_off(t.path, sample(t, between), part) for t, part in zip(tracks, now, strict=True)], 0)
         new = np.flatnonzero(off > _ON_WAY)
         if not len(new):
             break
         order = np.argsort([*times, *(between[k] for k in new)], kind="stable")
         times = np.array([*times, *(between[k] for k in new)])[order].tolist()
-        found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, there, strict=True))
-    return None if found is None else _tracks(node, interpolation, times, found)
+        found = tuple(np.concatenate([a, b[new]])[order] for a, b in zip(found, now, strict=True))
+    return _tracks(node, interpolation, times, found)
 
 
 def _tracks(node: int, way: Interpolation, times: list[float], values: tuple[Floats, ...]) -> list[Track]:
