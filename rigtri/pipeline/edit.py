@@ -88,7 +88,8 @@ class EditRequest:
     ready: Callable[[Outcome, StagedOutput], None] | None = None
 
     def __post_init__(self) -> None:
-        path_of(self.source), path_of(self.target)
+        for path in (self.source, self.target):
+            path_of(path)  # says what else was given
         if not self.tolerance >= 0:
             raise UsageError(f"--tolerance {self.tolerance} is not a valid tolerance: use a number from 0 on")
 

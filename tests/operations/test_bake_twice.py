@@ -207,7 +207,10 @@ def test_what_is_keyed_on_a_root_control_goes_to_the_joints_and_back() -> None:
     root, hips = control(rig, "hips", "root"), rig.find("hips")
     times = np.array([0.0, 0.5, 1.0]) * rig.rules.per_second
     keys = Track(root, "translation", "LINEAR", times, single([[0, 0, 0], [0.3, 0, 0.1], [0.1, 0, 0.4]]))
-    rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, keys)),))
+    # A spline's tangents of zero are no scale of zero.
+    size = np.tile(np.array([0.0, 1.0, 0.0])[:, np.newaxis], (3, 1, 3))
+    still = Track(root, "scale", "CUBICSPLINE", times, size)
+    rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, keys, still)),))
     there = bake(rig)
     back = bake(bake(there, options=BakeOptions(to="controls")))
     shown = [

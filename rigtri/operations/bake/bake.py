@@ -41,7 +41,7 @@ from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.evaluation.zero_pose import ControlsAtZero
 from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.animation import PATHS, Path, Track
+from rigtri.model.animation import PATHS, Path, Track, key_values
 from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import ControlRecord, PoseReaderRecord
 from rigtri.model.rig import Rig
@@ -316,7 +316,7 @@ class _Baker:
         solver = self._solver(self.movers - carrying)
         # What an animator has put on a root control stays there: what is below it counts from that, unless
         # it makes all of it flat.
-        flat = {t.node for t in timeline.clip.tracks if t.path == "scale" and not t.values.all()}
+        flat = {t.node for t in timeline.clip.tracks if t.path == "scale" and not key_values(t).all()}
         made = (self.movers | solver.offsets).difference({own.control for own in reference.roots} - flat)
         timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
