@@ -20,6 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import triangles
+from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import Aim
 from rigtri.recognition.limbs import Limb
@@ -150,12 +151,14 @@ class SkinSections:
 
     @cached_property
     def _rows(self) -> dict[int, dict[int, list[int]]]:
-        """For each skin that meshes have, the rows of its joints."""
+        """For each skin that meshes have, the rows of its joints; a bone has those of its twist joints."""
+        bones = {node: self.rig.known(twist.joint) for node, twist in self.rig.records(TwistRecord).items()}
         found: dict[int, dict[int, list[int]]] = {}
         for skin in self._by_skin:
             rows = found.setdefault(skin, {})
             for row, joint in enumerate(self.rig.skins[skin].joints.tolist()):
-                rows.setdefault(joint, []).append(row)
+                for owner in {joint, bones.get(joint)} - {None}:
+                    rows.setdefault(owner, []).append(row)
         return found
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from places import SAMPLES
@@ -69,3 +71,15 @@ def test_a_cube_is_as_large_as_the_limb_is_thick_where_it_arrives(name: str) -> 
     cubes = sizes(name, "ik")
     assert cubes["foot_L"] == pytest.approx(cubes["foot_R"], rel=0.05)
     assert cubes["foot_L"] < 2 * cubes["hand_L"]
+
+
+def test_rings_are_as_wide_where_twist_joints_share_the_skin(assets: Path, tmp_path: Path) -> None:
+    """Before, what was left to an upper arm was skin of the trunk, and its ring 2.5 times as wide."""
+    source, out = assets / "gltf" / "kaykit_Barbarian.glb", tmp_path / "twisted.glb"
+    rigtri.write(rigtri.add_twist(rigtri.read(source), limbs="auto", split_weights=True), out)
+    plain, split = (
+        {own.joint: own.size for own in rig.records(ControlRecord).values() if own.kind == "fk"}
+        for rig in (rigtri.add_controls(rigtri.read(each), whole_character=True) for each in (source, out))
+    )
+    for joint in ("upperarm.l", "upperarm.r", "upperleg.l", "upperleg.r"):
+        assert split[joint] == pytest.approx(plain[joint], rel=0.05)
