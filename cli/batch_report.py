@@ -52,7 +52,7 @@ def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool)
         print_json(document)
         return
     for line in _lines(found):
-        click.echo(plain(line))
+        click.echo(plain(line, one_line=True))
 
 
 def _lines(found: dict[str, Any]) -> Iterator[str]:

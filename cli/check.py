@@ -15,7 +15,7 @@ from .help_format import Command, option
 from .option_types import FilePath
 from .options import json_option, quiet_option
 from .printing import print_json
-from .terminal_text import echo
+from .terminal_text import echo, plain, plain_lines
 
 if TYPE_CHECKING:
     from rigtri.files.worker_process import WorkerProcess
@@ -198,18 +198,19 @@ def _print_file(
         return
     shown = _counted(counts(findings)) or ("nothing shown" if left_out else "nothing wrong")
     rest = f" ({_counted(counts(left_out))} left out)" if left_out else ""
-    echo(f"{name}: {shown}{rest}", _PAINTS)
+    echo(plain(f"{name}: {shown}{rest}", one_line=True), _PAINTS)
     printed: dict[str, int] = {}
     for item in findings:
         if quiet and item.severity != "error":
             continue
         printed[item.id] = printed.get(item.id, 0) + 1
         if verbose or printed[item.id] <= MOST_ALIKE:
-            echo(f"  {item.severity}: {item.place}: {item.message}  [{item.id}]", _PAINTS)
+            lines = [f"  {item.severity}: {item.place}: {item.message}  [{item.id}]"]
             if verbose:
-                click.echo(f"      at {item.pointer or 'the file'}. {item.remedy}")
+                lines.append(f"      at {item.pointer or 'the file'}. {item.remedy}")
             elif printed[item.id] == 1:
-                click.echo(f"      {item.remedy}")
+                lines.append(f"      {item.remedy}")
+            echo(plain_lines(lines), _PAINTS)
         elif printed[item.id] == MOST_ALIKE + 1:
             more = sum(other.id == item.id for other in findings) - MOST_ALIKE
             echo(f"  {item.severity}: {more} more of these; -v shows all  [{item.id}]", _PAINTS)

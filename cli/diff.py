@@ -93,7 +93,7 @@ def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
     elif values["brief"] and not found.same:
         click.echo(plain(f"{before} and {after} differ", one_line=True))
     elif not found.same:
-        echo(plain(found.describe(every=values["every"])), _PAINTS)
+        echo(found.describe(every=values["every"]), _PAINTS)
     if not values["brief"]:
         warn_unused_root(before, values["root"])
         for notice in found.notices:

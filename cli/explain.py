@@ -20,7 +20,6 @@ from .help_format import Command, option
 from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
 from .parameters import read_options
 from .printing import print_json, print_warnings
-from .terminal_text import plain
 
 if TYPE_CHECKING:
     from rigtri.export.explain.explain import Explanation
@@ -79,7 +78,7 @@ def command(points: tuple[str, ...], **values: Any) -> None:
         print_json(found.as_json())
     elif output != "-" and not values["quiet"]:
         wide = shutil.get_terminal_size().columns if sys.stdout.isatty() else 120
-        click.echo(plain(text(found, width=wide)))
+        click.echo(text(found, width=wide))
     if output is not None:
         output_file.print_result(report, output, values)
     elif not values["quiet"]:

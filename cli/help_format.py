@@ -117,6 +117,21 @@ class Command(click.Command):
                 text = f"Missing option '{flag}'. Did you mean {flag} {others[0]}?"
                 raise click.UsageError(text, ctx) from None
             raise
+        except click.UsageError as error:
+            again = "" if type(error) is not click.UsageError else self._repeated(words, ctx)
+            if not again:
+                raise
+            raise click.UsageError(f"{error.message}. Give each value its option: {again}", ctx) from None
+
+    def _repeated(self, words: list[str], ctx: click.Context) -> str:
+        """How to give two words that follow one repeatable option, as in --joints a b; "" where none do."""
+        flags = {
+            flag for each in _options(self, ctx) if each.multiple and each.nargs == 1 for flag in each.opts
+        }
+        for flag, value, other in zip(words, words[1:], words[2:], strict=False):
+            if flag in flags and not other.startswith("-"):
+                return f"{flag} {value} {flag} {other}"
+        return ""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         for title, rows in option_groups(self, ctx):

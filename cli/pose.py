@@ -22,6 +22,7 @@ from rigtri.errors import UsageError
 from rigtri.operations.declaration import made
 from rigtri.operations.options.pose import PoseOptions
 from rigtri.report import Report
+from rigtri.text import columns
 
 from .edit_command import declared_options, step_of
 from .editing import copy_ahead, run_edit
@@ -92,7 +93,7 @@ def _print(values: dict[str, Any], options: Any) -> None:
         print_json(found)
         return
     if values["matrices"]:
-        click.echo(plain(matrix_text(found["matrices"])))
+        click.echo(matrix_text(found["matrices"]))
         return
     rows: list[tuple[str, ...]] = [("node", "translation", "rotation x y z w", "scale", "in the world")]
     rows += [
@@ -102,9 +103,7 @@ def _print(values: dict[str, Any], options: Any) -> None:
         )
         for joint in found["joints"]
     ]
-    wide = [max(len(row[k]) for row in rows) for k in range(5)]
-    for row in rows:
-        click.echo("  ".join(text.ljust(width) for text, width in zip(row, wide, strict=True)).rstrip())
+    click.echo("\n".join(columns(rows)))
 
 
 def _numbers(numbers: list[float]) -> str:

@@ -13,7 +13,7 @@ from .help_format import Command, option
 from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
-from .terminal_text import echo, plain
+from .terminal_text import echo
 
 # How sure something is: enough to build on, or not.
 _PAINTS = (
@@ -58,7 +58,7 @@ def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> 
             print_json(found)
             return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        echo(plain(text(document.rig, layout, joints=joints, width=width)), _PAINTS)
+        echo(text(document.rig, layout, joints=joints, width=width), _PAINTS)
         if not values["quiet"]:
             warn_unused_root(source, values["root"])
             print_warnings(document.warnings, verbose=True)

@@ -35,8 +35,8 @@ def _beginning(start: str) -> list[str]:
 def command(name: str, as_json: bool) -> None:
     """Print a JSON Schema: of rig specs, or of what rigtri writes.
 
-    NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain, frames,
-    inspect, mirror, node, pose, recognise, report, rig, steps, verify and view.
+    NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain,
+    export-blender, frames, inspect, mirror, node, pose, recognise, report, rig, steps, verify and view.
 
     \b
     Examples:

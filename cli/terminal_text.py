@@ -12,6 +12,7 @@ import click
 
 from rigtri.errors import LIST_NAMES, SEE_LIMBS
 from rigtri.text import plain as plain
+from rigtri.text import plain_lines as plain_lines
 
 
 def colored(stream: TextIO) -> bool:

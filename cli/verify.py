@@ -72,12 +72,10 @@ def command(before: str, after: str, tolerance: float, **values: Any) -> None:
         print_json(document | result.as_json())
         failures.answered(click.get_current_context())
     elif not values["quiet"]:
-        lines = [
-            *(f"different characters: {why}" for why in another),
-            result.describe(verbose=values["verbose"]),
-        ]
+        lines = [plain(f"different characters: {why}", one_line=True) for why in another]
+        lines.append(result.describe(verbose=values["verbose"]))
         limit = "green" if passes else "red"
-        echo(plain("\n".join(lines)), (*_PAINTS, (r"(?<=^deviation )  \S+", limit)))
+        echo("\n".join(lines), (*_PAINTS, (r"(?<=^deviation )  \S+", limit)))
     if not passes:
         names = ["standard input" if name == "-" else name for name in (after, before)]
         if another:

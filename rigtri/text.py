@@ -30,6 +30,15 @@ def plain(text: str, *, one_line: bool = False) -> str:
     return "".join(letter if letter in kept or not _controls(letter) else _escape(letter) for letter in text)
 
 
+def plain_lines(lines: Iterable[str]) -> str:
+    """Lines as one text, each without control characters: a newline in a name begins no line.
+
+    >>> plain_lines(["joint a\\nb", "joint c"])
+    'joint a\\\\nb\\njoint c'
+    """
+    return "\n".join(plain(line, one_line=True) for line in lines)
+
+
 def is_number(word: str) -> bool:
     """Whether a word is a whole number in ASCII digits that `int` reads, and that a file could count to.
 

@@ -20,6 +20,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
+from rigtri.text import plain_lines
 
 _DEGREES = 180.0 / np.pi
 # Of a matrix's largest number: less is the rounding of a right angle.
@@ -104,7 +105,7 @@ def _clean(row: Floats) -> list[float | None]:
 
 def matrix_text(table: Sequence[dict[str, Any]]) -> str:
     """The table as text: four rows of each matrix, and beside them what it is made of."""
-    return "\n\n".join("\n".join(_lines(entry)) for entry in table)
+    return "\n\n".join(plain_lines(_lines(entry)) for entry in table)
 
 
 def _lines(entry: dict[str, Any]) -> Iterator[str]:

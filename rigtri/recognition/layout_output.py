@@ -7,7 +7,7 @@ from typing import Any
 
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Direction, Layout
-from rigtri.text import columns
+from rigtri.text import columns, plain_lines
 
 _AXES = {
     (1, 0, 0): "+x",
@@ -32,7 +32,7 @@ def text(rig: Rig, layout: Layout, *, joints: bool = False, width: int | None = 
         lines += ["", *(_joints(rig, character, width) if joints else _roles(rig, character))]
         lines.append("")
     lines += [f"- {remark}" for remark in layout.remarks]
-    return "\n".join(lines).rstrip()
+    return plain_lines(lines).rstrip()
 
 
 def _head(rig: Rig, character: Character) -> list[str]:

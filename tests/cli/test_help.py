@@ -114,6 +114,10 @@ def test_a_command_that_is_none_names_what_may_be_meant(word: str, meant: str) -
             "Did you mean 'unreal-editor'? Help: rigtri help orient-joints",
         ),
         ("orient-joints a.glb -o b.glb --end Tipp", "Did you mean 'tip'?"),
+        (
+            "orient-joints a.glb --joints hips spine -o b.glb",
+            "extra argument (spine). Give each value its option: --joints hips --joints spine. Help:",
+        ),
         ("schema verfy", "did you mean 'verify'? Use batch"),
         ("help frobnicate", "No such command 'frobnicate'. Help: rigtri --help"),
     ],

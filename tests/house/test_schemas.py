@@ -58,6 +58,13 @@ def test_what_commands_print_as_json_keeps_to_its_schema(
     validator(PRINTED[words]).validate(cli(*words, "--json").json)
 
 
+def test_what_export_blender_prints_keeps_to_its_schema(samples: Path, tmp_path: Path) -> None:
+    """Before, it had none."""
+    rigged, script = tmp_path / "rigged.glb", tmp_path / "setup.py"
+    cli("add-twist", samples / "biped.glb", "-o", rigged, "--joint", "forearm_L", "--to", "hand_L")
+    validator("export-blender").validate(cli("export-blender", rigged, "-o", script, "--json").json)
+
+
 @pytest.mark.parametrize(
     "note",
     [

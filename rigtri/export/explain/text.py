@@ -8,6 +8,7 @@ from typing import Any
 
 from rigtri.export.explain.explain import AIM, Explanation
 from rigtri.export.explain.steps import Step, plain_numbers, short
+from rigtri.text import plain_lines
 
 _ROWS = ("X axis", "Y axis", "Z axis", "Translation")
 
@@ -25,7 +26,7 @@ def text(found: Explanation, *, width: int = 120) -> str:
         lines += ["", f"Note: {found.trouble}."]
     for slide, steps in groupby(found.steps, key=lambda step: step.slide):
         lines += ["", slide, *_lines(list(steps), width), *(_aimed(found) if slide == AIM else [])]
-    return "\n".join(lines)
+    return plain_lines(lines)
 
 
 def _lines(steps: Sequence[Step], width: int) -> Iterator[str]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.limits import TOLERANCE
+from rigtri.text import plain_lines
 
 # Quaternions stored as float32 are unit within this.
 UNIT = 1e-6
@@ -219,7 +220,7 @@ class Comparison:
             lines += [f"{kind:<12}{value:<8.2g}  {name}" for name, value in _first(rows, verbose)]
         for label in ("lost", "different", "added", "changed"):
             lines += [f"{label:<12}{what}" for what in _first(getattr(self, label), verbose)]
-        return "\n".join(lines)
+        return plain_lines(lines)
 
 
 def _largest(shares: Mapping[str, float]) -> tuple[str, float]:

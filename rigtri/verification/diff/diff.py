@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from rigtri.errors import FileError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, read
+from rigtri.text import plain_lines
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare
 from rigtri.verification.diff.change import Change
@@ -55,7 +56,7 @@ class Difference:
                 lines += [f"  {change}" for change in shown]
                 if len(shown) < len(some):
                     lines.append(f"  … and {len(some) - len(shown)} more (--all)")
-        return "\n".join(lines)
+        return plain_lines(lines)
 
     def as_json(self) -> dict[str, Any]:
         """For machines; schemas/diff.schema.json describes it."""
