@@ -94,7 +94,7 @@ def given_name(rig: Rig, name: str, report: Report, flag: str = "--name") -> str
     """A name that a user has given as the file's format can have it; where that is another, a warning.
 
     UsageError for a name without a letter or a digit, also where the format leaves none: several would
-    become the same, and ``*`` or ``.`` mean something else wherever nodes are named.
+    become the same, and ``*`` or ``.`` mean something else wherever nodes are named. So do ``#3`` and ``/a``.
     """
     valid = rig.rules.valid_name(name)
     if not name.isprintable() or not any(sign.isalnum() for sign in name):
@@ -102,6 +102,8 @@ def given_name(rig: Rig, name: str, report: Report, flag: str = "--name") -> str
     rule = "names in this format are letters, digits and underscores, and do not begin with a digit"
     if valid != name and not any(sign.isalnum() for sign in valid):
         raise UsageError(f"{flag} '{name}': {rule}")
+    if valid.startswith(("#", "/", "vrm:")):
+        raise UsageError(f"{flag} '{name}': #NUMBER, /PATH and vrm:BONE find nodes; choose another name")
     if valid != name:
         report.warn("name-changed", f"'{name}' becomes '{valid}': {rule}")
     return valid

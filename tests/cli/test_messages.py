@@ -128,3 +128,10 @@ def test_output_that_nobody_reads_is_no_answer() -> None:
             assert process.stdout is not None
             process.stdout.close()
             assert process.wait(60) == 3
+
+
+@pytest.mark.parametrize("name", ["#3", "/hips/socket", "vrm:head"])
+def test_a_new_name_is_none_that_finds_other_nodes(name: str, tmp_path: Path) -> None:
+    """Before, '#3' was the name of a socket, and no longer the fourth node of the file."""
+    line = ("add-socket", BIPED, "-o", tmp_path / "out.glb", "--on", "hand_L", "--name", name)
+    assert f"--name '{name}': #NUMBER, /PATH and vrm:BONE find nodes" in cli(*line, code=2).stderr
