@@ -8,7 +8,6 @@ like the square root of time, so samples may come very near each other there; al
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -27,6 +26,7 @@ from rigtri.maths.quaternions import slerp
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # Samples a second, at most and on average, where no number is given; a short clip has those of a second.

@@ -10,7 +10,6 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger"; "Matrix par
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +22,7 @@ from rigtri.maths.quaternions import IDENTITY, conjugate, rotate, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # Axes of a control this near to its joint's are the joint's: offsets are float32.

@@ -11,7 +11,6 @@ it or not.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -29,6 +28,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.constraints import Constraint
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # Below this sine of the bend a limb's plane is the rounding of its positions; then its pole defines it.

@@ -8,7 +8,7 @@ the rig, so that rounding and reduced keys do not add up along chains. What an I
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import zip_longest
 from typing import NamedTuple
@@ -28,6 +28,7 @@ from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 

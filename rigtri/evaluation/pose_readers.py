@@ -11,7 +11,6 @@ the target.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -21,6 +20,7 @@ from rigtri.maths.quaternions import angle_between, conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
 from rigtri.maths.vectors import angle, dot, normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PoseReaderRecord
 
 Kind = Literal["dot", "cone", "rbf"]

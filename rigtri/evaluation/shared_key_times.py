@@ -7,7 +7,7 @@ every other joint, too, rounded to float32. What is made to follow joints is mad
 from __future__ import annotations
 
 from collections.abc import Collection, Hashable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from rigtri.evaluation.sampling import sample, sorted_unique
 from rigtri.evaluation.timelines import as_float32, without_steps
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # One array: the animation that holds it, and the path that it drives.

@@ -8,7 +8,7 @@ Source: glTF 2.0 §3.7.3; UsdSkel; L. Kavan et al., "Skinning with dual quaterni
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -22,6 +22,7 @@ from rigtri.maths.quaternions import conjugate, dot, from_axes, norm, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin

@@ -5,7 +5,7 @@ Source: docs/evaluation.md.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -19,6 +19,7 @@ from rigtri.evaluation.zero_pose import ControlsAtZero, FkControl
 from rigtri.maths.matrices import inverse, multiply
 from rigtri.model.animation import Path
 from rigtri.model.constraints import Constraint
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 CHANNELS: dict[str, Path] = {"t": "translation", "r": "rotation", "s": "scale"}

@@ -7,7 +7,7 @@ tuples, and what drives prims, skeletons and morphs together gives one pose.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 
@@ -18,6 +18,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.maths.quaternions import dot
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Interpolation, Path, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # float32 readers see no difference below this share; a second run must change no byte.

@@ -9,7 +9,7 @@ Source: "Matrix parent constraint" (twist distribution, announced).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from rigtri.maths.quaternions import conjugate, from_axes, from_axis_angle, quad
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
 

@@ -8,7 +8,7 @@ more than rounding, the joint's own numbers are the truth.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from rigtri.maths.quaternions import from_axes, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, triple
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Quaternion, Triple
 from rigtri.model.rig import Rig
 

@@ -7,7 +7,6 @@ rotation of ``local`` is ``rotate · joint_orient``, as a joint's is in Maya.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ from rigtri.maths.euler import Order, from_angles, to_angles
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report

@@ -12,7 +12,6 @@ keeps its plane.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -22,6 +21,7 @@ from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, triple
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side, side, twin
 from rigtri.model.rig import Rig
 from rigtri.report import Report

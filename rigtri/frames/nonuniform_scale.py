@@ -10,7 +10,6 @@ Source: glTF 2.0 §3.5.3 forbids sheared nodes; docs/exactness.md, "Scale" and "
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +22,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Column
 from rigtri.model.bindings import NodeConstraint
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # Scale components that differ by less (share of the largest) are one number: exporters leave

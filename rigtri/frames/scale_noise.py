@@ -16,7 +16,7 @@ Source: docs/exactness.md, "Scale noise".
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from rigtri.maths.matrices import from_frame, inverse, multiply, transform_direc
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # Scale components that differ by no more (share of the largest) may be noise of an exporter: each is off by

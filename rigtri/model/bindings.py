@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
 from typing import Literal
 
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 
 @dataclass(frozen=True, eq=False)

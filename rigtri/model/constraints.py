@@ -9,7 +9,7 @@ Source: "Matrix parent constraint" (article).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, get_args
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from rigtri.maths.euler import Order
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import (
     CHANNELS,
     ConstraintKind,

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Protocol
 
 from rigtri.model.control_shapes import Lines, nothing
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 
 

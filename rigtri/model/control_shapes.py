@@ -9,7 +9,6 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, "Build finger" (one shape p
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import product
 from typing import Any, Literal
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from rigtri.maths.trigonometry import Floats, sin_cos
 from rigtri.maths.vectors import cross
+from rigtri.model.dataclass import dataclass
 
 Kind = Literal[
     "circle", "square", "diamond", "cube", "sphere", "pyramid", "arrow", "cross", "locator", "axes"

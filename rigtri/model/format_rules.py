@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Path
+from rigtri.model.dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.skin import Skin
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Shape
+from rigtri.model.dataclass import dataclass
 from rigtri.model.skin import JointMerge, WeightLimit, WeightRedistribution
 
 

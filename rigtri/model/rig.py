@@ -8,7 +8,7 @@ nodes; matrices are row-vector matrices (`rigtri.maths.matrices`).
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -22,6 +22,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Tracks
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content, RigSource
+from rigtri.model.dataclass import dataclass
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import ADDED, RECORDS, SWITCH, Place, Record, references, with_references

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import inverse
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 
 @dataclass(frozen=True, eq=False)

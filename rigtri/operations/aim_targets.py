@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from math import sqrt
 
@@ -15,6 +15,7 @@ from rigtri.maths.matrices import transform_directions, transform_points
 from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise, unit_of
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import twin
 from rigtri.model.rig import Rig
 from rigtri.operations.options.orient_joints import Branch, End

@@ -8,10 +8,11 @@ Source: measured or read in each program; docs/presets.md has the list.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from rigtri.errors import UsageError
+from rigtri.model.dataclass import dataclass
 
 # The options that say a style's axes.
 AXES = ("aim", "up", "up_from")

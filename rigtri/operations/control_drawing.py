@@ -6,11 +6,12 @@ a user's.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar, cast
 
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.control_shapes import Kind, Shape, drawn
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rigtri_nodes import with_record

@@ -14,13 +14,14 @@ import types
 import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, field, fields
 from functools import cache
 from numbers import Real
 from typing import Annotated, Any, Literal, TypeVar, Union
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
+from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 
 T = TypeVar("T")

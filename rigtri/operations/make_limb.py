@@ -8,7 +8,7 @@ its normal goes from bone to bone by parallel transport.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +20,7 @@ from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import axis_of, bend_angle, bend_sine, frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import SHAKY, add_polevector, posed

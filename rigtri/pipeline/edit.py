@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from rigtri.formats import Document, ReadOptions, output_suffixes, read
 from rigtri.limits import TOLERANCE
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 from rigtri import formats
@@ -13,6 +13,7 @@ from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.limits import TOLERANCE
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, edit_file
 from rigtri.report import Report

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from rigtri.maths.scalar_vector import Vector
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.body_shape import ALIKE, LEG, Body, Limbs, stands_too, within
 from rigtri.recognition.candidates import Draft
@@ -375,9 +376,12 @@ def _bends_within(draft: Draft, joints: Sequence[int]) -> bool:
 
 
 def _names_human(draft: Draft) -> bool:
-    """Whether the names of a scheme are complete: two arms, two legs, and fingers, which no paw has."""
+    """Whether the names of a scheme are complete: two arms, two legs, and fingers.
+
+    A hoof or a paw that has the names of a hand ends in one finger, which stands for all.
+    """
     reading = draft.reading
     if reading is None or len([side for _, side in reading.limbs if side]) < 4:
         return False
-    fingers = [bone for bone in reading.bones if bone.endswith(("IndexProximal", "MiddleProximal"))]
-    return len(fingers) >= 2
+    fingers = {bone.removeprefix("left").removeprefix("right") for bone in reading.bones}
+    return fingers >= {"IndexProximal", "MiddleProximal"}

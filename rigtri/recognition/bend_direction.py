@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from rigtri.maths.triangle import bend_direction, bend_sine, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.animation import Clip
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.recognition.limbs import Limb
 

@@ -9,7 +9,6 @@ Source: design notes, "One body, one sense"; measured on real characters.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotate, rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.model.rig import Rig
 from rigtri.recognition.bend_direction import facing_along

@@ -7,11 +7,12 @@ have in common: legs carry and are longest, arms begin higher in the tree, a hea
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import fsum
 from typing import Literal
 
 from rigtri.maths.scalar_vector import Vector
+from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_triples import Triple, branches, loose_ends, sharpest_of, triple_of

@@ -6,7 +6,6 @@ Source: design notes, "One body, one sense"; measured on real characters.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from rigtri.maths.angle_limits import cosine_below, radians_below
 from rigtri.maths.triangle import bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 from rigtri.recognition.bend_direction import facing_along
 from rigtri.recognition.hands_feet import BY_PLACE

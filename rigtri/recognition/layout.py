@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Literal
 
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 
 Role = Literal["deform", "twist", "end", "helper", "attachment", "control"]

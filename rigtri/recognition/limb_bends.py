@@ -9,7 +9,7 @@ bend them a little backwards. So what is small is believed only where limbs of t
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.triangle import STRAIGHT_SINE, bend_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot
+from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.rig import Rig
 from rigtri.recognition.bend_direction import (

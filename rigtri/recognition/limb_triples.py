@@ -6,7 +6,7 @@ Feet and hands of flat IK rigs are children of the root: `loose_ends` finds thes
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, pairwise
 from math import fsum, sqrt
 
@@ -16,6 +16,7 @@ from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement
 from rigtri.recognition.pose_samples import Poses, finite

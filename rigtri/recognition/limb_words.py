@@ -9,11 +9,11 @@ from __future__ import annotations
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import spread, words
 from rigtri.recognition.layout import LimbKind
 from rigtri.text import is_number

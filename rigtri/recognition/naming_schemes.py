@@ -15,12 +15,12 @@ import os
 import tomllib
 import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError, did_you_mean
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import SIDES, Side, side, spread, words
 from rigtri.recognition.layout import BENDS, FINGERS, MIDDLE, SIDED, LimbKind
 from rigtri.recognition.limb_words import limb_words

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
+from rigtri.model.dataclass import dataclass
 from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of, many_legs
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree

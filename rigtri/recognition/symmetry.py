@@ -6,7 +6,6 @@ Symmetry is measured by lengths of bones, which no pose changes; only the plane 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from math import fsum
@@ -16,6 +15,7 @@ import numpy as np
 from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
+from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 
 # Branches shorter than this part of the whole are no limbs.

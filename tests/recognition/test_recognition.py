@@ -229,6 +229,22 @@ def test_names_of_animals_make_legs_of_arms_that_do_not_quite_reach_the_ground(l
     assert character.form == "quadruped"
 
 
+def test_a_hoof_that_is_called_as_an_index_finger_makes_no_human() -> None:
+    """Before, it was a biped, and surely."""
+    words = {"thigh": "UpLeg", "shin": "Leg", "foot": "Foot", "clavicle": "Shoulder", "upper_arm": "Arm"}
+    words |= {"forearm": "ForeArm", "hand": "Hand", "finger": "HandIndex1", "toe": "ToeBase"}
+    sides = {"L": "Left", "R": "Right"}
+
+    def called(name: str) -> str:
+        bone, _, side = name.partition(".")
+        return f"mixamorig:{sides[side]}{words[bone]}" if bone in words else name
+
+    joints = [(called(name), called(above), place) for name, above, place in HORSE]
+    (character,) = recognise(rig_with(joints)).characters
+    assert character.form == "quadruped"
+    assert all(chain.kind != "arm" for chain in character.chains)
+
+
 @pytest.mark.parametrize("named", [True, False], ids=["named", "nameless"])
 @pytest.mark.parametrize("thing", THINGS)
 def test_what_is_no_character_has_no_limb_and_is_reported_as_none(thing: str, named: bool) -> None:

@@ -7,7 +7,6 @@ nothing that a file's names hold can become code.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -27,6 +26,7 @@ from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
 from rigtri.maths.matrices import determinant, skew
 from rigtri.maths.vectors import length
 from rigtri.model.constraints import constraints_of
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Report

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal
 
 import numpy as np
 
 from rigtri.model.animation import Clip
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import unbaked

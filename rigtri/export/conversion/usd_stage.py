@@ -6,7 +6,7 @@ Source: UsdGeom, UsdSkel, UsdShade and UsdLux schemas; docs/convert.md says what
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import decompose, identity
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.text import and_more
 

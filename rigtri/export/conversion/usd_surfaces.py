@@ -6,7 +6,6 @@ Source: UsdGeomMesh, UsdGeomPrimvar (interpolation), UsdGeomSubset; glTF 2.0 §3
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from rigtri.formats.usd.reading.mesh_reader import at_start
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 # Texture coordinates by any of the names that programs give them, in their order: st, st1, UVMap …
 _COORDINATES = ("texCoord2f[]", "float2[]", "texCoord2d[]", "double2[]", "half2[]", "texCoord2h[]")

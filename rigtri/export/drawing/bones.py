@@ -6,7 +6,6 @@ Pictures and pages take them from here, so that both show the same. All joints a
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from rigtri.frames.skeleton import ZERO_LENGTH, Skeleton
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length, normalise
+from rigtri.model.dataclass import dataclass
 
 _DEGREES = 180.0 / np.pi
 # An axis farther than this from its bone, in degrees, is one that somebody sees to be off.

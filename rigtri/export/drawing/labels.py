@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.text import shortened
 
 # Names that are longer are shortened; the whole name is shown when the pointer is over the joint.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from rigtri.export.drawing.style import LEGEND
 from rigtri.export.drawing.svg import arrow, heading, number, panel, path, sheet, stroke
 from rigtri.export.drawing.view import View, Window, view_of
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.declaration import check
 from rigtri.operations.operation import takes_keywords

@@ -6,12 +6,12 @@ A mark is what it shows, not how it looks: colours and widths belong to whoever 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 Form = Literal["dot", "line", "arrow", "bone", "face"]
 Kind = Literal[

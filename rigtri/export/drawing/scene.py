@@ -7,7 +7,6 @@ limb a triangle (slides "Transformation Matrix" and "Pole Vector").
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -22,6 +21,7 @@ from rigtri.maths.matrices import transform_points
 from rigtri.maths.triangle import bend_angle, bend_direction, pole_position
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise, project
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import without_prefix
 from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig

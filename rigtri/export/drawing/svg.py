@@ -6,7 +6,6 @@ Numbers have two decimals and come from + − × ÷ √, so the same rig is the 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
@@ -16,6 +15,7 @@ from rigtri.export.drawing.primitives import Mark
 from rigtri.export.drawing.style import css
 from rigtri.export.drawing.view import HEAD_ON, Window
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 # What is drawn over what; joints come with the arrows of their axes, after all of these.
 _LAYERS = (

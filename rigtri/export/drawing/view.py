@@ -7,7 +7,6 @@ Everything is + − × ÷ √, so the same rig gives the same numbers on every m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 from rigtri.errors import UsageError
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.options.draw import VIEWS
 from rigtri.recognition.limbs import forward

@@ -8,7 +8,6 @@ matrices, their products and inverses (`matrix_steps`), with the articles on arm
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -31,6 +30,7 @@ from rigtri.maths.triangle import (
 )
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, as_vectors, cross, dot, length, normalise, project
+from rigtri.model.dataclass import dataclass
 
 _DEGREES = 180.0 / np.pi
 AIM, ARM = "Aiming node A at node B", "Using Vector Math to Rig an Arm"

@@ -7,7 +7,6 @@ Both notations: the talk multiplies columns, ``A.inverse() * B``; rigtri and the
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -29,6 +28,7 @@ from rigtri.maths.quaternions import multiply as after
 from rigtri.maths.triangle import frame, hinge
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise
+from rigtri.model.dataclass import dataclass
 
 _DEGREES = 180.0 / np.pi
 # How far the talk moves an object in another space, and how far the driver of a constraint is turned here.

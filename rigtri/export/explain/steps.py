@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 # What is nothing beside the largest number of its row is written as 0: rounding, which nobody meant.
 _NOTHING = 1e-12

@@ -14,7 +14,7 @@ import html
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from rigtri.export.drawing.style import LEGEND, variables
 from rigtri.export.viewer.page_data import clip_names, clip_place, facts
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import Embedded, ReadOptions, read
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.pose import warn_outside_clip
 from rigtri.progress import begin_stage

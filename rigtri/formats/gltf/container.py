@@ -9,7 +9,7 @@ import json
 import re
 import struct
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.json_splice import splice
 from rigtri.formats.gltf.json_style import Spelling, encode, parse_placed
 from rigtri.formats.gltf.mmap import load
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 
 MAGIC = b"glTF"

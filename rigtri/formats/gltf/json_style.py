@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import re
 from contextlib import suppress
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any, NoReturn
+
+from rigtri.model.dataclass import dataclass
 
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _NUMBER = r"-?\d[\d.eE+-]*"

@@ -6,7 +6,7 @@ Source: glTF 2.0 §3.5.2 (hierarchy), §3.5.3 (transformations).
 from __future__ import annotations
 
 from collections.abc import Set
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 
 _NUMBERS = frozenset([float, int])

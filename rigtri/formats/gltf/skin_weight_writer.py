@@ -10,7 +10,6 @@ Source: glTF 2.0 §3.7.3.3 (skinned mesh attributes).
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mesh_reader import DRACO
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.model.skin import JointMerge, WeightLimit, WeightRedistribution
 from rigtri.model.skin_weights import SAME, folded, limited, shared, within

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from rigtri.formats.usd.opinions.instance_edits import apply_edits
 from rigtri.formats.usd.reading.source import Source
 from rigtri.formats.usd.text import splice
 from rigtri.formats.usd.text.statements import UnknownTextError
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 
 # What an attribute has besides its values.

@@ -12,11 +12,12 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path, PurePosixPath
 
 from rigtri.errors import FileError
+from rigtri.model.dataclass import dataclass
 
 ALIGNMENT = 64
 # The id under which USD keeps its padding in an extra field.

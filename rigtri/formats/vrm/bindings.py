@@ -6,10 +6,11 @@ Source: VRMC_node_constraint 1.0.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 from rigtri.formats.json_values import Value
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 
 Pointer = tuple[str | int, ...]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ from rigtri.evaluation.sampling import Motion, worlds
 from rigtri.evaluation.timelines import Timeline, just_before, steps_only, times_and_jumps
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Interpolation, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # Weights that differ by less stay the same all the time, and get one key.

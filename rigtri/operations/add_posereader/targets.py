@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import meshes_named
 from rigtri.model.metadata import PoseReaderRecord

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,7 @@ from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, length
 from rigtri.model.animation import Interpolation, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.mesh_triangles import flat, meshes_named, nearest, triangles, vertices_of
 from rigtri.model.metadata import RivetRecord

@@ -6,7 +6,7 @@ Source: "Matrix parent constraint" (twist distribution, announced); `rigtri.eval
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from rigtri.frames.skeleton import ZERO_LENGTH
 from rigtri.maths.matrices import inverse, nearest_rotation, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import InfluenceRecord, TwistRecord
 from rigtri.model.rig import Rig

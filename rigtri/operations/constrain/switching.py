@@ -8,7 +8,7 @@ the child and its keys stay as they are, and what converts offsets converts thes
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rigtri.maths.matrices import multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.constraints import Constraint, constraint_of
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ConstraintRecord, ConstraintWeightRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.maintain_offset import offsets_in

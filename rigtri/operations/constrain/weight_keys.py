@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from rigtri.evaluation.timelines import (
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Interpolation
 from rigtri.model.constraints import Constraint
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.options.constrain import ConstrainOptions, check_weight
 

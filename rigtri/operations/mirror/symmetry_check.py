@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import twin
 from rigtri.model.metadata import OffsetRecord, PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig

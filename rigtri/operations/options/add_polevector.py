@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Literal
 
 from rigtri.errors import UsageError
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import (
     Above,
     Auto,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import Name, Node, option
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Literal
 
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import (
     Above,
     ClipNames,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from math import isfinite, sqrt
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION
 from rigtri.operations.declaration import (
     Direction,

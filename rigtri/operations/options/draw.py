@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Annotated, Literal, get_args
 
 from rigtri.errors import UsageError
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import Chains, Kind, Nodes, Selection, option
 from rigtri.text import is_number
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated
 
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import Kind, option
 
 Influences = Annotated[int, Kind("number", "N", low=1, high=64)]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, get_args
 
 from rigtri.errors import UsageError
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import (
     Nodes,
     Number,

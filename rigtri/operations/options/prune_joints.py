@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import Nodes, option
 
 

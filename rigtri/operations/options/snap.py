@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import Kind, Names, OneCharacter, option
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.

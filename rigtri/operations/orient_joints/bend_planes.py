@@ -7,7 +7,7 @@ limb's own triple).
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.triangle import STRAIGHT_SINE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import chain_child, limb_path
 from rigtri.operations.orient_joints.targets import Targets

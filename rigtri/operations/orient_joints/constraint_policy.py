@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from rigtri.frames.reoriented_constraints import alike, axes_compared, axis_fits
 from rigtri.maths.quaternions import IDENTITY, angle_between, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import STEADFAST
 from rigtri.operations.orient_joints.joint_frames import UNCHANGED, DeadBand

@@ -7,7 +7,6 @@ changes nothing. docs/exactness.md has the measurements.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from rigtri.maths.quaternions import IDENTITY, from_axes, to_axes
 from rigtri.maths.triangle import DEGENERATE_SINE, axis_of, frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy

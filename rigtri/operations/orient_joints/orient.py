@@ -7,7 +7,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018, "Aiming node A at node B";
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from rigtri.frames.scale_noise import Frozen, frozen, noisy_joints
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import FrameRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation

@@ -8,7 +8,6 @@ joint (`split`), or an error.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
@@ -32,6 +31,7 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import angle, cross, dot, triple
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.report import Report

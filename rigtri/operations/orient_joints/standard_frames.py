@@ -9,13 +9,14 @@ Source: VRMC_vrm 1.0, tpose.md; Godot, SkeletonProfileHumanoid (the reference po
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import THUMB, Directions, StandardPose, directions, sure_bones
 from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character

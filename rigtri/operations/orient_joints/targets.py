@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import determinant, transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import (
     Aim,

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError, UsageError
 from rigtri.evaluation.timelines import PLAYED, Timeline, timelines
 from rigtri.model.animation import Clip, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.generated_names import MadeNames, span
 from rigtri.operations.take_clips.messages import list_names

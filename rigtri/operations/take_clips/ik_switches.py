@@ -10,7 +10,7 @@ Source: docs/blender.md.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from rigtri.evaluation.timelines import Timeline, as_float32, put_tracks
 from rigtri.evaluation.zero_pose import ControlsAtZero, IkLimb
 from rigtri.maths.matrices import decompose
 from rigtri.model.animation import Path, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import SWITCH, ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names

@@ -11,7 +11,7 @@ Source: docs/take-clips.md.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from rigtri.maths.similarity_fit import OTHER_SHAPE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.model.animation import PATHS, Clip, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.messages import list_names

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from unicodedata import normalize
 
 import numpy as np
 
 from rigtri.maths.similarity_fit import OTHER_SHAPE, fit_similarity
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 

@@ -8,7 +8,7 @@ Else the motion is worked out at the other file's keys.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +31,7 @@ from rigtri.maths.similarity_fit import SAME_SIZE, SAME_TURN
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.proportions import Proportions
 

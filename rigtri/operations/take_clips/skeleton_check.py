@@ -9,7 +9,6 @@ node of a file without a skin has no bind pose.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
 from rigtri.operations.take_clips.messages import list_names

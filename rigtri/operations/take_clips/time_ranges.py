@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, as_float32
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.generated_names import frame_of, span

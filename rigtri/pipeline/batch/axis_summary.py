@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from rigtri.evaluation import bind_pose
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 # A component of a quaternion in 16 bits: 0.004° at most.

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from rigtri.limits import TOLERANCE
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.report import Report

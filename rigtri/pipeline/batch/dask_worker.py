@@ -12,11 +12,12 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 from uuid import uuid4
 
 from rigtri.files.import_path import leave_out_working_folder
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.file_task import Assignment, Record
 from rigtri.pipeline.batch.local_engine import FileProcess

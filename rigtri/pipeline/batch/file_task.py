@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,6 +18,7 @@ from rigtri.files.staged_output import StagedOutput
 from rigtri.files.temp_dirs import adopt
 from rigtri.files.temp_dirs import folder as temporary
 from rigtri.files.worker_process import of_memory, send_event
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch.axis_summary import Axes, axes_of
 from rigtri.pipeline.batch.hashes import Hashes, newer, no_file, seen_from
 from rigtri.pipeline.batch.inputs import Entry

@@ -8,11 +8,11 @@ import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import overload
 
 from rigtri.errors import FileError, UsageError
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch.hashes import seen_from
 from rigtri.pipeline.batch.inputs import Entry
 from rigtri.pipeline.batch.shards import Shard

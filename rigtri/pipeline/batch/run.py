@@ -10,7 +10,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from rigtri.errors import NameNotFoundError, RigtriError, UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import fsync_folder
 from rigtri.files.staged_output import as_file_error, recover
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.file_task import Assignment, Record, Task, faults, missing, reason
 from rigtri.pipeline.batch.hashes import ABSENT, Hashes, seen_from

@@ -6,10 +6,10 @@ import hashlib
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from rigtri.errors import UsageError
 from rigtri.files.relative_path import relative_path
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.batch import urls
 from rigtri.pipeline.batch.inputs import Entry
 

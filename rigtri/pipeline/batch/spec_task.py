@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from rigtri.errors import UsageError
 from rigtri.export.rig_json import SUFFIX, description
 from rigtri.files.staged_output import StagedOutput, write_text
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, read
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.pipeline.rigspec.build import build_file
 from rigtri.pipeline.rigspec.load import Spec

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -15,6 +15,7 @@ from rigtri.files.input_stream import called, opened, title
 from rigtri.files.staged_output import write_text
 from rigtri.files.text_files import text_of
 from rigtri.formats import ReadOptions, read
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import EditRequest
 from rigtri.pipeline.rigspec.build import Built, build_file

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import check_not_an_input
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, Step, check_target, edit_file
 from rigtri.pipeline.rigspec.errors import Fault, SpecError

@@ -13,7 +13,6 @@ And the mesh, but no other joint.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,6 +29,7 @@ from rigtri.maths.quaternions import conjugate, from_axis_angle, multiply, rotat
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.constraints import constraints_of
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names

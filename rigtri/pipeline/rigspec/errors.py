@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from rigtri.errors import UsageError
+from rigtri.model.dataclass import dataclass
 
 
 @dataclass(frozen=True)

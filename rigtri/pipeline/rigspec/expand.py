@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rigtri.errors import FileError, did_you_mean
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
 from rigtri.pipeline.rigspec.parse import parse
 from rigtri.pipeline.rigspec.positions import MOST_VALUES, Keys, Label, Spot, Tree

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
+from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import options_of
 from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from rigtri.model.dataclass import dataclass
 from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
 
 Keys = tuple[str | int, ...]

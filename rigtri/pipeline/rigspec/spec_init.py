@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.arrays import Booleans
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import idle_ik

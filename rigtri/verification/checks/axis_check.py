@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, pairwise, product
 
@@ -26,6 +25,7 @@ from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import bend_sine
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, dot, length, normalise, perpendicular
+from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.metadata import PoleVectorRecord
 from rigtri.model.rig import Rig

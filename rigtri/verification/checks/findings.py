@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from rigtri.formats.rules import SEVERITIES as SEVERITIES
 from rigtri.formats.rules import Rule as Rule
 from rigtri.formats.rules import Severity as Severity
+from rigtri.model.dataclass import dataclass
 
 
 @dataclass(frozen=True)

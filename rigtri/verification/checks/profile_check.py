@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from rigtri.formats.rules import Rule, Severity
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.vectors import dot, length, normalise
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character

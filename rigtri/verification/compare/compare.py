@@ -7,7 +7,7 @@ of it, and looks only where something changed. Both look at rest and in every cl
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.frames.rig_size import sizes_of
 from rigtri.maths.arrays import Booleans
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.attachments import compare_attached

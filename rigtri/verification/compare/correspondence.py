@@ -7,7 +7,7 @@ has no partner is lost or added, in words for people.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal, get_args
 
@@ -16,6 +16,7 @@ import numpy as np
 from rigtri.maths.arrays import Integers
 from rigtri.maths.quaternions import dot
 from rigtri.model.animation import Clip, Column, Track, Tracks, key_values
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from rigtri.evaluation.timelines import PLAYED, played_at_once, timelines
 from rigtri.frames.rig_size import size_of
 from rigtri.maths.matrices import multiply
 from rigtri.model.animation import Clip, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig

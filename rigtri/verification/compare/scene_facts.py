@@ -7,13 +7,14 @@ where their facts are equal. Facts of two formats are not compared.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rigtri.frames.reoriented_constraints import constraints_from_metadata
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Reference as Reference

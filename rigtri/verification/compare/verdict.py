@@ -6,12 +6,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 
 from rigtri.limits import TOLERANCE
+from rigtri.model.dataclass import dataclass
 from rigtri.text import plain_lines
 
 # Quaternions stored as float32 are unit within this.

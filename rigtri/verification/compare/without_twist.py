@@ -7,13 +7,14 @@ the twist joints stand still, at rest and in every clip, nothing may.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from rigtri.evaluation import sampling, skinning
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.vectors import distance
+from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Comparison, DocumentView, Source, self_check, verify

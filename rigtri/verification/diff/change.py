@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 Kind = Literal["added", "removed", "changed", "moved"]
 # What stands in front of a line.

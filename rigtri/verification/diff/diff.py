@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import filecmp
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 from rigtri.errors import FileError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, read
+from rigtri.model.dataclass import dataclass
 from rigtri.text import plain_lines
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare

@@ -7,7 +7,6 @@ is instanced and the selections are the session layer's; the file keeps its own.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from pxr import Sdf, Usd
@@ -16,6 +15,7 @@ from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.value_types import BIND
+from rigtri.model.dataclass import dataclass
 
 # What of a skeleton and its animation decides how they look.
 VALUES = ("joints", "bindTransforms", "restTransforms", "translations", "rotations", "scales")

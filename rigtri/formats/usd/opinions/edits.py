@@ -7,7 +7,6 @@ layer that another edit has already changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.animation_binding import SOURCE
 from rigtri.formats.usd.reading.metadata_attributes import PREFIX
 from rigtri.maths.trigonometry import Floats
+from rigtri.model.dataclass import dataclass
 
 
 @dataclass(frozen=True, eq=False)

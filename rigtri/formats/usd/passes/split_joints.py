@@ -7,7 +7,7 @@ value changes; the passes after this one write the rig as into any other file.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
 
@@ -31,6 +31,7 @@ from rigtri.maths.quaternions import conjugate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.text import listed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 from pxr import Sdf
@@ -17,6 +17,7 @@ from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
 from rigtri.model.animation import Clip, Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import ADDED
 from rigtri.model.rig import Rig
 from rigtri.report import Notice

@@ -6,7 +6,7 @@ New names come behind those that are there, and the columns that nothing drives 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
+from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
 

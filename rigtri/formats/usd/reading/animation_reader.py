@@ -8,7 +8,7 @@ key; each track knows the column it came from.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from rigtri.formats.usd.composition.value_types import WrongTypeError, demand
 from rigtri.maths.quaternions import norm
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Column, Interpolation, Path, Track, Tracks, columns
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 
 # The key of tracks that only show a default during a clip; the default's own clip writes it.

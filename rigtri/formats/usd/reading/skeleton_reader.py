@@ -7,7 +7,6 @@ restTransforms are joint-local, a joint's parent is its nearest *listed* ancesto
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from rigtri.maths.arrays import Booleans, Integers
 from rigtri.maths.matrices import determinant, inverse, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.dataclass import dataclass
 from rigtri.report import Notice
 
 # A frame whose volume is a smaller share of its axes' lengths has no inverse worth the name.

@@ -1,0 +1,119 @@
+"""Frozen classes are what the standard library makes of them."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pickle
+from collections.abc import Callable
+from dataclasses import FrozenInstanceError, dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rigtri.model.dataclass import _dataclass as ours
+
+
+def _made(decorator: Callable[..., Any], **options: Any) -> tuple[type, type]:
+    """A class with fields of every kind, and one below it."""
+
+    @decorator(frozen=True, **options)
+    class Base:
+        name: str
+        array: Any = field(compare=False, repr=False, default=None)
+        many: tuple[int, ...] = field(default_factory=tuple)
+
+        @cached_property
+        def twice(self) -> str:
+            return self.name * 2
+
+    @decorator(frozen=True, **options)
+    class Below(Base):
+        """A class with words of its own."""
+
+        limit: int = 3
+
+        def __post_init__(self) -> None:
+            object.__setattr__(self, "limit", abs(self.limit))
+
+        def __repr__(self) -> str:
+            return "below"
+
+    return Base, Below
+
+
+@pytest.mark.parametrize("options", [{}, {"eq": False}, {"kw_only": True}], ids=str)
+def test_instances_behave_as_those_of_the_standard_decorator(options: dict[str, Any]) -> None:
+    for standard, made in zip(_made(dataclass, **options), _made(ours, **options), strict=True):
+        one, same = (cls(name="a", array=np.zeros(3), many=(1, 2)) for cls in (standard, made))
+        assert [repr(one), dataclasses.asdict(one).keys(), vars(one).keys()] == [
+            repr(same),
+            dataclasses.asdict(same).keys(),
+            vars(same).keys(),
+        ]
+        for each in (one, same):
+            again = dataclasses.replace(each, array=np.ones(3))
+            assert (each == again, hash(each) == hash(again)) == (options.get("eq", True),) * 2
+            assert each != dataclasses.replace(each, name="b")
+            assert each != "a"
+            assert each.twice == "aa"
+            assert vars(copy.copy(each)).keys() == vars(each).keys()
+            for name in ("name", "twice", "invented"):
+                with pytest.raises(FrozenInstanceError):
+                    setattr(each, name, "c")
+            with pytest.raises(FrozenInstanceError):
+                del each.name
+        if options.get("kw_only"):
+            for cls in (standard, made):
+                with pytest.raises(TypeError):
+                    cls("a")
+
+
+def test_a_class_that_compares_by_itself_keeps_that() -> None:
+    for decorator in (dataclass, ours):
+
+        @decorator(frozen=True)
+        class Word:  # noqa: PLW1641 - the decorator gives it a hash
+            text: str
+
+            def __eq__(self, other: object) -> bool:
+                return True
+
+        assert Word("a") == Word("b")
+        assert hash(Word("a")) == hash(Word("a")) != hash(Word("b"))
+
+
+def test_classes_that_are_not_frozen_are_the_standard_ones() -> None:
+    @ours
+    class Open:
+        """Anybody may change it."""
+
+        name: str = "a"
+
+    one = Open()
+    one.name = "b"
+    assert one == Open("b")
+
+
+def test_a_class_below_a_standard_one_is_one() -> None:
+    @dataclass(frozen=True)
+    class Base:
+        name: str
+
+    @ours(frozen=True)
+    class Below(Base):
+        size: int = 1
+
+    assert Below("a") == Below("a", 1) != Below("b")
+    with pytest.raises(FrozenInstanceError):
+        Below("a").name = "b"  # type: ignore[misc]
+
+
+def test_instances_travel_between_processes() -> None:
+    from rigtri.report import Notice
+    from rigtri.verification.compare.verdict import Worst
+
+    for one in (Worst("mesh", "walk", 0.5), Notice("straight", "a limb")):
+        assert pickle.loads(pickle.dumps(one)) == one
