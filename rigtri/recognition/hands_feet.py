@@ -30,6 +30,8 @@ _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
 _LONG = 1.2
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
+# What no hand has, where names tell of it.
+_OF_BODIES = frozenset(["skull", "tail"])
 # A hand alone has no more joints than this.
 _HAND = 60
 
@@ -270,7 +272,7 @@ def lay_hand(draft: Draft) -> bool:
         if covered < 0.75 * len(joints):
             continue
         named = [k for k in chains if any(_names_finger(tree.rig.names[joint]) for joint in k)]
-        if len(named) < 3 and not _like_fingers(draft, node, chains):
+        if len(named) < 3 and (_is_body_named(draft) or not _like_fingers(draft, node, chains)):
             continue
         sure = 0.92 if len(named) >= 3 else 0.6
         side = parse_name(tree.rig.names[node]).side
@@ -280,6 +282,13 @@ def lay_hand(draft: Draft) -> bool:
         lay_fingers(draft, node, chains, side, sure)
         return True
     return False
+
+
+def _is_body_named(draft: Draft) -> bool:
+    """Whether names tell of a head, a tail or legs: then short chains at one joint are no fingers."""
+    names = {draft.tree.rig.names[k] for k in draft.tree.nodes} - {""}
+    said = any(_OF_BODIES.intersection(roles_in_name(name)) for name in names)
+    return said or any(words.kind == "leg" for words in draft.words.values())
 
 
 def _like_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> bool:

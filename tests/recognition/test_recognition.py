@@ -229,6 +229,28 @@ def test_names_of_animals_make_legs_of_arms_that_do_not_quite_reach_the_ground(l
     assert character.form == "quadruped"
 
 
+def test_legs_and_a_tail_that_begin_at_one_joint_are_no_fingers() -> None:
+    """Before, it was a hand with four fingers."""
+    sides = [(side, x) for side, x in (("L", 0.2), ("R", -0.2))]
+    joints: list[Joint] = [("body", "", (0, 1.4, -0.65))]
+    for k in range(4):
+        joints.append((f"back{k + 1}", joints[-1][0], (0, 1.4, -0.65 + 0.325 * (k + 1))))
+    joints += [("neck1", "back4", (0, 1.8, 1.0)), ("head", "neck1", (0, 2.1, 1.25))]
+    joints += [
+        (f"tail{k}", f"tail{k - 1}" if k > 1 else "body", (0, 1.4, -0.65 - 0.15 * k)) for k in range(1, 5)
+    ]
+    hind = [(1.3, -0.6), (0.95, -0.45), (0.62, -0.82), (0.25, -0.77), (0.06, -0.67)]
+    front = [(1.15, 0.77), (0.95, 0.57), (0.55, 0.63), (0.2, 0.65), (0.05, 0.72)]
+    for side, x in sides:
+        for which, over, places in (("back", "body", hind), ("front", "back4", front)):
+            for k, (y, z) in enumerate(places, start=1):
+                name = f"leg_{which}_{k}_{side}"
+                joints.append((name, over, (x, y, z)))
+                over = name
+    (character,) = recognise(rig_with(joints)).characters
+    assert character.form == "quadruped"
+
+
 def test_a_hoof_that_is_called_as_an_index_finger_makes_no_human() -> None:
     """Before, it was a biped, and surely."""
     words = {"thigh": "UpLeg", "shin": "Leg", "foot": "Foot", "clavicle": "Shoulder", "upper_arm": "Arm"}
