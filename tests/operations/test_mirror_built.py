@@ -368,3 +368,16 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     mirror(rig, options=MirrorOptions(from_side="left"), report=keyed)
     (text,) = [notice.text for notice in keyed.warnings if notice.code == "mirror-moves"]
     assert text.startswith("hand_R_ik_ctl has keys in reach")
+
+
+def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Path) -> None:
+    """Keys are motion, and stay on their side; before, nothing said so."""
+    rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
+    spaces = {"child": "hand_L_ik_ctl", "space": ("hips", "chest")}
+    for switch, told in (((), []), (("walk@0.5=chest",), ["mirror-weights"])):
+        built = constrain(rig, options=ConstrainOptions(**spaces, switch=switch))
+        first, second = Report(), Report()
+        mirrored = mirror(built, options=MirrorOptions(from_side="left"), report=first)
+        assert [notice.code for notice in first.warnings if "weights" in notice.code] == told
+        mirror(mirrored, options=MirrorOptions(from_side="left"), report=second)
+        assert not [notice.code for notice in second.warnings if "weights" in notice.code]

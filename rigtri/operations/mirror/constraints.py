@@ -48,6 +48,7 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         )
         if not same:
             _warn_keyed(rig, mirrored, report)
+            _warn_switched(rig, rule, report)
         return rig if same else built
 
     return mirror_each(rig, of_side(rig, options, ConstraintRecord), "constraint", build, report)
@@ -64,6 +65,16 @@ def _warn_keyed(rig: Rig, rule: Constraint, report: Report) -> None:
         names = listed([rig.title(node) for node in sorted(moved)], 6)
         text = f"{names} has keys in {listed(clips, 6)} and follows a constraint from now on"
         report.warn("mirror-moves", f"{text}: the next bake gives other motion there")
+
+
+def _warn_switched(rig: Rig, rule: Constraint, report: Report) -> None:
+    """Warn of clips in which the weights of a rule have keys: those of the other side stay as at rest."""
+    weights = set(rule.weight_nodes)
+    clips = [clip.name for clip in rig.clips if any(track.node in weights for track in clip.tracks)]
+    if clips:
+        child = rig.title(rule.child)
+        text = f"what '{child}' follows switches in {listed(clips, 6)}; its twin follows there as at rest"
+        report.warn("mirror-weights", f"{text}: constrain --switch or --weight-keys give it keys, too")
 
 
 def _mirrored(rig: Rig, rule: Constraint, options: MirrorOptions) -> Constraint | None:
