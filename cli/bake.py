@@ -60,6 +60,9 @@ def _beside(report: Report) -> list[str]:
     lines = []
     if resting := {name for entry in of.get("rest", []) for name in entry["nodes"]}:
         lines.append(f"{counted(len(resting), 'node')} at rest")
+    for kind, noun in (("twist", "twist joint"), ("poseReader", "pose reader"), ("rivet", "rivet")):
+        if kind in of:
+            lines.append(f"{counted(len(of[kind]), noun)} baked from the joints' motion")
     if placed := sum(len(entry["nodes"]) for entry in of.get("described", [])):
         lines.append(f"{counted(placed, 'node')} put where the file of --rig has them")
     if parts := of.get("joined"):

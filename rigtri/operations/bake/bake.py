@@ -114,7 +114,7 @@ class _Baker:
         self.rig, self.options, self.report, self.start = rig, options, report, rig
         self.solvers: dict[frozenset[int] | None, Solver] = {}
         self.reference = ControlsAtZero(rig)
-        follows = options.to == "joints" and rivets_and_readers(rig)
+        follows = options.to == "joints" and (rivets_and_readers(rig) or twist_joints(rig))
         if not (
             self.reference.fk
             or self.reference.limbs
@@ -189,6 +189,8 @@ class _Baker:
             last, seen = seen, with_shared_times(self.rig)
             if last.same_times(seen):
                 break
+        for twist in mine:
+            self.report.added.append({"node": self.rig.names[twist.node], "type": "twist", "new": False})
 
     @cached_property
     def size(self) -> float:

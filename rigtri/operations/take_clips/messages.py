@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from rigtri.maths.matrices import from_frame, nearest_rotation, transform_direct
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.similarity_fit import SAME_TURN, upright_turn
 from rigtri.model.animation import Track, key_values
+from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.node_matching import why_apart
@@ -112,6 +113,37 @@ def moves(track: Track) -> bool:
     """Whether the values of a track change."""
     values = key_values(track)
     return bool(np.abs(values - values[0]).max(initial=0.0) > _MOVED)
+
+
+def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
+    """Warn of what has keys that rigtri made of the motion of joints, which is another one in ``rig``."""
+    known = {id(track) for clip in start.clips for track in clip.tracks}
+    new = {track.node for clip in rig.clips for track in clip.tracks if id(track) not in known}
+    behind = [
+        node
+        for node, followed in _followers(rig)
+        if new.intersection(followed or new) and not new.intersection(rig.below(node))
+    ]
+    if behind:
+        names = list_names(rig.names[node] for node in sorted(behind))
+        text = f"The keys of {names} are those of the motion before: rigtri bake makes them anew"
+        report.warn("followers-behind", text)
+
+
+def _followers(rig: Rig) -> Iterator[tuple[int, set[int]]]:
+    """Twist joints, pose readers and rivets, with the nodes that they follow; () for any that move points."""
+    for node, record in rig.records(TwistRecord).items():
+        driver, joint = (_way(rig, name) for name in (record.driver, record.joint))
+        yield node, driver - joint or driver
+    for node, reader in rig.records(PoseReaderRecord).items():
+        yield node, _way(rig, reader.driver) ^ _way(rig, reader.frame)
+    for node in rig.records(RivetRecord):
+        yield node, set()
+
+
+def _way(rig: Rig, name: str) -> set[int]:
+    node = rig.known(name)
+    return set() if node is None else set(rig.path_to_root(node))
 
 
 def list_names(names: Iterable[str]) -> str:

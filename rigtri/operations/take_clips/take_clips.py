@@ -40,6 +40,7 @@ from rigtri.operations.take_clips.messages import (
     moves,
     warn_differences,
     warn_facing,
+    warn_followers,
     warn_tracks,
     why_nothing_matches,
 )
@@ -65,7 +66,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     Raises GeometryError (no common names, no clips), NameNotFoundError (a clip), AmbiguousNameError,
     UsageError (several clips for a format that has one), TypeError (``from_`` is no rig).
     """
-    edited = options.from_
+    start, edited = rig, options.from_
     if not isinstance(edited, Rig):
         raise TypeError(
             f"from_ is to be a Rig, the one with the motion, not {type(edited).__name__}; "
@@ -111,6 +112,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         taken_all.add(taken.name)
         if rig is not before:
             changed.add(taken.name)
+    warn_followers(start, rig, report)
     rig = drop_switched_off_ik_keys(
         rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
     )
