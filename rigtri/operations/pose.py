@@ -53,7 +53,8 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
 def warn_outside_clip(timeline: Timeline, time: float, report: Report) -> float:
     """Tell of a moment that the clip does not have; the one whose pose it holds."""
     keys = times_within(timeline, None)
-    if not keys[0] <= time <= keys[-1]:
+    last_bit = float(np.spacing(np.float32(abs(time))))  # glTF stores a key at 1.4 as 1.39999998
+    if not keys[0] - last_bit <= time <= keys[-1] + last_bit:
         span = f"from {keys[0]:g} to {keys[-1]:g}" if len(keys) > 1 else f"at {keys[0]:g} alone"
         text = f"Clip '{timeline.name}' has keys {span}; at {time:g} it holds the nearest pose"
         report.warn("pose-outside", text)

@@ -216,3 +216,14 @@ def test_a_written_pose_looks_as_the_clip_does_morphs_included(kind: str, tmp_pa
     np.testing.assert_array_equal(keys, next(t for t in clip.tracks if t.path == "weights").values)
     edit(out, again, posed)
     assert out.read_bytes() == again.read_bytes()
+
+
+@pytest.mark.parametrize(("moment", "told"), [(1.4, []), (1.401, ["pose-outside"])])
+def test_the_last_key_of_a_clip_is_no_moment_after_it(moment: float, told: list[str], samples: Path) -> None:
+    """glTF stores 1.4 s as 1.39999998."""
+    rig = read(samples / "biped.glb").rig
+    times = np.array([0.0, 1.4], dtype=np.float32).astype(np.float64)
+    track = Track(rig.find("head"), "rotation", "LINEAR", times, np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)))
+    rig, report = replace(rig, clips=(replace(rig.clips[0], tracks=(track,)),)), Report()
+    table(rig, PoseOptions(at=f"walk@{moment}"), report)
+    assert [notice.code for notice in report.warnings] == told
