@@ -47,6 +47,8 @@ def rests(track: Track, rig: Rig) -> bool:
     either = (rest, -rest) if track.path == "rotation" else (rest,)
     off = [np.abs(_moves(track, less(track, one))).max(axis=-1) for one in either]
     most = float(np.min(off, axis=0).max(initial=0.0))
+    if track.path == "rotation":
+        return most <= 0.5 * _NO_YAW  # a quaternion has half of an angle
     return most <= NONE * max(1.0, float(np.abs(rest).max()))
 
 
@@ -101,14 +103,18 @@ def over_ground(rig: Rig, root: int, away: Floats, axis: str | None) -> Floats:
 def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOptions, report: Report) -> Clip:
     """The clip with what hips move over the ground and turn about the up axis at the root, or taken out.
 
-    Hips and root get keys at the same times, as many as it takes that nothing else moves between them. Raises
-    GeometryError where the root has a motion of its own.
+    Hips and root get keys at the same times, as many as it takes that nothing else moves between them. What
+    the root moves itself stays. Raises GeometryError where it rotates or scales.
     """
     mine = {t.path: t for t in clip.tracks if t.node == hips and t.path in ("translation", "rotation")}
     if not mine:
         return clip
-    moving = Timeline(Clip(clip.name, tuple(mine.values())), (0,))
+    own = [t for t in clip.tracks if t.node == root and t.path == "translation"]
+    moving = Timeline(Clip(clip.name, (*mine.values(), *own)), (0,))
     up, rest = up_of(rig, root), rig.translation[hips]
+
+    def place_of_root(times: Floats) -> Floats:
+        return sample(own[0], times) if own else np.tile(rig.translation[root], (len(times), 1))
 
     def parts(times: Floats) -> Floats:
         """Position and rotation of the root, of the hips seen from it, (f, 14)."""
@@ -119,21 +125,17 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         yaw = twist(product(turn, conjugate(rig.rotation[hips])), up)
         shift = over_ground(rig, root, place - rotate(yaw, rest), options.axis)
         back = conjugate(yaw)
-        moved = rig.translation[root] + rotate(rig.rotation[root], shift * rig.scale[root])
+        moved = place_of_root(times) + rotate(rig.rotation[root], shift * rig.scale[root])
         local = rotate(back, place - shift), product(back, turn)
         return np.concatenate([moved, product(rig.rotation[root], yaw), *local], axis=1)
 
     times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
     at_keys = parts(times)
     places = mine["translation"].values if "translation" in mine else rest
-    still = _is_small(at_keys[:, :3] - rig.translation[root], places * rig.scale[root])
+    still = _is_small(at_keys[:, :3] - place_of_root(times), places * rig.scale[root])
     if still and angle_between(at_keys[:, 3:7], rig.rotation[root]).max() <= _NO_YAW:
         return clip
-    if any(t.node == root and t.path != "weights" and not rests(t, rig) for t in clip.tracks):
-        raise GeometryError(
-            f"The root '{rig.title(root)}' moves in clip '{clip.name}' already: take that out first, with "
-            "--mode remove --yaw"
-        )
+    _refuse_turning(rig, clip, root, options)
     if options.mode == "extract":
         _refuse_shear(rig, root, up)
     if not holds:
@@ -156,6 +158,17 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     new = {(track.node, track.path): track for track in made}
     kept = tuple(new.pop((t.node, t.path), t) for t in clip.tracks)
     return replace(clip, tracks=(*kept, *new.values()))
+
+
+def _refuse_turning(rig: Rig, clip: Clip, root: int, options: RootMotionOptions) -> None:
+    """GeometryError where the root has a rotation or a scale of its own in a clip."""
+    if any(t.node == root and t.path in ("rotation", "scale") and not rests(t, rig) for t in clip.tracks):
+        where = f"The root '{rig.title(root)}' rotates or scales in clip '{clip.name}'"
+        if options.mode == "extract":
+            raise GeometryError(
+                f"{where} already: take its turns about the up axis out first, with --mode remove --yaw"
+            )
+        raise GeometryError(f"{where}, not about the up axis alone: key the hips for that in a DCC")
 
 
 def _refuse_shear(rig: Rig, root: int, up: Floats) -> None:

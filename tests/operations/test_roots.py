@@ -203,8 +203,36 @@ def test_yaw_goes_to_the_root_with_the_ground_and_nothing_else_moves(suffix: str
     assert again.read_bytes() == out.read_bytes()
     curve = [t for t in walking_in_a_curve(after).clips[0].tracks if t.node == after.find("hips")]
     others = [t for t in after.clips[0].tracks if t.node != after.find("hips")]
-    with pytest.raises(GeometryError, match="moves in clip 'walk' already"):
+    with pytest.raises(GeometryError, match="rotates or scales in clip 'walk' already"):
         rigtri.root_motion(rigtri_with(after, (*others, *curve)), yaw=True)
+
+
+def test_a_yaw_comes_to_what_the_root_moves_itself(rooted: Path, tmp_path: Path) -> None:
+    """Before, a root that a jump lifts was refused, and `--mode remove --yaw` was no way out."""
+    rig = walking_in_a_curve(rigtri.read(rooted))
+    root, places = rig.find("root"), np.array([[0.0, 0.0, 0.0], [0.1, 0.3, 0.0], [0.0, 0.05, 0.4]])
+    own = Track(root, "translation", "LINEAR", np.array([0.0, 0.33, 1.0]), places)
+    before = rigtri_with(rig, (*rig.clips[0].tracks, own))
+    after = rigtri.root_motion(before, clip=["walk"], yaw=True)
+    times = np.linspace(0.0, 1.0, 173)
+    one, other = (worlds(rig, locals_at(rig, rig.clips[0], times)) for rig in (before, after))
+    for name in ("hips", "head", "hand_L", "foot_R"):
+        assert np.abs((one - other)[:, before.find(name)]).max() < 2e-6, name
+    assert np.ptp(other[:, root, 3, 1]) == pytest.approx(0.3, abs=1e-3)
+    report = Report()
+    rigtri.root_motion(after, clip=["walk"], yaw=True, report=report)
+    assert not report.added
+
+
+def test_a_root_that_turns_about_another_axis_is_refused_with_a_way_out(rooted: Path) -> None:
+    rig = walking_in_a_curve(rigtri.read(rooted))
+    turns = np.array([from_axis_angle(np.array([1.0, 0.0, 0.0]), angle) for angle in (0.0, 0.5)])
+    tilt = Track(rig.find("root"), "rotation", "LINEAR", np.array([0.0, 1.0]), turns)
+    tilted = rigtri_with(rig, (*rig.clips[0].tracks, tilt))
+    with pytest.raises(GeometryError, match="already: take its turns about the up axis out first"):
+        rigtri.root_motion(tilted, clip=["walk"], yaw=True)
+    with pytest.raises(GeometryError, match="not about the up axis alone: key the hips"):
+        rigtri.root_motion(tilted, clip=["walk"], yaw=True, mode="remove")
 
 
 def test_steps_beside_linear_keys_go_to_the_root(rooted: Path, tmp_path: Path) -> None:
