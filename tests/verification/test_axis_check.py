@@ -122,6 +122,16 @@ def test_rolled_hands_thumbs_feet_and_clavicles_are_named(part: str, degrees: fl
     assert "+y" in text
 
 
+@pytest.mark.parametrize("part", ["left_thumb_1", "right_thumb_2"])
+def test_a_thumb_that_is_no_mirror_image_of_the_other_is_named(part: str) -> None:
+    """It may close over the palm all the same."""
+    body = posed_body(Pose(arms=70.0))
+    assert rules(rolled(body, **{part: 20.0})) == set()
+    ((rule, node, text),) = axis_findings(rolled(body, **{part: 45.0}))
+    assert (rule, node) == ("axes.roll", body.parts[f"left thumb {part[-1]}"])
+    assert "no mirror image of it" in text
+
+
 @pytest.mark.ci
 def test_a_joint_within_a_finger_that_is_rolled_is_named() -> None:
     body = posed_body(Pose())

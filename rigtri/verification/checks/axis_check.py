@@ -170,12 +170,15 @@ class _Seen:
 
     def findings(self) -> Iterator[Found]:
         off: list[int] = []
-        closing = {}
+        closing, known = {}, set[int]()
         for side, hand in self.hands:
             yield from self._hand(side, hand, off)
             closing[hand[0].joints[0]] = self._closing_hand(hand)
-            yield from self._rolled_hand(side, hand, closing[hand[0].joints[0]])
+            rolled = [*self._rolled_hand(side, hand, closing[hand[0].joints[0]])]
+            known.update(joint for _, joint, _ in rolled)
+            yield from rolled
             yield from self._rolled_fingers(hand)
+        yield from self._unlike_thumbs(known)
         if len(closing) > 1 and all(closing.values()) and not set.intersection(*closing.values()):
             what = ", ".join(f"'{self.rig.title(joint)}' by {_text(axes)}" for joint, axes in closing.items())
             yield "axes.hands", next(iter(closing)), f"no one axis and sign closes both hands: {what}"
@@ -254,6 +257,19 @@ class _Seen:
         bones += [(wrist.joints[0], finger.joints[0], FLEXES) for finger in hand[1:2] if wrist]
         for joint, target, least in bones:
             yield from self._rolled(joint, target, least, closing, "closes the fingers")
+
+    def _unlike_thumbs(self, known: set[int]) -> Iterator[Found]:
+        """The joints of a thumb that are rolled otherwise against the fingers than its twin's."""
+        rolls: list[list[tuple[int, float]]] = []
+        for side, hand in self.hands:
+            thumb = self.chains.get(f"{side} thumb".strip())
+            finger, bones = hand[0].joints[:2], [*pairwise(thumb.joints if thumb else ())]
+            aim = self._aim([finger, *bones], []) if bones else None  # type: ignore[list-item]
+            rolls.append([(joint, self._roll(aim, finger[0], joint)) for joint, _ in bones] if aim else [])
+        for (joint, one), (twin, other) in zip(*rolls, strict=False) if len(rolls) == 2 else ():
+            if abs(one - other) > FINGERS and not {joint, twin} & known:
+                against = f"{one:.0f}° against the fingers, '{self.rig.title(twin)}' by {other:.0f}°"
+                yield "axes.roll", joint, f"is rolled by {against}: no mirror image of it"
 
     def _rolled_fingers(self, hand: Sequence[Chain]) -> Iterator[Found]:
         """The joints within a finger that are rolled against the one above."""

@@ -29,8 +29,8 @@ _INFOS = {
     "fingers": "The fingers of one hand curl about axes that are more than 30° apart.",
     "hands": "The fingers of both hands do not close by the same axis and sign.",
     "roll": "A hand or thumb is rolled against the axis that closes the fingers, by more than 60° (75°), a "
-    "joint of a finger by more than 30° against the one above it, a foot against the axis that bends the "
-    "knee, or a clavicle against the one that bends the elbow.",
+    "thumb by more than 30° otherwise than its twin, a joint of a finger so far against the one above it, a "
+    "foot against the axis that bends the knee, or a clavicle against the one that bends the elbow.",
     "hinge": "The hinge of a knee or elbow turns by more than 20° between the two bones of the limb.",
     "trunk": "A joint of the trunk is rolled by more than 30° against the one below it.",
     "forward": "No axis of a joint of the trunk points within 35° of where the character faces.",
