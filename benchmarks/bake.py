@@ -28,7 +28,6 @@ from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_twist.twist import AddTwistOptions, add_twist
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.constrain.constrain import ConstrainOptions, constrain
-from rigtri.operations.joint_selection import Selection
 
 PEER = Path(__file__).with_name("bake_blender.py")
 BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
@@ -37,7 +36,7 @@ BIPED = Path(__file__).resolve().parent.parent / "samples" / "biped.glb"
 def character(joints: int) -> Rig:
     """The sample biped with IK arms and legs, twist joints, a staff held by a constraint, and fingers."""
     rig = add_twist(read(BIPED).rig, options=AddTwistOptions(limbs="auto"))
-    rig = constrain(rig, options=ConstrainOptions(kind="parent", child="staff", drivers=(("hand_L", 1.0),)))
+    rig = constrain(rig, options=ConstrainOptions(child="staff", driver=(("hand_L", 1.0),)))
     rig = add_controls(rig, options=AddControlsOptions(whole_character=True))
     count = joints - int(rig.is_joint.sum())
     hands = [rig.find("hand_L"), rig.find("hand_R")]
@@ -53,7 +52,7 @@ def character(joints: int) -> Rig:
     every = np.ones(len(grown), dtype=bool)
     skin = replace(skin, joints=grown, inverse_bind=bind, weigh=lambda: every)
     rig = replace(rig, skins=(skin, *rig.skins[1:]))
-    return add_controls(rig, options=AddControlsOptions(selection=Selection(joints=tuple(names))))
+    return add_controls(rig, options=AddControlsOptions(joints=tuple(names)))
 
 
 def animated(rig: Rig, frames: int) -> Rig:
@@ -97,7 +96,7 @@ def measured(joints: int, frames: int, bound: float = 1e-6) -> Took:
     timeline = timelines(up)[0]
     solver = Solver(up, controls_with_keys(up, timeline))
     kinds = {type(step).__name__ for step in solver.steps}
-    if len(solver.limbs) != 4 or not {"Ik", "Fk", "Turned", "Follow"} <= kinds:
+    if len(solver.limbs) != 4 or not {"Ik", "Fk", "TwistStep", "ConstraintStep"} <= kinds:
         raise SystemExit(f"this is not the rig that is to be measured: {len(solver.limbs)} limbs, {kinds}")
     times = np.arange(frames) / 30.0
     parts = sample_parts(up, timeline.clip, times)
