@@ -297,3 +297,30 @@ def test_no_root_is_proposed_where_there_is_no_prim(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="there is no skeleton in it, nor any prim that has a place") as error:
         read(save(tmp_path, "#usda 1.0\n"))
     assert "--root" not in str(error.value)
+
+
+TWITCH = """double3 xformOp:translate = (1, 2, 3)
+quatf xformOp:orient.timeSamples = { 1: (1, 0, 0, 0), 9: (1, 0.0001, 0, 0) }
+uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]"""
+
+
+def test_a_prim_of_another_unit_is_read_by_its_keys_and_takes_others(tmp_path: Path) -> None:
+    # w of float32 has lost so small a rotation, and USD's matrices with it.
+    one = save(tmp_path, scene(TWITCH, skeleton(), animation(), MESH))
+    out = tmp_path / "out.usda"
+    cli("freeze", one, "-o", out, "--unit", "1", code=0)
+    before, after = places(one), places(out)
+    assert "xformOp:scale:rigtriFrame" in out.read_text()
+    size = before["/Root", 1.0][3, 1] / after["/Root", 1.0][3, 1]
+    for place in before:
+        assert_allclose(after[place][3] * [size, size, size, 1], before[place][3], atol=1e-12)
+    document = read(out)
+    rig, node = document.rig, document.rig.find("/Root")
+    (clip,) = (clip for clip in rig.clips if clip.name == "xforms")
+    (track,) = (track for track in clip.tracks if track.node == node)
+    turn = replace(track, values=np.array([IDENTITY, [0.6, 0.0, 0.0, 0.8]]))
+    tracks = tuple(turn if each is track else each for each in clip.tracks)
+    clips = tuple(replace(clip, tracks=tracks) if each is clip else each for each in rig.clips)
+    there = places(write(document, replace(rig, clips=clips), tmp_path / "there.usda"))
+    assert_allclose(there["/Root", 1.0], after["/Root", 1.0], atol=1e-12)
+    assert_allclose(there["/Root", 9.0][2, :3], after["/Root", 1.0][:3, :3].T @ [0, -0.96, 0.28], atol=1e-7)

@@ -24,7 +24,13 @@ from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_token
 from rigtri.formats.usd.opinions.xform_edits import SAME_ROTATION, op_value, set_transform, transform_ops
 from rigtri.formats.usd.passes.usd_edit import UsdEdit, sets_transform
 from rigtri.formats.usd.reading.node_keys import kind
-from rigtri.formats.usd.reading.xform_hierarchy import FRAME, PARENT_INVERSE, value_numbers
+from rigtri.formats.usd.reading.xform_hierarchy import (
+    FRAME,
+    FRAME_SIZE,
+    PARENT_INVERSE,
+    PARENT_INVERSE_SIZE,
+    value_numbers,
+)
 from rigtri.maths.matrices import (
     SKEW,
     compose,
@@ -42,8 +48,6 @@ from rigtri.model.rig import Rig
 from rigtri.report import Notice
 
 _QUATD, _DOUBLE3 = Sdf.ValueTypeNames.Quatd, Sdf.ValueTypeNames.Double3
-# The ops that resize a frame, beside those that rotate it.
-FRAME_SIZE, PARENT_INVERSE_SIZE = "xformOp:scale:rigtriFrame", "xformOp:scale:rigtriParentInv"
 # Blender's exporter notes so the root that it adds to turn the stage; its importer leaves out a root with the
 # note, whatever the value, and with it the turn from y up to z up.
 _NOTE = ("Blender", "generated")

@@ -34,6 +34,8 @@ from rigtri.text import listed
 # The ops that reorient a prim stand innermost and outermost.
 FRAME = "xformOp:orient:rigtriFrame"
 PARENT_INVERSE = "xformOp:orient:rigtriParentInv"
+# The ops that resize a frame, beside those: uniform, so that their order is all one.
+FRAME_SIZE, PARENT_INVERSE_SIZE = "xformOp:scale:rigtriFrame", "xformOp:scale:rigtriParentInv"
 # The op of each property that a track moves, in the order of a stack.
 OPS: Mapping[Path, str] = {
     "translation": "xformOp:translate",
@@ -44,6 +46,7 @@ OPS: Mapping[Path, str] = {
 NOTHING: Mapping[Path, Floats] = {"translation": np.zeros(3), "rotation": IDENTITY, "scale": np.ones(3)}
 # The clip of all prims that move, still without tracks.
 XFORMS = Clip("xforms", (), ("xforms", ""))
+_SIZES = (PARENT_INVERSE_SIZE, FRAME_SIZE)
 _ORDER = (PARENT_INVERSE, *OPS.values(), FRAME)
 # Between keys a track may be off its prim by so much, in radians and as a share of where it goes: an interval
 # is halved until it is nearer, and at most so often.
@@ -181,21 +184,26 @@ def read_transform(
 ) -> tuple[dict[Path, Floats], list[Track]] | None:
     """Where a prim stands, as a value for each property, and its tracks; None where tracks cannot hold it."""
     ops: dict[str, Any] = {str(op.GetOpName()): op for op in UsdGeom.Xformable(prim).GetOrderedXformOps()}
-    names = list(ops)
+    names = [name for name in ops if name not in _SIZES]
     if names != [name for name in _ORDER if name in ops] or has_splines(prim):
         return None
-    constant = [ops[name] for name in (PARENT_INVERSE, FRAME) if name in ops]
+    constant = [ops[name] for name in (PARENT_INVERSE, FRAME, *_SIZES) if name in ops]
     if any(op.GetNumTimeSamples() for op in constant):
         return None
     outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
+    outer_size, inner_size = (_first(ops.get(name), NOTHING["scale"]) for name in _SIZES)
+    if not (outer_size > 0).all() or not (inner_size > 0).all():
+        return None
+    sizes: dict[Path, Floats] = {"translation": outer_size, "scale": outer_size * inner_size}
     rest: dict[Path, Floats] = {}
     tracks: list[Track] = []
     for path, name in OPS.items():
+        size = sizes.get(path, 1.0)
         op = ops.get(name)
         stands = _first(op, NOTHING[path])
         if not np.isfinite(stands).all():
             return None
-        rest[path] = _folded(path, stands, outer, inner)
+        rest[path] = _folded(path, stands * size, outer, inner)
         keys = [] if op is None else [(time, op.Get(time)) for time in op.GetTimeSamples()]
         if any(value is None for _, value in keys):
             return None
@@ -205,7 +213,7 @@ def read_transform(
                 return None
             if path == "scale" and (inner != IDENTITY).any() and _uneven(values):
                 return None
-            values = _folded(path, values, outer, inner)
+            values = _folded(path, values * size, outer, inner)
             times = np.array([time for time, _ in keys])
             tracks.append(Track(node, path, interpolation, times, values))
     if (inner != IDENTITY).any() and _uneven(rest["scale"]):
