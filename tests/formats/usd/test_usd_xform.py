@@ -324,3 +324,10 @@ def test_a_prim_of_another_unit_is_read_by_its_keys_and_takes_others(tmp_path: P
     there = places(write(document, replace(rig, clips=clips), tmp_path / "there.usda"))
     assert_allclose(there["/Root", 1.0], after["/Root", 1.0], atol=1e-12)
     assert_allclose(there["/Root", 9.0][2, :3], after["/Root", 1.0][:3, :3].T @ [0, -0.96, 0.28], atol=1e-7)
+
+
+def test_the_notice_of_a_reset_stack_is_true_of_every_command(tmp_path: Path) -> None:
+    said = cli("freeze", save(tmp_path, SMOOTH), "-o", tmp_path / "out.usda", "--root", "/Rig").output
+    joints = [read(tmp_path / "in.usda", root=root).rig.skins[0].joints for root in ("/Rig", "loose")]
+    assert not set(joints[0]) & set(joints[1])
+    assert "are no joints of --root /Rig. To have them as joints, run again with --root /Rig/thigh" in said

@@ -134,8 +134,8 @@ def _notice_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> No
         if kind(rig.keys[node]) != "prim" or not label.startswith(root) or rig.parents[node] >= 0:
             continue
         text = (
-            f"<{label}> does not follow what is above it (!resetXformStack!); it and all below it are "
-            f"left as they are. To re-orient them, run again with --root {label}."
+            f"<{label}> does not follow what is above it (!resetXformStack!); it and what follows it are "
+            f"no joints of --root {rig.labels[top]}. To have them as joints, run again with --root {label}."
         )
         if UsdGeom.Xformable(stage.GetPrimAtPath(label)).GetResetXformStack():
             warnings.append(Notice("reset-stack", text))
