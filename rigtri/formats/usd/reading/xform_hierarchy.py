@@ -192,7 +192,7 @@ def read_transform(
         return None
     outer, inner = (_first(ops.get(name), IDENTITY) for name in (PARENT_INVERSE, FRAME))
     outer_size, inner_size = (_first(ops.get(name), NOTHING["scale"]) for name in _SIZES)
-    if not (outer_size > 0).all() or not (inner_size > 0).all():
+    if any(not (size > 0).all() or _uneven(size) for size in (outer_size, inner_size)):
         return None
     sizes: dict[Path, Floats] = {"translation": outer_size, "scale": outer_size * inner_size}
     rest: dict[Path, Floats] = {}
