@@ -8,6 +8,7 @@ of results.md: `orient-joints`, verified, beside what `usdcat --out` does (`Sdf.
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
@@ -114,7 +115,9 @@ def cost(*words: str) -> tuple[float, float]:
 
 
 def main() -> None:
-    folder = Path(sys.argv[1])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("folder", type=Path, help="where the layers are, or are made")
+    folder = parser.parse_args().folder
     print("| layer | MB | export, s | rigtri, s | ratio | export, MB | rigtri, MB | ratio |")
     print("|---|---|---|---|---|---|---|---|")
     for what in LAYERS:

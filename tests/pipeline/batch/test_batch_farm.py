@@ -41,7 +41,7 @@ def batch(*words: str) -> Ran:
 def farm(*words: str) -> subprocess.CompletedProcess[str]:
     program = Path(sys.executable).with_name("openjd")
     if not program.exists():
-        pytest.skip("openjd-cli is not installed: pip install '.[test]'")
+        pytest.skip("openjd-cli is not installed: pip install '.[farms]'")
     return subprocess.run([program, *words], capture_output=True, text=True, timeout=120, check=False)
 
 
@@ -54,6 +54,7 @@ def contents(folder: str) -> dict[str, bytes]:
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in Path(folder).rglob("*.glb")}
 
 
+@pytest.mark.ci
 def test_a_job_is_what_farms_take_and_gives_what_the_batch_gives(here: Path) -> None:
     told = batch("-O", "out", "--emit-openjd", "job", "--set", "size={{y}}", "-j", "1")
     assert told.exit_code == 0, told.stderr

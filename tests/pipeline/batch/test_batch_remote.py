@@ -19,10 +19,7 @@ import pytest
 from places import slow
 from program import Ran, cli
 
-MISSING = "is not installed: pip install '.[test]'"
-fsspec = pytest.importorskip("fsspec", reason=f"fsspec {MISSING}")
-pytest.importorskip("s3fs", reason=f"s3fs {MISSING}")
-ThreadedMotoServer = pytest.importorskip("moto.server", reason=f"moto {MISSING}").ThreadedMotoServer
+fsspec = pytest.importorskip("fsspec", reason="fsspec is not installed: pip install '.[test]'")
 
 SPEC = "steps: [{do: orient-joints, aim: y, up: z}]"
 Batch = Callable[..., Ran]
@@ -38,8 +35,10 @@ def tidy() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    """A server that speaks S3."""
-    found = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
+    """A server that speaks S3, which takes a second to import."""
+    pytest.importorskip("s3fs", reason="s3fs is not installed: pip install '.[farms]'")
+    moto = pytest.importorskip("moto.server", reason="moto is not installed: pip install '.[farms]'")
+    found = moto.ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
     found.start()
     host, port = found.get_host_and_port()
     yield f"http://{host}:{port}"
@@ -107,6 +106,7 @@ def alone(samples: Path, name: str) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in Path("alone").iterdir()}
 
 
+@pytest.mark.ci
 def test_a_bucket_is_worked_through_and_a_second_run_does_nothing(
     batch: Batch, bucket: Any, samples: Path
 ) -> None:
@@ -135,6 +135,7 @@ def test_a_bucket_is_worked_through_and_a_second_run_does_nothing(
     assert bucket.exists("studio/out/sub/biped.bin")
 
 
+@pytest.mark.ci
 def test_what_is_wrong_with_files_that_were_fetched_is_reported_where_they_are(
     batch: Batch, bucket: Any, samples: Path
 ) -> None:
@@ -249,6 +250,7 @@ def test_a_store_that_keeps_no_hashes_works_too(batch: Batch, samples: Path, tmp
     assert [path.name for path in (place / "out/x").iterdir()] == ["a.glb"]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -265,6 +267,7 @@ def test_what_cannot_be_is_reported_before_anything_is_done(
     assert said in done.stdout
 
 
+@pytest.mark.ci
 def test_without_a_manifest_here_or_the_extra_it_reports_what_to_do(
     batch: Batch, bucket: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -287,6 +290,7 @@ def test_a_store_that_takes_nothing_is_reported_once_before_any_work(batch: Batc
     assert not bucket.exists("studio/out"), "what was tried with is still there"
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("pattern", ["s3://nobucket/*.glb", slow("s3://nobucket/in/**/*.*l*")])
 def test_a_bucket_that_is_not_there_is_named(batch: Batch, bucket: Any, pattern: str) -> None:
     told = batch("-O", "out", inputs=(pattern,))
