@@ -285,3 +285,24 @@ def test_a_skin_without_inverse_binds_gets_them_where_twist_joints_get_weight(
     assert read(target).rig.skins[0].stored
     edit(target, tmp_path / "bare.glb", lambda rig, report: strip(rig))
     assert verify(source, tmp_path / "bare.glb").deviation <= TOLERANCE
+
+
+# What may stand where an attribute, a primitive or a mesh should.
+WRONG = (999, -1, 1.5, "x", [1])
+
+
+@pytest.mark.parametrize("key", ["JOINTS_0", "WEIGHTS_0", "POSITION", "attributes", "primitives", "mesh"])
+def test_weights_that_cannot_be_read_are_refused_where_they_are_stored(key: str, tmp_path: Path) -> None:
+    """All else of such a file can be edited, with the warning that its mesh is kept and not checked."""
+    for wrong in WRONG:
+        builder = bone([[1, 0, 0, 0]] * 3)
+        owners = [*builder.gltf["nodes"], *builder.gltf["meshes"], *builder.gltf["meshes"][0]["primitives"]]
+        (owner,) = (x for x in [*owners, owners[-1]["attributes"]] if key in x)
+        owner[key] = wrong
+        with pytest.raises(FileError, match=r"in\.glb: (meshes|nodes)\["):
+            result(builder, tmp_path)
+
+
+def test_sets_of_other_lengths_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"meshes\[0\]\.primitives\[0\]: .* not as many"):
+        result(bone([[1, 0, 0, 0]] * 2), tmp_path)

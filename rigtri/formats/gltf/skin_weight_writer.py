@@ -20,6 +20,7 @@ from rigtri.formats.gltf.accessors import COMPONENTS, FLOAT, FULL, Accessors
 from rigtri.formats.gltf.buffer_writer import Role, Storage
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mesh_reader import DRACO
+from rigtri.formats.json_values import Value
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
@@ -70,8 +71,8 @@ class WeightWriter:
         for skin in {**by_skin, **folds}:
             for mesh in self._meshes(skin):
                 self._check_alone(mesh, skin)
-                for number in range(len(self._draft.gltf["meshes"][mesh]["primitives"])):
-                    self._primitive(mesh, number, skin, by_skin.get(skin, ()), folds.get(skin))
+                for number, primitive in enumerate(self._primitives(mesh)):
+                    self._primitive(mesh, number, primitive, skin, by_skin.get(skin, ()), folds.get(skin))
 
         if rig.pending.weight_limit is not None:
             self._limit(rig.pending.weight_limit)
@@ -82,18 +83,18 @@ class WeightWriter:
     def _limit(self, limit: WeightLimit) -> None:
         """Let the points of all meshes have as many joints as allowed."""
         known: dict[tuple[int, ...], Mapping[str, int | None]] = {}
-        for mesh, raw in enumerate(self._draft.gltf.get("meshes", [])):
-            for number, primitive in enumerate(raw.get("primitives", [])):
-                sets = _sets(primitive["attributes"])
+        for mesh in range(len(self._draft.gltf.get("meshes", []))):
+            for number, primitive in enumerate(self._primitives(mesh)):
+                sets = self._sets(primitive)
                 if not sets:
                     continue
-                if DRACO in primitive.get("extensions", {}):
+                if _is_draco(primitive):
                     text = f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}"
                     text += ", so its weights cannot be limited. Store it uncompressed"
                     raise FixedWeightsError(text)
-                key = tuple(primitive["attributes"][name] for name in sets)
+                key = tuple(sets.values())
                 if key not in known:
-                    known[key] = self._limited(primitive["attributes"], sets, limit)
+                    known[key] = self._limited(self._read(primitive, sets), sets, limit)
                 if known[key]:
                     owned = self._draft.edit("meshes", mesh, "primitives", number, "attributes")
                     owned.update({name: index for name, index in known[key].items() if index is not None})
@@ -101,14 +102,13 @@ class WeightWriter:
                         owned.pop(name)
 
     def _limited(
-        self, attributes: dict[str, int], sets: Sequence[str], limit: WeightLimit
+        self, before: _Influences, sets: dict[str, int], limit: WeightLimit
     ) -> dict[str, int | None]:
         """The accessors of a primitive's influences with a limit, None for those of sets that go."""
-        before = self._read(attributes, sets)
         joints, weights = limited(before.joints, before.weights, limit, full=before.full)
         weights = self._fitting(before, weights)
-        found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
-        return found | dict(self._added(attributes, before, joints, weights, found))
+        found: dict[str, int | None] = dict.fromkeys([*sets][joints.shape[1] // 2 :])
+        return found | dict(self._added(sets, before, joints, weights, found))
 
     def _fitting(self, before: _Influences, weights: Floats) -> Floats:
         """New weights as the type that they had can hold them: what was added up may be too large for it."""
@@ -118,8 +118,29 @@ class WeightWriter:
         return within(weights, before.full)
 
     def _meshes(self, skin: int) -> list[int]:
-        nodes = self._draft.gltf["nodes"]
-        return sorted({n["mesh"] for n in nodes if n.get("skin") == skin and "mesh" in n})
+        """The meshes that are drawn with a skin."""
+        nodes, among = self._draft.gltf["nodes"], len(self._draft.gltf.get("meshes", []))
+        return sorted(
+            {
+                Value(raw["mesh"], f"{self._where}: nodes[{node}].mesh").index(among, "mesh")
+                for node, raw in enumerate(nodes)
+                if raw.get("skin") == skin and raw.get("mesh") is not None
+            }
+        )
+
+    def _primitives(self, mesh: int) -> list[Value]:
+        """The primitives of a mesh. Whoever changes weights must be able to read them: no notice, an error."""
+        value = Value(self._draft.gltf["meshes"][mesh], f"{self._where}: meshes[{mesh}]")
+        return list(value.need("primitives").items())
+
+    def _sets(self, primitive: Value) -> dict[str, int]:
+        """The accessors of a primitive's sets of joints and weights, by name, in their order."""
+        attributes, found = primitive.need("attributes"), dict[str, int]()
+        while all(attributes.get(f"{kind}_{len(found) // 2}") for kind in ("JOINTS", "WEIGHTS")):
+            number = len(found) // 2
+            for name in (f"JOINTS_{number}", f"WEIGHTS_{number}"):
+                found[name] = attributes.need(name).index(len(self._accessors), "accessor")
+        return found
 
     def _check_alone(self, mesh: int, skin: int) -> None:
         """FixedWeightsError where a mesh is drawn with another skin too, whose joints its indices mean."""
@@ -137,30 +158,30 @@ class WeightWriter:
         self,
         mesh: int,
         number: int,
+        primitive: Value,
         skin: int,
         spreads: Sequence[WeightRedistribution],
         fold: JointMerge | None,
     ) -> None:
-        raw = self._draft.gltf["meshes"][mesh]["primitives"][number]
-        attributes = raw["attributes"]
-        sets = _sets(attributes)
-        if not sets or "POSITION" not in attributes:
+        sets, points = self._sets(primitive), primitive.need("attributes").get("POSITION")
+        if not sets or points is None:
             return
-        if DRACO in raw.get("extensions", {}):
+        if _is_draco(primitive):
             raise FixedWeightsError(
                 f"{self._where}: mesh '{self._title(mesh)}' is compressed with {DRACO}, so its weights "
                 "cannot be changed. Store it uncompressed, or leave the weights as they are"
             )
-        key = (skin, attributes["POSITION"], *(attributes[name] for name in sets))
+        position = points.index(len(self._accessors), "accessor")
+        key = (skin, position, *sets.values())
         if key not in self._known:
-            title = self._title(mesh)
+            before, title = self._read(primitive, sets), self._title(mesh)
             self._known[key] = (
-                self._shared(attributes, sets, spreads, title)
+                self._shared(before, position, sets, spreads, title)
                 if fold is None
-                else self._folded(attributes, sets, fold)
+                else self._folded(before, sets, fold)
             )
         expected = self._known[key]
-        if any(attributes.get(name) != accessor for name, accessor in expected.items()):
+        if any(sets.get(name) != accessor for name, accessor in expected.items()):
             owned = self._draft.edit("meshes", mesh, "primitives", number, "attributes")
             owned.update({name: accessor for name, accessor in expected.items() if accessor is not None})
             for name in (name for name, accessor in expected.items() if accessor is None):
@@ -168,15 +189,15 @@ class WeightWriter:
 
     def _shared(
         self,
-        attributes: dict[str, int],
-        sets: Sequence[str],
+        before: _Influences,
+        position: int,
+        sets: dict[str, int],
         spreads: Sequence[WeightRedistribution],
         title: str,
     ) -> dict[str, int | None]:
         """The accessors of a primitive's influences after the spreads; only of sets that change."""
-        before = self._read(attributes, sets)
-        points = self._accessors.read(attributes["POSITION"])
-        if len(points) != len(before.joints):
+        points = self._accessors.read(position)
+        if points.shape != (len(before.joints), 3):
             raise FileError(f"{self._where}: mesh '{title}' has not as many influences as points")
         joints, weights = before.joints, before.weights
         for spread in spreads:
@@ -191,27 +212,24 @@ class WeightWriter:
                 "show; --max-influences keeps them"
             )
             self.notices.append(Notice("more-influences", text))
-        return dict(self._added(attributes, before, joints, weights))
+        return dict(self._added(sets, before, joints, weights))
 
-    def _folded(
-        self, attributes: dict[str, int], sets: Sequence[str], fold: JointMerge
-    ) -> dict[str, int | None]:
+    def _folded(self, before: _Influences, sets: dict[str, int], fold: JointMerge) -> dict[str, int | None]:
         """The accessors of a primitive's influences after a fold, None for those of sets that go."""
-        before = self._read(attributes, sets)
         joints, weights = folded(fold.rows, fold.at, before.joints, before.weights)
         weights = self._fitting(before, weights)
         room = -joints.shape[1] % 4
         joints, weights = np.pad(joints, ((0, 0), (0, room))), np.pad(weights, ((0, 0), (0, room)))
-        found: dict[str, int | None] = dict.fromkeys(sets[joints.shape[1] // 2 :])
+        found: dict[str, int | None] = dict.fromkeys([*sets][joints.shape[1] // 2 :])
         for number in range(joints.shape[1] // 4):
             own = slice(4 * number, 4 * number + 4)
             same = np.array_equal(joints[:, own], before.joints[:, own])
             if not (same and np.array_equal(weights[:, own], before.weights[:, own])):
-                found |= self._again(number, joints[:, own], weights[:, own], before.weight, attributes)
-        return found | dict(self._added(attributes, before, joints, weights, found))
+                found |= self._again(number, joints[:, own], weights[:, own], before.weight, sets)
+        return found | dict(self._added(sets, before, joints, weights, found))
 
     def _again(
-        self, number: int, joints: Integers, weights: Floats, kind: int, attributes: Mapping[str, int]
+        self, number: int, joints: Integers, weights: Floats, kind: int, sets: Mapping[str, int]
     ) -> dict[str, int]:
         """Accessors of the file that hold the influences of a set, by name; none is one too few.
 
@@ -222,7 +240,7 @@ class WeightWriter:
         users = self._storage.users
         taken = [users[index] > 0 or index in self._again_used for index in range(len(self._accessors))]
         for name in ("WEIGHTS", "JOINTS"):
-            mine = [index for key, index in attributes.items() if key == f"{name}_{number}"]
+            mine = [index for key, index in sets.items() if key == f"{name}_{number}"]
             for index in (*mine, *sorted(range(len(taken)), key=taken.__getitem__)):
                 rows = self._influences(index, len(joints), kind if name == "WEIGHTS" else None)
                 if rows is None:
@@ -253,7 +271,7 @@ class WeightWriter:
 
     def _added(
         self,
-        attributes: dict[str, int],
+        sets: dict[str, int],
         before: _Influences,
         joints: Integers,
         weights: Floats,
@@ -270,32 +288,30 @@ class WeightWriter:
                 same_kind = component == before.joint or name.startswith("WEIGHTS")
                 if name in known:
                     continue
-                if name in attributes and same_kind and np.array_equal(now[:, own], then[:, own]):
+                if name in sets and same_kind and np.array_equal(now[:, own], then[:, own]):
                     continue
                 rows = np.ascontiguousarray(now[:, own].astype(COMPONENTS[component]))
-                yield name, self._add(rows, attributes.get(name), name.startswith("WEIGHTS"))
+                yield name, self._add(rows, sets.get(name), name.startswith("WEIGHTS"))
 
     def _add(self, rows: NDArray[Any], like: int | None, weights: bool) -> int:
         whole = weights and rows.dtype.kind == "u"
         return self._storage.add(rows, "VEC4", _ROLES[rows.itemsize * 4], like, normalized=whole)
 
-    def _read(self, attributes: dict[str, int], sets: Sequence[str]) -> _Influences:
-        layouts = {name: self._accessors.layout(attributes[name]) for name in sets}
-        kinds = {layouts[name].component for name in sets if name.startswith("WEIGHTS")}
+    def _read(self, primitive: Value, sets: dict[str, int]) -> _Influences:
+        components = {name: self._accessors.layout(index).component for name, index in sets.items()}
+        kinds = {component for name, component in components.items() if name.startswith("WEIGHTS")}
         weight = kinds.pop() if len(kinds) == 1 else FLOAT
-        joint = max(layouts[name].component for name in sets if name.startswith("JOINTS"))
-        rows = {name: self._accessors.read(attributes[name]) for name in sets}
+        rows = {name: self._accessors.read(index) for name, index in sets.items()}
+        if {own.shape for own in rows.values()} != {(len(rows["JOINTS_0"]), 4)}:
+            primitive.fail("has sets of joints and weights that are not as many, or not four for each point")
         joints = np.concatenate([rows[n] for n in sets if n.startswith("JOINTS")], axis=1)
         weights = np.concatenate([rows[n] for n in sets if n.startswith("WEIGHTS")], axis=1)
         if weight in FULL:
             weights = np.rint(weights * FULL[weight])
+        joint = max(component for name, component in components.items() if name.startswith("JOINTS"))
         return _Influences(joints.astype(np.int64), weights, joint, weight)
 
 
-def _sets(attributes: dict[str, int]) -> list[str]:
-    """The names of a primitive's sets of joints and weights, in their order."""
-    found: list[str] = []
-    while f"JOINTS_{len(found) // 2}" in attributes and f"WEIGHTS_{len(found) // 2}" in attributes:
-        number = len(found) // 2
-        found += [f"JOINTS_{number}", f"WEIGHTS_{number}"]
-    return found
+def _is_draco(primitive: Value) -> bool:
+    extensions = primitive.get("extensions")
+    return extensions is not None and DRACO in extensions.object()
