@@ -117,6 +117,7 @@ def _options() -> argparse.Namespace:
         "--keep", metavar="FOLDER", default="", help="with --only: copy the files of the case here"
     )
     parser.add_argument("--seconds", type=float, default=float("inf"))
+    parser.add_argument("--case-seconds", type=float, default=SECONDS, help="more on a busy machine")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--format", choices=["gltf", "usd", "both"], default="both")
     parser.add_argument("--rigged", action="store_true", help="mutate rigged files, too")
@@ -146,7 +147,7 @@ class _Work:
 
     def go(self) -> None:
         """Take numbers and run their cases in a child until there are none or the time is up."""
-        with WorkerProcess(seconds=SECONDS, memory=MEMORY) as child:
+        with WorkerProcess(seconds=self.options.case_seconds, memory=MEMORY) as child:
             while time.monotonic() < self.end:
                 with self.lock:
                     number = next(self.numbers, None)
