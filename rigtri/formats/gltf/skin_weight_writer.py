@@ -129,7 +129,7 @@ class WeightWriter:
         )
 
     def _primitives(self, mesh: int) -> list[Value]:
-        """The primitives of a mesh. Whoever changes weights must be able to read them: no notice, an error."""
+        """The primitives of a mesh; an error for one that is only a notice where its weights stay."""
         value = Value(self._draft.gltf["meshes"][mesh], f"{self._where}: meshes[{mesh}]")
         return list(value.need("primitives").items())
 
