@@ -1,4 +1,9 @@
-"""The program: parse, call, print. One file per command; options.py has what they share."""
+"""The program: parse, call, print. One module for each command, called after it.
+
+`catalogue` lists the commands, `options` has the options that they share, `edit_command` makes the command of
+an operation. Nothing here computes anything about rigs or opens their formats, and no other package imports
+from it: what a command does is a call of the library.
+"""
 
 from __future__ import annotations
 
