@@ -140,17 +140,11 @@ def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, su
 
     Where some have names, the place tells the others only if it says the same of those that have.
     """
-    bones = {node: bone for bone, node in draft.known_bones.items()}
-    named, left = {}, []
+    named = _named_fingers(draft, hand, chains)
     for chain in chains:
-        bone = next((bones[k] for k in chain if k in bones), "")
-        which = next((finger for finger in FINGERS if finger in bone), "")
-        which = which or next(filter(None, (finger_in_name(draft.tree.rig.names[k]) for k in chain)), "")
-        if which:
-            named[chain[0]] = which
-            _finger(draft, chain, which, side, min(sure, 0.97), NAMES)
-        else:
-            left.append(chain)
+        if chain[0] in named:
+            _finger(draft, chain, named[chain[0]], side, min(sure, 0.97), NAMES)
+    left = [chain for chain in chains if chain[0] not in named]
     if len(chains) == 1 and left:
         _finger(draft, left[0], "", side, 0.95 * sure, NAMES, alone=True)
         return
@@ -163,6 +157,34 @@ def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, su
             _finger(draft, chain, "", side, 0.5 * sure, "hangs at the hand")
 
 
+def _named_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> dict[int, str]:
+    """The fingers that maps of bones, words and numbers say, by the first joint of each chain.
+
+    Where numbers count the fingers alone, the thumb has a word; where they count it too, it is the first,
+    whether that is called 0 or 1.
+    """
+    names, bones = draft.tree.rig.names, {node: bone for bone, node in draft.known_bones.items()}
+    named, counted = dict[int, str](), dict[int, str]()
+    for chain in chains:
+        known = next((k for k in chain if k in bones), -1)
+        bone = next((finger for finger in FINGERS if finger in bones.get(known, "")), "")
+        word = next(filter(None, (finger_in_name(names[k]) for k in chain)), "")
+        by_number = bone and not draft.certain and _is_numbered_finger(names[known])
+        if word and (by_number or not bone):
+            named[chain[0]] = word
+        elif bone:
+            (counted if by_number else named)[chain[0]] = bone
+    shift, first = 0, min(counted.values(), key=FINGERS.index, default="")
+    if "Thumb" in named.values():
+        shift = int(first == "Thumb")
+    elif first == "Index":
+        which = thumb_of(draft.tree, hand, chains)
+        shift = -int(which >= 0 and counted.get(chains[which][0]) == first)
+    order = dict(enumerate(FINGERS, -shift))
+    counted = {node: order.get(FINGERS.index(finger), "") for node, finger in counted.items()}
+    return named | {node: finger for node, finger in counted.items() if finger}
+
+
 def finger_in_name(name: str) -> str:
     """The finger that a name says, "" for none.
 
@@ -171,6 +193,10 @@ def finger_in_name(name: str) -> str:
     """
     words = parse_name(name).words
     return next((finger for finger in FINGERS if words & _CALLED[finger]), "")
+
+
+def _is_numbered_finger(name: str) -> bool:
+    return _names_finger(name) and not finger_in_name(name)
 
 
 def _names_finger(name: str) -> bool:

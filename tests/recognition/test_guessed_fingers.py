@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from posed_bodies import FINGERS, Pose, posed_body
 
@@ -60,3 +62,48 @@ def test_arms_of_nameless_bodies_end_where_five_fingers_begin(short: float) -> N
         parts = [body.parts[f"{side} {part}"] for part in ("upper arm", "lower arm", "hand")]
         assert list(arms[side].bend) == parts
         assert arms[side].is_sure
+
+
+def _fingers_called(pose: Pose, finger: str, thumb: str) -> dict[str, tuple[str, float]]:
+    """What the fingers of the left hand are known as, of names with {s} for the side, {n}, {n1} and {n2} for
+    the number of the finger, and {k} and {b} for that of the joint."""
+    body = posed_body(pose)
+    names = list(body.rig.names)
+    for part, node in body.parts.items():
+        side, _, rest = part.partition(" ")
+        kind, _, k = rest.rpartition(" ")
+        if kind in (*FINGERS, "thumb") and k != "0":
+            pattern = thumb if kind == "thumb" else finger
+            n = (*FINGERS, "thumb").index(kind)
+            names[node] = pattern.format(
+                s=side[0].upper(), n=n, n1=n + 1, n2=n + 2, k=int(k) - 1, b=k.replace("1", "")
+            )
+    (character,) = recognise(replace(body.rig, names=tuple(names))).characters
+    first = {node: part for part, node in body.parts.items()}
+    return {
+        first[chain.joints[0]].rsplit(" ", 1)[0]: (chain.name, chain.confidence)
+        for chain in character.chains
+        if chain.kind == "finger" and chain.side == "left"
+    }
+
+
+@pytest.mark.parametrize(
+    ("finger", "thumb"),
+    [
+        ("finger_{s}{n}_{k}_jnt", "thumb_{s}0_{k}_jnt"),  # mGear
+        ("finger_{s}{n1}_{k}_jnt", "thumb_{s}0_{k}_jnt"),
+        ("Bip01 {s} Finger{n}{b}", "Bip01 {s} Thumb{b}"),
+        ("finger_{s}{n1}_{k}", "finger_{s}0_{k}"),  # 3ds Max Biped
+        ("Bip01 {s} Finger{n2}{b}", "Bip01 {s} Finger1{b}"),
+    ],
+)
+@pytest.mark.parametrize(
+    "pose", [Pose("none"), Pose("none", metacarpals=True, curl=30.0), Pose("none", fingers=2)]
+)
+def test_numbered_fingers_begin_at_the_index_where_the_thumb_has_a_word(
+    pose: Pose, finger: str, thumb: str
+) -> None:
+    found = _fingers_called(pose, finger, thumb)
+    expected = {f"left {one}": f"left {one} finger" for one in FINGERS[: pose.fingers]}
+    assert {part: name for part, (name, _) in found.items()} == {**expected, "left thumb": "left thumb"}
+    assert min(sure for _, sure in found.values()) >= 0.75
