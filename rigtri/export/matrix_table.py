@@ -26,6 +26,7 @@ _DEGREES = 180.0 / np.pi
 # Of a matrix's largest number: less is the rounding of a right angle.
 _NOISE = 1e-9
 _ROWS = ("x", "y", "z", "at")
+JointOrient = Literal["rest", "none"] | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class MatrixOptions:
     joints: tuple[str, ...] = ()
     at: str = "rest"
     order: Order = "xyz"
-    joint_orient: Literal["rest", "none"] | tuple[float, float, float] = "rest"
+    joint_orient: JointOrient = "rest"
     evaluate: bool = True
 
 
@@ -54,7 +55,7 @@ def matrix_table(rig: Rig, options: MatrixOptions, report: Report | None = None)
 
 
 def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixOptions) -> dict[str, Any]:
-    parent, oriented = int(rig.parents[node]), _joint_orient(rig, node, options)
+    parent, oriented = int(rig.parents[node]), joint_orient(rig, node, options.joint_orient)
     binds = [
         {"skin": skin.name or f"#{number}"} | _numbers(skin.inverse_bind[row], options.order)
         for number, skin in enumerate(rig.skins)
@@ -70,17 +71,17 @@ def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixOptions) -> dic
     }
 
 
-def _joint_orient(rig: Rig, node: int, options: MatrixOptions) -> Floats:
+def joint_orient(rig: Rig, node: int, chosen: JointOrient = "rest") -> Floats:
     """The rotation after which a joint is rotated, (4,); only joints have one."""
-    if not rig.is_joint[node] or options.joint_orient == "none":
+    if not rig.is_joint[node] or chosen == "none":
         return IDENTITY.copy()
-    if options.joint_orient == "rest":
+    if chosen == "rest":
         return decompose(rig.normalised_local[node])[1]
-    return from_angles(np.array(options.joint_orient) / _DEGREES, "xyz")
+    return from_angles(np.array(chosen) / _DEGREES, "xyz")
 
 
 def _numbers(matrix: Floats, order: Order, oriented: Floats | None = None) -> dict[str, Any]:
-    """A matrix, and what it is made of; angles are degrees about x, y, z. oriented: see `_joint_orient`."""
+    """A matrix, and what it is made of; angles are degrees about x, y, z. oriented: see `joint_orient`."""
     translation, rotation, scale = decompose(matrix)
     turned = rotation if oriented is None else multiply(conjugate(oriented), rotation)
     found = {

@@ -21,8 +21,8 @@ from strategies import vectors
 
 import rigtri
 from rigtri.errors import GeometryError
+from rigtri.export.explain.explain import AIM, Explanation
 from rigtri.export.explain.explain import ARM as ARTICLE
-from rigtri.export.explain.explain import Explanation
 from rigtri.export.explain.limb_points import explain, explain_limb
 from rigtri.export.explain.matrix_steps import CONSTRAINT
 from rigtri.export.explain.picture import picture
@@ -175,6 +175,21 @@ def test_matrices_follow_from_each_other_as_numpy_has_it(of_file: bool) -> None:
     assert_allclose(space("B * M"), (b.T @ moved.T).T[3, :3], atol=1e-6)
 
 
+def test_a_gets_the_aimed_matrix_seen_from_its_parent() -> None:
+    """Slides "Aiming node A at node B": M = [aim_X, aim_Y, aim_Z, A_pos], A.matrix = P.worldMatrix.inverse() * M."""
+    inside = partial(named, slide=AIM, talk="A.matrix = P.inverse() * M")
+    found = explain(*ARM)
+    x, _, z = (25 / np.sqrt(650), 0, -5 / np.sqrt(650))
+    assert_allclose(inside(found), [[x, 0, z, 0], [-z, 0, x, 0], [0, -1, 0, 0], [0, 140, 0, 1]], atol=1e-12)
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    found = explain(rig, limb="forearm_L", at="walk@0.5")
+    (clavicle,) = worlds_at(rig, [rig.find("clavicle_L")])
+    aimed = np.array([[*value(found, f"frame(AB, AC)[{k}]"), 0] for k in range(3)] + [[*value(found, "a"), 1]])
+    assert_allclose(named(found, AIM, "M"), aimed)
+    assert_allclose(inside(found), (np.linalg.inv(clavicle.T) @ aimed.T).T, atol=1e-6)
+    assert value(explain([0, 0, 0], [1, 0, 0], [2, 0, 0]), "local(M, P) = M · P⁻¹") is None
+
+
 def test_the_article_on_arms_is_told_variable_by_variable() -> None:
     found = explain([0, 0, 0], [3, 4, 0], [3, 14, 0])  # bones of 5 and 10
     arm = partial(named, found, ARTICLE)
@@ -186,6 +201,7 @@ def test_the_article_on_arms_is_told_variable_by_variable() -> None:
     assert_allclose(arm("shdYAxis = upNode ^ shdXAxis"), [0, 0, 1], atol=1e-12)
     assert_allclose(arm("elbowM"), [[0, 1, 0, 0], [0, 0, 1, 0], [1, 0, 0, 0], [3, 4, 0, 1]], atol=1e-12)
     assert_allclose(arm("wristM")[3], [3, 14, 0, 1])
+    assert_allclose(arm("pvM"), [*arm("shldM")[:3], [*(5 * up), 1]])
 
 
 def test_nothing_is_twisted_at_rest() -> None:
@@ -208,6 +224,14 @@ def test_a_constraint_is_its_offset_and_joint_orient_comes_last() -> None:
     inside = follows("childWorld = offset · parent") @ np.linalg.inv(b)
     assert_allclose(follows("childLocal = childWorld · childParent⁻¹"), inside, atol=1e-6)
     assert_allclose(follows("rotate = childLocal · jointOrient⁻¹"), [0, 30, 0], atol=1e-6)
+
+
+def test_joint_orient_is_the_one_that_inspect_prints_at_every_moment() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    table = cli("inspect", SAMPLES / "biped.glb", "--matrices", "--joints", "hand_L", "--json", code=0).json
+    for at in ("rest", "walk@0.5"):
+        orient = named(explain(rig, limb="forearm_L", at=at), CONSTRAINT, "jointOrient")
+        assert_allclose(orient, table["matrices"][0]["local"]["joint_orient"], atol=1e-6)
 
 
 def test_a_pose_reader_reads_one_where_the_joint_aims() -> None:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from rigtri.errors import GeometryError
 from rigtri.export.explain.matrix_steps import Worlds, matrix_steps, worlds_of
 from rigtri.export.explain.steps import Step, plain_numbers, short, step
+from rigtri.maths.matrices import from_frame, identity, local
 from rigtri.maths.triangle import (
     DEGENERATE_SINE,
     STRAIGHT_SINE,
@@ -88,10 +89,11 @@ def explain_points(
         made = _Maker(points)
         # What needs squares has none then, instead of zeros and infinities that look like answers.
         squared = made if _can_be_squared(points) else _Maker(np.full((3, 3), np.nan), made.trouble)
-        steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared))
+        at = worlds or worlds_of(points)
+        steps = (*_vectors(made, squared), *_products(squared), *_matrix(squared, at.p))
         steps += (*_pole(squared), *_arm(squared))
         trouble = made.trouble or "the frame of a joint has an axis without length"
-        steps += tuple(matrix_steps(worlds or worlds_of(points), trouble))
+        steps += tuple(matrix_steps(at, trouble))
     return Explanation(names, points, steps, _trouble(points))
 
 
@@ -198,17 +200,24 @@ def _products(made: _Maker) -> list[Step]:
     ]
 
 
-def _matrix(made: _Maker) -> list[Step]:
+def _matrix(made: _Maker, parent: Floats | None) -> list[Step]:
+    """A aimed at B, in the world and as A's parent sees it, which is the world's own for None."""
     x, y, z = normalise(made.ab), np.full(3, np.nan), np.full(3, np.nan)
     if np.isfinite(hinge(made.a, made.b, made.c)).all():
         x, y, z = frame(made.ab, made.ac)
+    aimed = from_frame(np.stack([x, y, z]), made.a)
     row = partial(made.step, AIM)
+    above = "A has no parent: P is the world" if parent is None else "A aimed, seen from its parent"
+    inside = local(aimed, identity() if parent is None else parent)
     nearest = "Y is as near to C as a right angle lets it be"
     return [
         row("aim_X = norm AB", "frame(AB, AC)[0]", x, "X aims at B"),
         row("aim_Z = norm(aim_X × norm AC)", "frame(AB, AC)[2]", z, "Z is the normal of the plane"),
         row("aim_Y = aim_Z × aim_X", "frame(AB, AC)[1]", y, nearest),
         row("A_pos", "a", made.a, "the fourth row: where it stands"),
+        row("M", "from_frame(frame(AB, AC), A)", aimed, "[aim_X, aim_Y, aim_Z, A_pos]: A aimed, in the world"),
+        *([] if parent is None else [row("P.worldMatrix", "P", parent, "the parent of A")]),
+        row("A.matrix = P.inverse() * M", "local(M, P) = M · P⁻¹", inside, above),
     ]
 
 
@@ -220,6 +229,7 @@ def _arm(made: _Maker) -> list[Step]:
     point = a + made.ac * fraction
     up = normalise(b - point)
     frames = worlds_of(np.stack([a, b, c]))
+    pole = a + up * _DISTANCE
     row = partial(made.step, ARM)
     flexes = "n = AB × BC: a positive turn about it bends the limb more"
     shares = "P on AC by the lengths of the bones; the talk's is the nearest to B"
@@ -228,11 +238,12 @@ def _arm(made: _Maker) -> list[Step]:
         row("fraction = armDis/(foreArmDis+armDis)", "‖AB‖ / (‖BC‖ + ‖AB‖)", fraction),
         row("planeP = shld + planeX * fraction", "A + AC * fraction", point, shares),
         row("upNode = (elbow-planeP).normalize()", "normalise(B - planeP)", up, "where the limb bends to"),
-        row("pvPos = shld + upNode * 5.0", "A + upNode * 5", a + up * _DISTANCE, "off the shoulder"),
+        row("pvPos = shld + upNode * 5.0", "A + upNode * 5", pole, "off the shoulder"),
         row("shdYAxis = upNode ^ shdXAxis", "hinge(A, B, C)", hinge(a, b, c), flexes),
         row("shldM", "from_frame(frame(AB, n), A)", frames.a, "X the bone, Y the hinge"),
         row("elbowM", "from_frame(frame(BC, n), B)", frames.b, "the same Y: one hinge for the limb"),
         row("wristM", "from_frame(frame(BC, n), C)", frames.c, "the axes of the elbow"),
+        row("pvM", "from_frame(frame(AB, n), pvPos)", from_frame(frames.a[:3, :3], pole), "the axes of the shoulder"),
     ]
 
 

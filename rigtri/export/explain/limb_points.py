@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from rigtri.errors import UsageError
 from rigtri.export.explain.explain import Explanation, explain_points
 from rigtri.export.explain.matrix_steps import Worlds
+from rigtri.export.matrix_table import joint_orient
 from rigtri.frames.skeleton import skeleton
 from rigtri.maths.matrices import local
 from rigtri.model.rig import Rig
@@ -79,10 +80,17 @@ def explain_limb(
     """
     a, b, c = joints
     posed = pose_of(rig, PoseOptions(at=at), report)
-    above, *placed = (posed.world(node)[0] for node in (int(rig.parents[a]), a, b, c))
+    above_a, above_c = (int(rig.parents[node]) for node in (a, c))
     at_rest = pose_of(rig, PoseOptions())
     rest = local(at_rest.world(b)[0], at_rest.world(a)[0])
-    worlds = Worlds(above, placed[0], placed[1], placed[2], of_file=True, rest=rest)
+    worlds = Worlds(
+        *(posed.world(node)[0] for node in joints),
+        p=posed.world(above_a)[0] if above_a >= 0 else None,
+        q=posed.world(above_c)[0] if above_c != b else None,
+        rest=rest,
+        orient=joint_orient(rig, c),
+        of_file=True,
+    )
     names = (rig.title(a), rig.title(b), rig.title(c))
     points = [world[3, :3] for world in (worlds.a, worlds.b, worlds.c)]
     return explain_points(*points, names=names, worlds=worlds)

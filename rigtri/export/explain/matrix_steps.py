@@ -1,4 +1,4 @@
-"""The matrices of the talk and of both articles, for three nodes A, B and C and the parent P of A.
+"""The matrices of the talk and of both articles, for three nodes A, B and C.
 
 Both notations: the talk multiplies columns, ``A.inverse() * B``; rigtri and the articles multiply rows,
 ``B · A⁻¹``. The four numbers of a row are an axis, or the position, in both.
@@ -23,7 +23,7 @@ from rigtri.maths.matrices import (
     skew,
     transform_directions,
 )
-from rigtri.maths.quaternions import conjugate, from_axis_angle, to_axes, twist_angle
+from rigtri.maths.quaternions import IDENTITY, conjugate, from_axis_angle, to_axes, twist_angle
 from rigtri.maths.quaternions import multiply as after
 from rigtri.maths.triangle import frame, hinge
 from rigtri.maths.trigonometry import Floats
@@ -42,17 +42,20 @@ CONSTRAINT = "Matrix parent constraint (article)"
 
 @dataclass(frozen=True, eq=False)
 class Worlds:
-    """World matrices of the parent of A (the world's own where it has none), of A, B and C, (4, 4) each.
+    """World matrices of A, B and C, (4, 4) each, and what belongs to them where they are joints of a file.
 
-    of_file: they are of joints, and not made of three points. rest: B seen from A at rest, if it differs.
+    p, q: the parents of A and of C; None is the world, and B. rest: B seen from A at rest, if it differs.
+    orient: the rotation, (4,), after which C is rotated. of_file: they are not made of three points.
     """
 
-    p: Floats
     a: Floats
     b: Floats
     c: Floats
-    of_file: bool = False
+    p: Floats | None = None
+    q: Floats | None = None
     rest: Floats | None = None
+    orient: Floats | None = None
+    of_file: bool = False
 
 
 def worlds_of(points: Floats) -> Worlds:
@@ -66,7 +69,7 @@ def worlds_of(points: Floats) -> Worlds:
     upper, lower = frame(b - a, normal), frame(c - b, normal)
     if not np.isfinite(normal).all():
         upper = lower = np.full((3, 3), np.nan)
-    return Worlds(identity(), from_frame(upper, a), from_frame(lower, b), from_frame(lower, c))
+    return Worlds(from_frame(upper, a), from_frame(lower, b), from_frame(lower, c))
 
 
 def _clear(values: Floats) -> Floats:
@@ -89,9 +92,6 @@ def matrix_steps(at: Worlds, trouble: str) -> Iterator[Step]:
     yield inverted("A.inverse() * B", "local(B, A) = B · A⁻¹", seen, "B seen from A: its local matrix")
     yield inverted("A * B.local", "world(B.local, A)", multiply(seen, at.a), "local · parent: B again")
     yield from _elsewhere(at, trouble)
-    above = "A's local matrix, where P is its parent" if at.of_file else "A has no parent: P is the world"
-    aimed = "If P is the parent of A"
-    yield row(aimed, "A.matrix = P.inverse() * M", "local(A, P) = A · P⁻¹", local(at.a, at.p), above)
     yield from _constraint(at, trouble)
     yield from _readers(at, trouble)
 
@@ -128,20 +128,20 @@ def _elsewhere(at: Worlds, trouble: str) -> Iterator[Step]:
 
 
 def _constraint(at: Worlds, trouble: str) -> Iterator[Step]:
-    """C follows A, which is turned about its Y axis; B is the parent of C. With offset and joint orient."""
+    """C follows A, which is turned about its Y axis; Q is the parent of C. With offset and joint orient."""
     row = partial(step, CONSTRAINT, trouble=trouble)
-    offset = local(at.c, at.a)
-    yield row("offset = child₀ · parent₀⁻¹", "local(C, A)", offset, "driver A, child C, whose parent is B")
+    offset, above, parent = local(at.c, at.a), *(("B", at.b) if at.q is None else ("Q", at.q))
+    yield row("offset = child₀ · parent₀⁻¹", "local(C, A)", offset, f"driver A, child C, whose parent is {above}")
     about_y = from_axis_angle([0.0, 1.0, 0.0], _TURN / _DEGREES)
     driver = multiply(from_frame(to_axes(about_y), np.zeros(3)), at.a)
     child = multiply(offset, driver)
     turned = f"A turned by {_TURN:g}° about its Y"
     yield row("childWorld = offset · parent", "multiply(offset, A′)", child, turned)
-    inside = local(child, at.b)
-    yield row("childLocal = childWorld · childParent⁻¹", "local(C′, B)", inside, "what C gets")
-    orient, rotation = decompose(local(at.c, at.b))[1], decompose(inside)[1]
+    inside = local(child, parent)
+    yield row("childLocal = childWorld · childParent⁻¹", f"local(C′, {above})", inside, "what C gets")
+    orient, rotation = IDENTITY if at.orient is None else at.orient, decompose(inside)[1]
     angles = _clear(_DEGREES * to_angles(orient, "xyz"))
-    yield row("jointOrient", "to_angles(C.local, 'xyz')", angles, "degrees: C's rotation before A turns")
+    yield row("jointOrient", "to_angles(C.rest, 'xyz')", angles, f"degrees: C seen from {above} at rest")
     rotate = _clear(_DEGREES * to_angles(after(conjugate(orient), rotation), "xyz"))
     yield row(
         "rotate = childLocal · jointOrient⁻¹", "to_angles(…, 'xyz')", rotate, "degrees, before the orient"

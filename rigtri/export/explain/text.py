@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
-from rigtri.export.explain.explain import AIM, Explanation
+from rigtri.export.explain.explain import Explanation
 from rigtri.export.explain.steps import Step, plain_numbers, short
 from rigtri.text import plain_lines
 
@@ -25,7 +25,7 @@ def text(found: Explanation, *, width: int = 120) -> str:
     if found.trouble:
         lines += ["", f"Note: {found.trouble}."]
     for slide, steps in groupby(found.steps, key=lambda step: step.slide):
-        lines += ["", slide, *_lines(list(steps), width), *(_aimed(found) if slide == AIM else [])]
+        lines += ["", slide, *_lines(list(steps), width)]
     return plain_lines(lines)
 
 
@@ -41,13 +41,6 @@ def _lines(steps: Sequence[Step], width: int) -> Iterator[str]:
         if not beside:
             yield f"      {why}"
         yield from _grid(step.rows) if step.rows else ()
-
-
-def _aimed(found: Explanation) -> list[str]:
-    """The aim matrix of its rows; nothing where it has not all of them."""
-    x, z, y, at = (step.value for step in found.steps if step.slide == AIM)
-    rows = [(*row, last) for row, last in ((x, 0.0), (y, 0.0), (z, 0.0), (at, 1.0)) if isinstance(row, tuple)]
-    return ["  M = [aim_X, aim_Y, aim_Z, A_pos]", *_grid(rows)] if len(rows) == 4 else []
 
 
 def _grid(rows: Sequence[tuple[float, ...]]) -> list[str]:
