@@ -176,7 +176,7 @@ def test_matrices_follow_from_each_other_as_numpy_has_it(of_file: bool) -> None:
 
 
 def test_a_gets_the_aimed_matrix_seen_from_its_parent() -> None:
-    """Slides "Aiming node A at node B": M = [aim_X, aim_Y, aim_Z, A_pos], A.matrix = P.worldMatrix.inverse() * M."""
+    """Slides "Aiming node A at node B": M = [aim_X, aim_Y, aim_Z, A_pos], and P⁻¹ * M in columns."""
     inside = partial(named, slide=AIM, talk="A.matrix = P.inverse() * M")
     found = explain(*ARM)
     x, _, z = (25 / np.sqrt(650), 0, -5 / np.sqrt(650))
@@ -184,7 +184,8 @@ def test_a_gets_the_aimed_matrix_seen_from_its_parent() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     found = explain(rig, limb="forearm_L", at="walk@0.5")
     (clavicle,) = worlds_at(rig, [rig.find("clavicle_L")])
-    aimed = np.array([[*value(found, f"frame(AB, AC)[{k}]"), 0] for k in range(3)] + [[*value(found, "a"), 1]])
+    rows = [[*value(found, f"frame(AB, AC)[{k}]"), 0] for k in range(3)]
+    aimed = np.array([*rows, [*value(found, "a"), 1]])
     assert_allclose(named(found, AIM, "M"), aimed)
     assert_allclose(inside(found), (np.linalg.inv(clavicle.T) @ aimed.T).T, atol=1e-6)
     assert value(explain([0, 0, 0], [1, 0, 0], [2, 0, 0]), "local(M, P) = M · P⁻¹") is None

@@ -207,7 +207,7 @@ def _matrix(made: _Maker, parent: Floats | None) -> list[Step]:
         x, y, z = frame(made.ab, made.ac)
     aimed = from_frame(np.stack([x, y, z]), made.a)
     row = partial(made.step, AIM)
-    above = "A has no parent: P is the world" if parent is None else "A aimed, seen from its parent"
+    above = "A has no parent: P is the world" if parent is None else "A as it aims, seen from P"
     inside = local(aimed, identity() if parent is None else parent)
     nearest = "Y is as near to C as a right angle lets it be"
     return [
@@ -215,7 +215,7 @@ def _matrix(made: _Maker, parent: Floats | None) -> list[Step]:
         row("aim_Z = norm(aim_X × norm AC)", "frame(AB, AC)[2]", z, "Z is the normal of the plane"),
         row("aim_Y = aim_Z × aim_X", "frame(AB, AC)[1]", y, nearest),
         row("A_pos", "a", made.a, "the fourth row: where it stands"),
-        row("M", "from_frame(frame(AB, AC), A)", aimed, "[aim_X, aim_Y, aim_Z, A_pos]: A aimed, in the world"),
+        row("M", "from_frame(frame(AB, AC), A)", aimed, "[aim_X, aim_Y, aim_Z, A_pos]: A as it aims"),
         *([] if parent is None else [row("P.worldMatrix", "P", parent, "the parent of A")]),
         row("A.matrix = P.inverse() * M", "local(M, P) = M · P⁻¹", inside, above),
     ]
@@ -230,6 +230,7 @@ def _arm(made: _Maker) -> list[Step]:
     up = normalise(b - point)
     frames = worlds_of(np.stack([a, b, c]))
     pole = a + up * _DISTANCE
+    standing = from_frame(frames.a[:3, :3], pole)
     row = partial(made.step, ARM)
     flexes = "n = AB × BC: a positive turn about it bends the limb more"
     shares = "P on AC by the lengths of the bones; the talk's is the nearest to B"
@@ -243,7 +244,7 @@ def _arm(made: _Maker) -> list[Step]:
         row("shldM", "from_frame(frame(AB, n), A)", frames.a, "X the bone, Y the hinge"),
         row("elbowM", "from_frame(frame(BC, n), B)", frames.b, "the same Y: one hinge for the limb"),
         row("wristM", "from_frame(frame(BC, n), C)", frames.c, "the axes of the elbow"),
-        row("pvM", "from_frame(frame(AB, n), pvPos)", from_frame(frames.a[:3, :3], pole), "the axes of the shoulder"),
+        row("pvM", "from_frame(frame(AB, n), pvPos)", standing, "the axes of the shoulder"),
     ]
 
 

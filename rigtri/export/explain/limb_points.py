@@ -84,7 +84,9 @@ def explain_limb(
     at_rest = pose_of(rig, PoseOptions())
     rest = local(at_rest.world(b)[0], at_rest.world(a)[0])
     worlds = Worlds(
-        *(posed.world(node)[0] for node in joints),
+        posed.world(a)[0],
+        posed.world(b)[0],
+        posed.world(c)[0],
         p=posed.world(above_a)[0] if above_a >= 0 else None,
         q=posed.world(above_c)[0] if above_c != b else None,
         rest=rest,

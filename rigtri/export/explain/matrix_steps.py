@@ -131,7 +131,8 @@ def _constraint(at: Worlds, trouble: str) -> Iterator[Step]:
     """C follows A, which is turned about its Y axis; Q is the parent of C. With offset and joint orient."""
     row = partial(step, CONSTRAINT, trouble=trouble)
     offset, above, parent = local(at.c, at.a), *(("B", at.b) if at.q is None else ("Q", at.q))
-    yield row("offset = child₀ · parent₀⁻¹", "local(C, A)", offset, f"driver A, child C, whose parent is {above}")
+    who = f"driver A, child C, whose parent is {above}"
+    yield row("offset = child₀ · parent₀⁻¹", "local(C, A)", offset, who)
     about_y = from_axis_angle([0.0, 1.0, 0.0], _TURN / _DEGREES)
     driver = multiply(from_frame(to_axes(about_y), np.zeros(3)), at.a)
     child = multiply(offset, driver)
