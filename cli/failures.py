@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import NoReturn
@@ -105,6 +104,8 @@ def always(ctx: click.Context, code: int) -> Iterator[None]:
     except (RigtriError, OSError, MemoryError) as error:
         end(ctx, error, code)
     except Exception as error:  # a mistake of ours: Python's own code for it would be an answer
+        import traceback
+
         traceback.print_exc()
         raise SystemExit(code) from error
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import stat
 from pathlib import Path
@@ -93,6 +92,8 @@ def rows_of(path: Path | str, what: str = "") -> list[dict[str, str]]:
 
     Nor can one whose row has more cells than its header, or whose header has a name twice.
     """
+    import csv  # few runs read any
+
     try:
         table = csv.DictReader(text_of(path, what).splitlines(), strict=True)
         columns = [column for column in table.fieldnames or () if column]

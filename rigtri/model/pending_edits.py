@@ -51,6 +51,11 @@ class PendingEdits:
     bind_sizes: Mapping[int, float] = field(default_factory=dict)
     conversion: Conversion | None = None
 
+    @property
+    def changes_weights(self) -> bool:
+        """Whether vertices are to get other joints, or other shares of theirs."""
+        return bool(self.weight_redistributions or self.joint_merges or self.weight_limit is not None)
+
     def reordered(self, new: Sequence[int]) -> PendingEdits:
         """The edits with node k called ``new[k]``, −1 for a node that is left out."""
         return replace(

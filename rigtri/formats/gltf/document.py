@@ -5,7 +5,7 @@ Source: glTF 2.0; VRM 0.0 and 1.0; docs/design.md, "How formats fill a Rig".
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,7 +23,6 @@ from rigtri.formats.gltf.animation_writer import ClipWriter, refuse_early
 from rigtri.formats.gltf.buffer_writer import Storage
 from rigtri.formats.gltf.buffers import Buffers
 from rigtri.formats.gltf.container import Container, Piece, open_container
-from rigtri.formats.gltf.control_shapes import read_lines, write_shapes
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.mesh_reader import Drawn, MeshReader
 from rigtri.formats.gltf.mmap import load, pour
@@ -32,7 +31,6 @@ from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.references import check_added, named_nodes
 from rigtri.formats.gltf.scene_facts import read_scenery
 from rigtri.formats.gltf.skin_reader import read_skins
-from rigtri.formats.gltf.skin_weight_writer import WeightWriter
 from rigtri.formats.gltf.structure import (
     check_extensions,
     check_lists,
@@ -42,9 +40,10 @@ from rigtri.formats.gltf.structure import (
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
 from rigtri.formats.json_values import Value, name_in
-from rigtri.formats.vrm.vrm1 import read_bindings
+from rigtri.formats.vrm.bindings import Bindings
 from rigtri.model.bindings import Bound, NodeConstraint
 from rigtri.model.content import Content
+from rigtri.model.control_shapes import Lines
 from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import damage, illegible
@@ -207,10 +206,16 @@ class GltfDocument:
         nodes = NodeWriter(draft, self._rig, rig)
         clips = ClipWriter(draft, storage, self.accessors, self._rig, rig, nodes.index, nodes.moved)
         nodes.write()
-        write_shapes(draft, storage, rig, nodes.index)
-        weights = WeightWriter(draft, storage, self.accessors, str(self.container.path))
-        weights.write(rig)
-        self._add_notices(weights.notices)
+        if rig.pending.shapes:
+            from rigtri.formats.gltf.control_shapes import write_shapes
+
+            write_shapes(draft, storage, rig, nodes.index)
+        if rig.pending.changes_weights:
+            from rigtri.formats.gltf.skin_weight_writer import WeightWriter
+
+            weights = WeightWriter(draft, storage, self.accessors, str(self.container.path))
+            weights.write(rig)
+            self._add_notices(weights.notices)
         clips.write()
         if draft.changed or not storage.idle:
             nodes.repair(self.rest.repaired)
@@ -252,7 +257,11 @@ class GltfDocument:
             gltf, self.accessors, tree, self.notices, known, lenient=options.lenient
         )
         clips = self._clips.read()
-        bindings = read_bindings(gltf, tree.above)
+        bindings = Bindings()
+        if any("extensions" in held for held in (gltf.object(), *nodes)):
+            from rigtri.formats.vrm.vrm1 import read_bindings
+
+            bindings = read_bindings(gltf, tree.above)
         self.notices += bindings.notices
         self._pointers = [pointer for _, _, pointer in bindings.bound]
         fixed = {tree.place[node]: reason for node, reason in bindings.fixed.items()}
@@ -291,9 +300,7 @@ class GltfDocument:
                 facing=bindings.facing,
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
-            content=Content(
-                partial(read_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes
-            ),
+            content=Content(partial(_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes),
         )
         self._freeze(rig, ordered, fixed)
         return rig.with_addresses()
@@ -330,6 +337,12 @@ class GltfDocument:
                     "Choose --unknown-node-ext freeze or ignore."
                 )
             fixed.setdefault(node, why)
+
+
+def _lines(gltf: Value, accessors: Accessors, node: Hashable) -> Lines | None:
+    from rigtri.formats.gltf.control_shapes import read_lines
+
+    return read_lines(gltf, accessors, node)
 
 
 _STORED = "What rigtri stored on "

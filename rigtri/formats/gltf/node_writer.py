@@ -17,8 +17,6 @@ from rigtri.errors import FileError
 from rigtri.formats.gltf.json_copy_on_write import CopyOnWrite
 from rigtri.formats.gltf.structure import SHOWN_EXTENSIONS
 from rigtri.formats.vrm.bindings import CONSTRAINT, stored, stored_axis
-from rigtri.formats.vrm.vrm0 import stored_vector
-from rigtri.formats.vrm.vrm1 import mesh_references
 from rigtri.maths.arrays import Integers
 from rigtri.maths.matrices import SKEW, decompose, inverse, multiply, skew
 from rigtri.maths.quaternions import normalise_for_storage
@@ -237,7 +235,11 @@ class NodeWriter:
                 self.moved[self.index[shown]] = self.index[node]
                 self._hand_over(self._node(shown), self._node(node))
         extensions = self._draft.gltf.get("extensions")
-        for path in mesh_references(extensions) if self.moved and isinstance(extensions, dict) else ():
+        if not self.moved or not isinstance(extensions, dict):
+            return
+        from rigtri.formats.vrm.vrm1 import mesh_references
+
+        for path in mesh_references(extensions):
             holder = self._draft.edit("extensions", *path[:-1])
             node = holder["node"]
             # 3.0 is the same number; true is none.
@@ -288,6 +290,8 @@ class NodeWriter:
             if isinstance(bound.key, tuple) and (bound.vector != before[bound.key]).any():
                 holder = self._draft.edit(*bound.key[:-1])
                 name = bound.key[-1]
+                from rigtri.formats.vrm.vrm0 import stored_vector
+
                 holder[name] = stored_vector(bound.key, bound.vector.tolist(), holder.get(name))
 
     def _write_constraints(self) -> None:

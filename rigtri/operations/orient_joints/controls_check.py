@@ -32,7 +32,7 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
     after: the rig with the deltas, its first nodes those of ``rig``. tolerance: a share of the size.
     """
     noisy = set(np.flatnonzero(rotates(delta) & (scales.noise > ROUNDING)).tolist())
-    if not noisy or not rig.nodes_of("control"):
+    if not noisy:
         return
     every = ControlsAtZero(rig).limbs
     limbs = [(limb, noisy.intersection(rig.path_to_root(limb.chain[1]))) for limb in every]

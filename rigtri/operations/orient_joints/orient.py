@@ -13,7 +13,6 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.error_bounds import LeverArm
-from rigtri.frames.mirroring import parting
 from rigtri.frames.nonuniform_scale import ScaleTable, same_scales, ties
 from rigtri.frames.reframe import reframe, split
 from rigtri.frames.reoriented_constraints import axes_compared
@@ -29,13 +28,6 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints import messages
 from rigtri.operations.orient_joints.bend_planes import UpDirections, bend_planes
 from rigtri.operations.orient_joints.constraint_policy import apply_constraint_policy
-from rigtri.operations.orient_joints.controls_check import refuse_other_motion
-from rigtri.operations.orient_joints.frame_sources import (
-    like_deltas,
-    mirrored_deltas,
-    stored_deltas,
-    stored_splits,
-)
 from rigtri.operations.orient_joints.joint_frames import dead_band, joint_frames, like_dead_band
 from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
@@ -100,7 +92,11 @@ def orient_joints(rig: Rig, *, options: OrientJointsOptions, report: Report) -> 
     messages.check(outcome, report)
     messages.record(outcome, report)
     out = _zeroed(reframe(rig, constrained.delta, scales=policy.scales), rig)
-    refuse_other_motion(rig, out, constrained.delta, policy.scales, options.tolerance)
+    if rig.nodes_of("control"):
+        # With the solver of controls, which a character without them does not import.
+        from rigtri.operations.orient_joints.controls_check import refuse_other_motion
+
+        refuse_other_motion(rig, out, constrained.delta, policy.scales, options.tolerance)
     return split(_marked(out, outcome), splits)
 
 
@@ -152,6 +148,8 @@ def _find_splits(
     """The joints, with their deltas (4,), that take them by a node of their own."""
     found = policy.splits(_at_nodes(rig, requested.delta), targets.styles)
     if options.frames is not None and not options.inverse:
+        from rigtri.operations.orient_joints.frame_sources import stored_splits
+
         stored = stored_splits(rig, requested.joints, options.frames)
         found |= {joint: requested.delta[joint] for joint in stored}
     found = {joint: delta for joint, delta in found.items() if joint not in policy.unsplittable}
@@ -242,10 +240,14 @@ def requested_frames(
     delta, band = np.broadcast_to(IDENTITY, (len(rig), 4)).copy(), dead_band(targets, policy.scales)
     ups, straight = UpDirections.none(len(rig)), {}
     if options.frames is not None:  # applied as they are, however small
+        from rigtri.operations.orient_joints.frame_sources import stored_deltas
+
         joints, stored = stored_deltas(rig, joints, options.frames, inverted=options.inverse, report=report)
         delta[joints] = stored
         return RequestedFrames(joints, delta, band, ups)
     if options.like is not None:
+        from rigtri.operations.orient_joints.frame_sources import like_deltas
+
         joints, delta[joints] = like_deltas(targets, options.like, report)
         band = like_dead_band(len(rig))
     elif not options.keep:
@@ -268,6 +270,9 @@ def requested_frames(
         ups, straight = ladder.ups, {k: v for k, v in planes.straight.items() if k not in standard.bones}
     delta[joints] = _with_offset(delta[joints], options)
     if options.mirror is not None:
+        from rigtri.frames.mirroring import parting
+        from rigtri.operations.orient_joints.frame_sources import mirrored_deltas
+
         across = options.across
         if across is None:
             across = parting(targets.tree, targets.ref, options.plane, options.from_side).across

@@ -20,7 +20,6 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import THUMB, Directions, StandardPose, directions, sure_bones
 from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
-from rigtri.recognition.layout_output import direction_text
 from rigtri.report import Report
 
 _TRUNK = ("hips", "spine", "chest", "upperChest", "neck", "head")
@@ -67,6 +66,8 @@ def standard_frames(
         rows = quarter_turn(rig, found)
         axes |= {part.joint: rows for part in character.parts}
         if dot(found.ahead, _usual(rig)) < _ASIDE:
+            from rigtri.recognition.layout_output import direction_text
+
             faces, ahead = (direction_text(tuple(k.tolist())) for k in (found.ahead, _usual(rig)))
             turned.append((faces, ahead))
     return StandardFrames(bones, axes, tuple(turned))

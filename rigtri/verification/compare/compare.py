@@ -6,7 +6,7 @@ of it, and looks only where something changed. Both look at rest and in every cl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, Protocol
 
@@ -40,6 +40,8 @@ from rigtri.verification.compare.verdict import Motion
 # points, or the points themselves, at the weights that their morphs have. Boxes have room for what all
 # morphs add at once, which may be far more.
 Detail = Literal["stated boxes", "boxes", "points"]
+# Which morph targets of which nodes, by the nodes' keys.
+MorphChanges = Mapping[Hashable, Collection[int]]
 
 
 class Source(Protocol):

@@ -21,13 +21,18 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import DocumentView, Source, motion_between, self_check, verify
+from rigtri.verification.compare.compare import (
+    DocumentView,
+    MorphChanges,
+    Source,
+    motion_between,
+    self_check,
+    verify,
+)
 from rigtri.verification.compare.correspondence import same_track, timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
-from rigtri.verification.compare.morph_changes import MorphChanges, morph_movement, without_changes
 from rigtri.verification.compare.scene_facts import Scenery
 from rigtri.verification.compare.verdict import Comparison, Motion
-from rigtri.verification.compare.without_twist import compare_without_twist, twist_movement, without_twist
 
 # The two documents of a comparison.
 Views = tuple[Source, Source]
@@ -57,6 +62,8 @@ class ExpectedResult:
         at once: it shows one pose, whichever of a stage's clips holds which keys.
         """
         if self.rig.pending.weight_redistributions or self.rig.pending.removed:
+            from rigtri.verification.compare.without_twist import without_twist
+
             return without_twist(self.source), without_twist(_with_lost_clips(written, self.rig))
         before, rig = self.source.rig, self.rig
         old = {key: node for node, key in enumerate(before.keys)}
@@ -152,13 +159,18 @@ def check_result(expected: ExpectedResult, written: Source, tolerance: float) ->
 def compare_written(expected: ExpectedResult, views: Views, tolerance: float) -> Comparison:
     """Whether the written file is the rig in memory: the deviation that is held against ``tolerance``."""
     if expected.rig.pending.weight_redistributions:
+        from rigtri.verification.compare.without_twist import compare_without_twist
+
         return compare_without_twist(*views)
     if expected.rig.pending.bind_sizes or expected.rig.pending.weight_limit is not None:
         # Points are bound in another size, or by others: look at the vertices themselves.
         return verify(*views)
     if expected.rig.pending.removed:
         return _compare_remaining(expected, *views)
-    views = without_changes(*views, expected.morph_changes)
+    if expected.morph_changes:
+        from rigtri.verification.compare.morph_changes import without_changes
+
+        views = without_changes(*views, expected.morph_changes)
     result = self_check(*views, own_nodes=expected.reposed)
     if result.boxed and not result.passes(tolerance):  # the stated boxes may be too coarse
         result = self_check(*views, detail="boxes", own_nodes=expected.reposed)
@@ -173,10 +185,14 @@ def declared_differences(
 ) -> Comparison:
     """The comparison with how far what the edit declares to change looks otherwise than the source."""
     if expected.rig.pending.weight_redistributions:
+        from rigtri.verification.compare.without_twist import twist_movement
+
         return replace(result, moved=twist_movement(written) / result.diagonal)
     if expected.rig.pending.removed:
         return result
     if expected.morph_changes:
+        from rigtri.verification.compare.morph_changes import morph_movement
+
         movement = morph_movement(*views, expected.morph_changes)
         result = replace(result, driven={name: far / result.diagonal for name, far in movement.items()})
     if expected.reposed and result.passes(tolerance):
@@ -212,6 +228,8 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
             DocumentView(view, replace(view.rig, keys=tuple(map(view.rig.address, range(len(view.rig))))))
             for view in (written, source)
         ]
+        from rigtri.verification.compare.morph_changes import without_changes
+
         rigs = [view.rig for view in without_changes(addressed[0], addressed[1], changes)]
         written, source = (
             DocumentView(view, replace(view.rig, clips=rig.clips))
@@ -268,6 +286,8 @@ def _motion(expected: ExpectedResult, view: Source, made: Source) -> Motion:
     if not others:
         return found
     size = size_of(was.rig, was.outlines())
+    from rigtri.verification.compare.morph_changes import morph_movement
+
     movement = morph_movement(was, made, others)
     return replace(found, morphs={name: far / size for name, far in movement.items() if far > 0})
 

@@ -6,7 +6,7 @@ move the vertices is reported beside it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -18,10 +18,8 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.verification.compare.compare import DocumentView, Source
+from rigtri.verification.compare.compare import DocumentView, MorphChanges, Source
 
-# Which morph targets of which nodes, by the nodes' keys.
-MorphChanges = Mapping[Hashable, Collection[int]]
 # Poses of a timeline in which changed vertices are measured: those with the largest weights.
 _POSES = 64
 
