@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from kills import contents, run, working
-from places import ROOT, SAMPLES, slow
+from places import ROOT, SAMPLES, ci, slow
 from polling import wait_for
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="this system has no POSIX file permissions")
@@ -45,6 +45,7 @@ CASES = {
 }
 # Longer than what they add to the others is worth in a short run.
 SLOW = ("auto .gltf", "edit .usdz")
+LATE = ("build .gltf", "batch")
 
 
 @pytest.fixture
@@ -74,7 +75,9 @@ def stated(case: str) -> tuple[int, int, int]:
     return int(found[1]), int(found[2]), int(found[3])
 
 
-@pytest.mark.parametrize("case", [slow(case) if case in SLOW else case for case in CASES])
+@pytest.mark.parametrize(
+    "case", [slow(case) if case in SLOW else ci(case) if case in LATE else case for case in CASES]
+)
 def test_a_kill_at_any_change_leaves_old_or_new_and_the_next_run_leaves_nothing_else(
     case: str, place: Path, every: Callable[[int], int], tmp_path: Path
 ) -> None:

@@ -129,6 +129,7 @@ def test_a_planted_import_upwards_is_found(installed: Path, module: str, line: s
     assert "BROKEN" in run.stdout
 
 
+@pytest.mark.ci
 def test_no_module_imports_itself_by_a_circle() -> None:
     """Lazy imports count; those for types alone do not."""
     known = {dotted(path) for path in SOURCES}

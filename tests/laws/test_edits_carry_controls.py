@@ -73,6 +73,7 @@ def test_motion_survives_an_edit(
     _hold(SAMPLES / name, thing, edit, folder)
 
 
+@pytest.mark.ci
 def test_controls_go_along_to_another_unit_and_up_axis(folder: Path) -> None:
     """Their group is a Scope, which USD gives no transform."""
     source = source_of(SAMPLES / "biped.usda", "controls", folder)
@@ -82,6 +83,7 @@ def test_controls_go_along_to_another_unit_and_up_axis(folder: Path) -> None:
 SCALED = ("constraint: parent", "pose reader: joint", "controls", "constraint: pole vector", "twist joints")
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("thing", [SCALED[0], *map(slow, SCALED[1:])])
 @pytest.mark.parametrize(("name", "size"), [("biped.glb", 0.01), slow("biped.usda", 0.25)])
 def test_freeze_carries_what_is_built_on_scaled_joints(

@@ -199,6 +199,7 @@ def whole(rig: Rig, report: Report, ends: EndKind | None = "joint") -> Rig:
     return add_controls(rig, options=AddControlsOptions(whole_character=True, as_=ends), report=report)
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [slow(".glb"), ".usda"])
 def test_poles_and_ik_ends_may_be_joints(suffix: str, samples: Path, tmp_path: Path) -> None:
     source, once, twice = samples / f"biped{suffix}", tmp_path / f"1{suffix}", tmp_path / f"2{suffix}"

@@ -400,6 +400,7 @@ def test_blocks_of_frames_change_no_bit(block: int) -> None:
                 assert np.broadcast_to(other, rows.shape).tobytes() == rows.tobytes()
 
 
+@pytest.mark.ci
 def test_a_constraint_on_a_joint_of_a_limb_that_ik_moves_is_warned_of() -> None:
     rig = rigged()
     rule = ConstrainOptions(type="orient", child="hand_L", driver=(("head", 1.0),))

@@ -109,6 +109,7 @@ def test_a_highest_rate_bounds_the_samples_and_is_reported(monkeypatch: pytest.M
     assert "A --between above that accepts it, and --soft" in text
 
 
+@pytest.mark.ci
 def test_a_spline_between_keys_of_opposite_sign_swings_round_as_its_file_states_and_is_reported() -> None:
     """glTF's splines are of components: from q to −q they pass near nothing, and every player swings."""
     rig = rigged()

@@ -125,6 +125,7 @@ def test_what_is_constrained_to_a_control_below_a_solved_limb_finds_it_there() -
     )
 
 
+@pytest.mark.ci
 def test_a_control_that_is_moved_below_ik_takes_its_joint_along_its_own_axes() -> None:
     """Wherever IK has turned the bone: the control stands on its joint, as before it was moved."""
     up = bake(rigged("biped.glb"), options=BakeOptions(to="controls", tolerance=1e-6))

@@ -80,6 +80,7 @@ def off_law(rig: Rig) -> float:
     return float(max(worst))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", [slow("biped.glb"), "biped.usda"])
 def test_what_follows_joints_is_made_of_the_keys_that_are_read(name: str, tmp_path: Path) -> None:
     ready, once, twice = (tmp_path / f"{k}{Path(name).suffix}" for k in range(3))
@@ -201,6 +202,7 @@ def test_a_bake_to_controls_is_refused_where_only_controls_have_the_motion() -> 
     assert not any(len(track.times) > 1 for track in lost.clip("waves").tracks)
 
 
+@pytest.mark.ci
 def test_what_is_keyed_on_a_root_control_goes_to_the_joints_and_back() -> None:
     """Before, the control below the root got all of it and the root kept its keys: twice the motion."""
     rig = add_controls(read(SAMPLES / "biped.glb").rig, options=WHOLE)

@@ -219,6 +219,7 @@ def test_a_control_that_was_put_below_another_node_leaves_that_where_it_is(
         assert f"'{control}' hangs on no offset any more" in result.stderr
 
 
+@pytest.mark.ci
 def test_controls_made_before_those_above_them_stay_where_they_are_and_report_it(
     samples: Path, tmp_path: Path
 ) -> None:

@@ -183,6 +183,7 @@ def test_a_stage_is_converted_to_another_unit_and_up_axis(tmp_path: Path) -> Non
     assert abs(sizes(after) - 1.0).max() < 1e-6
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize(
     "built",
     [

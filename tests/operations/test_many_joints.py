@@ -201,6 +201,7 @@ def test_a_merge_of_four_times_as_many_joints_takes_four_times_as_long(tmp_path:
     assert calls(lambda: merge_joints(many, options=MergeJointsOptions(max_joints=100))) < 5 * once
 
 
+@pytest.mark.ci
 def test_controls_of_four_times_as_many_joints_take_four_times_as_long(tmp_path: Path) -> None:
     """Before, 1,000 joints in a row took half a minute, and 5,000 did not end."""
     options = AddControlsOptions(whole_character=True)

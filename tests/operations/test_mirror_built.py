@@ -227,6 +227,7 @@ def readers(rig: Rig) -> dict[str, str]:
     return {n["name"]: n["driver"] for n in rig.metadata.values() if n["type"] == "poseReader"}
 
 
+@pytest.mark.ci
 def test_every_reader_of_a_joint_gets_a_twin_of_its_own(samples: Path, tmp_path: Path) -> None:
     def read_twice(rig: Rig, report: Report) -> Rig:
         for name, target in (("bend", (0, 1, 0)), ("tw", (1, 0, 0)), ("bend_L", (0, 0, 1)), ("", (1, 1, 0))):
@@ -370,6 +371,7 @@ def test_a_mirrored_constraint_warns_of_keys_of_the_control_that_follows(samples
     assert text.startswith("hand_R_ik_ctl has keys in reach")
 
 
+@pytest.mark.ci
 def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Path) -> None:
     """Keys are motion, and stay on their side; before, nothing said so."""
     rig = add_controls(read(samples / "biped.glb").rig, options=AddControlsOptions(whole_character=True))

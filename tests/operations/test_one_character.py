@@ -94,6 +94,7 @@ def test_each_character_gets_a_root_control_and_a_rig_of_its_own(
         assert [node in rig.below(top) for top in tops] == [joint in rig.below(top) for top in tops]
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("suffix", [slow("usda"), "gltf"])
 def test_both_characters_are_built_and_built_again(suffix: str, samples: Path, tmp_path: Path) -> None:
     source, out, again = (tmp_path / f"{name}.{suffix}" for name in ("pair", "out", "again"))

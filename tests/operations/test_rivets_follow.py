@@ -69,6 +69,7 @@ def test_a_pose_reader_takes_rivets_of_its_mesh_along(kind: str, tmp_path: Path)
     assert again.read_bytes() == driven.read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda")])
 def test_split_weights_take_rivets_of_their_meshes_along(name: str, samples: Path, tmp_path: Path) -> None:
     held, split, again, bare = (tmp_path / f"{step}_{name}" for step in ("held", "split", "again", "bare"))

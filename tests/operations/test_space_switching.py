@@ -173,6 +173,7 @@ def test_what_is_no_switch_is_refused(given: dict[str, Any], error: type[Excepti
         rigtri.constrain(hands(), **({"child": "sword", "space": SPACES} | given))
 
 
+@pytest.mark.ci
 def test_a_pole_vector_is_switched_too() -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), limbs="auto")
     rig = rigtri.bake(rig, to="controls", clip=("walk",))

@@ -179,6 +179,7 @@ def test_rest_transforms_that_a_skeleton_did_not_have_go_again(tmp_path: Path) -
     assert built.GetAttributeAtPath(path.AppendProperty("restTransforms"))
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", [slow("split weights"), slow("pole joints"), slow("limbs"), "everything"])
 def test_a_character_that_is_referred_to_keeps_no_opinions(name: str, samples: Path, tmp_path: Path) -> None:
     in_format(".usda", samples, tmp_path)
@@ -200,6 +201,7 @@ def driven(rig: Rig, report: Report) -> Rig:
     return posereader.add_posereader(rig, options=wanted, report=report)
 
 
+@pytest.mark.ci
 def test_a_shape_that_the_clip_did_not_list_goes_from_it_again(tmp_path: Path) -> None:
     source = arm_usd(tmp_path)
     edit(source, tmp_path / "built.usda", driven)

@@ -510,6 +510,7 @@ def test_a_usd_mesh_below_a_prim_of_its_name_and_names_that_begin_with_digits_ar
     assert {name for entry in report.added for name in entry["changed"]} == {"2hand_L", "thigh_L"}
 
 
+@pytest.mark.ci
 def test_nodes_without_names_are_known_by_their_place_where_both_files_are_built_alike() -> None:
     rig = rig_of()
     ours = replace(rig, names=("",) * len(rig))

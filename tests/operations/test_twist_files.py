@@ -10,7 +10,7 @@ import pytest
 from conftest import Golden
 from gltf_files import glb_bytes, glb_parts
 from numpy.testing import assert_allclose
-from places import NO_LIMB, SAMPLES, files_of_all_kinds, leave_out, leave_out_refused, slow
+from places import NO_LIMB, SAMPLES, files_of_all_kinds, first, leave_out, leave_out_refused, slow
 from program import cli
 
 from rigtri.errors import FileError, GeometryError, UsageError
@@ -161,7 +161,7 @@ def test_joints_keep_their_axes_beside_twist_joints_of_a_skin_without_bind_matri
     assert [entry["joint"] for entry in report.joints if entry["status"] == "turned"] == []
 
 
-@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+@pytest.mark.parametrize("suffix", first([".glb", ".usda"]))
 def test_twist_joints_with_weight_keep_their_settings_unless_weights_are_split_anew(
     suffix: str, tmp_path: Path
 ) -> None:

@@ -232,6 +232,7 @@ def test_a_rig_that_nobody_changed_is_written_as_it_was(tmp_path: Path) -> None:
     assert (tmp_path / "out.glb").read_bytes() == BIPED.read_bytes()
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.gltf"), slow("biped.usda"), slow("biped.usdz")])
 def test_what_is_taken_out_before_it_was_ever_written_leaves_the_file_as_it_was(
     name: str, tmp_path: Path

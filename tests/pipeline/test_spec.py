@@ -449,6 +449,7 @@ def test_explain_writes_the_report_on_request(tmp_path: Path) -> None:
     assert (result.exit_code, "only with --overwrite" in result.stderr) == (2, True)
 
 
+@pytest.mark.ci
 def test_explain_has_in_its_json_what_would_be_done_and_where_it_stands(tmp_path: Path) -> None:
     spec = write(tmp_path, WHOLE)
     line = ["build", "--spec", str(spec), "--explain", "--json"]

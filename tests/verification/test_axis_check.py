@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,10 +31,11 @@ EVERY = list(poses())
 FEW = EVERY[3:18:7] + EVERY[37:38]
 
 
-@pytest.mark.parametrize(
-    "pose",
-    [pytest.param(pose, marks=[] if pose in FEW else pytest.mark.slow, id=pose.title) for pose in EVERY],
-)
+def _level(pose: Pose) -> Any:
+    return [] if pose is FEW[0] else pytest.mark.ci if pose in FEW else pytest.mark.slow
+
+
+@pytest.mark.parametrize("pose", [pytest.param(p, marks=_level(p), id=p.title) for p in EVERY])
 def test_no_preset_leaves_anything_to_report(pose: Pose) -> None:
     body = posed_body(pose)
     assert rules(body.rig) >= {"axes.aim"}  # its axes are random

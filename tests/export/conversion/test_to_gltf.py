@@ -98,6 +98,7 @@ def test_materials_lenses_and_extras_come_home(home: tuple[Path, Path]) -> None:
     assert [clip["name"] for clip in back["animations"]] == ["wave hand", "nod"]
 
 
+@pytest.mark.ci
 def test_verify_compares_the_two_formats(home: tuple[Path, Path], tmp_path: Path) -> None:
     source, back = home
     there = source.with_name("there.usdz")
@@ -160,6 +161,7 @@ def test_corners_subsets_and_instances_become_points_primitives_and_nodes(tmp_pa
     assert colours == [[1, 0, 0, 1], [0, 0, 1, 1]]
 
 
+@pytest.mark.ci
 def test_names_that_several_have_become_distinct_and_come_home(tmp_path: Path) -> None:
     gltf, binary = read_glb(write_everything(tmp_path / "in.glb"))
     first, second, *_ = gltf["skins"][0]["joints"]

@@ -277,6 +277,7 @@ def test_any_value_of_a_small_file_may_be_wrong(tmp_path: Path) -> None:
     fuzz(small(), tmp_path, 7)
 
 
+@pytest.mark.ci
 def test_any_value_of_a_rich_file_may_be_wrong(tmp_path: Path) -> None:
     fuzz(vrm_1(), tmp_path, 37)
     fuzz(character(), tmp_path, 37)
