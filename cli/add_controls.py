@@ -1,4 +1,4 @@
-"""Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
+"""rigtri add-controls
 
 Each control stands at its joint, aimed along the bone, with zero channels. Its parent is an
 offset group below the control of the parent joint. A second run finds its controls again:

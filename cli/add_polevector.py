@@ -1,8 +1,8 @@
-"""Add a locator that says which way a limb bends.
+"""rigtri add-polevector
 
-It lies in the plane of the limb, on the side it bends to. For straight limbs the direction comes from
-the clips, the other side or the joint names; it is never invented.
-A second run finds its locator and moves it.
+It lies in the plane of the limb, on the side to which the limb bends. For straight limbs the direction
+comes from the clips, the other side or the joint names; without any of these it is an error. A second run
+finds its locator and moves it.
 
 \b
 Examples:

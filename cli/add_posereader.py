@@ -1,7 +1,7 @@
-"""Let morph targets or values follow a joint's pose, baked to keys of every clip.
+"""rigtri add-posereader
 
-Driven morphs change on purpose: the self-check compares everything else, and reports
-how far they move. A target that drives no morph gets a node whose x translation is its weight.
+Driven morph targets change on purpose: verification compares everything else, and reports how far they
+move. A target that drives no morph target gets a node whose x translation is its weight.
 
 \b
 Examples:

@@ -1,4 +1,4 @@
-"""Attach locators to the surface of a mesh, through skinning and morph targets, baked to keys.
+"""rigtri add-rivet
 
 The x axis of a rivet lies along the first edge of its triangle, y is the normal. A second
 run finds a rivet by its name and moves it.

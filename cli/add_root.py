@@ -1,4 +1,4 @@
-"""Put a root joint on the ground of IN, above all joints of a character; nothing moves.
+"""rigtri add-root
 
 \b
 Examples:

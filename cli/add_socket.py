@@ -1,4 +1,4 @@
-"""Put a node on a joint of IN that something can be attached to: a weapon, a hat, an effect.
+"""rigtri add-socket
 
 \b
 Examples:

@@ -1,9 +1,9 @@
-"""Put twist joints along bones, which avoids the candy-wrapper effect.
+"""rigtri add-twist
 
-Each of n joints at i/(n+1) of a bone takes i/(n+1) of the twist and none of the swing. On
-the lower bone of a limb it comes from the end joint (the wrist), on the upper bone the
-joint's own is taken away towards the root. Skin weights change only
-with --split-weights; then the rest pose looks as before, and twisted poses better.
+Each of n joints at i/(n+1) of a bone takes i/(n+1) of the twist and none of the swing. On the lower bone
+of a limb the twist comes from the end joint (the wrist); on the upper bone the joint's own twist is
+removed towards the root. Skin weights change only with --split-weights; then the rest pose looks as
+before, and twisted poses look better.
 
 \b
 Examples:

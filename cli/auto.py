@@ -1,4 +1,15 @@
-"""rigtri auto"""
+"""rigtri auto
+
+The rig has new axes, twist joints, controls, IK ends and pole vectors. The spec of the build is written
+beside OUT, for `rigtri build` with the next character of the same kind. An uncertain limb is not guessed:
+then nothing is built, and the spec has null where you name its joints.
+
+\b
+Examples:
+    rigtri auto hero.glb -o out.glb
+    rigtri auto hero.glb --preset unreal-editor --dry-run --picture hero.svg
+    rigtri build other.glb --spec out.rig.yaml -o other-out.glb
+"""
 
 from __future__ import annotations
 
@@ -41,7 +52,7 @@ if TYPE_CHECKING:
 SUFFIX = ".rig.yaml"
 
 
-@click.command("auto", cls=Command)
+@click.command("auto", cls=Command, help=__doc__)
 @source_argument
 @target_option
 @preset_option("Axes of the joints. [article; vrm where a file allows no others]")
@@ -71,18 +82,6 @@ SUFFIX = ".rig.yaml"
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
-    """Recognise a character and give it a rig: axes, twist joints, controls, IK ends, pole vectors.
-
-    The spec of the build is written beside OUT, for `rigtri build` with the next character of the same
-    kind. An uncertain limb is not guessed: then nothing is built, and the spec has null where you name
-    its joints.
-
-    \b
-    Examples:
-        rigtri auto hero.glb -o out.glb
-        rigtri auto hero.glb --preset unreal-editor --dry-run --picture hero.svg
-        rigtri build other.glb --spec out.rig.yaml -o other-out.glb
-    """
     derived = values["spec_out"] is None
     values["spec_out"] = _spec_place(values)
     values["sidecar"] = False

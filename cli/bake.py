@@ -1,7 +1,7 @@
-"""Bake controls and constraints to joint keys, or joints' motion to controls.
+"""rigtri bake
 
-A control that has keys in a clip moves its joints there; joints whose controls have none keep
-their own keys. Redundant keys are removed, within --tolerance.
+A control that has keys in a clip moves its joints there; joints whose controls have no keys keep their
+own. Redundant keys are removed, within --tolerance.
 
 \b
 Examples:

@@ -1,4 +1,16 @@
-"""rigtri batch"""
+"""rigtri batch
+
+IN is a path, a pattern in quotes (** stands for all folders), or @LIST, a file with one of these in each
+line. A crash or timeout is reported and does not affect the other files. A second run does only what is
+new or changed: file, spec or version. Exit code 0 when all is done, 7 when some files failed, 130 when
+interrupted.
+
+\b
+Example:
+    rigtri batch --spec rig.yaml 'assets/**/*.glb' -O out/
+    rigtri batch-report out/
+    rigtri batch --convert-to usdz 'assets/**/*.glb' -O usd/
+"""
 
 from __future__ import annotations
 
@@ -34,7 +46,7 @@ SOME_FAILED = 7
 CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 
 
-@click.command("batch", cls=Command)
+@click.command("batch", cls=Command, help=__doc__)
 @click.argument("inputs", metavar="IN…", nargs=-1)
 @spec_option()
 @set_option
@@ -143,19 +155,6 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 @quiet_option
 @json_option
 def command(inputs: tuple[str, ...], **values: Any) -> None:
-    """Build many files by a spec, or convert them, in several processes.
-
-    IN is a path, a pattern in quotes (** stands for all folders), or @LIST, a file with one of
-    these in each line. A crash or timeout is reported and does not affect the
-    other files. A second run does only what is new or changed: file, spec or version. Exit code 0
-    when all is done, 7 when some files failed, 130 when it was interrupted.
-
-    \b
-    Example:
-        rigtri batch --spec rig.yaml 'assets/**/*.glb' -O out/
-        rigtri batch-report out/
-        rigtri batch --convert-to usdz 'assets/**/*.glb' -O usd/
-    """
     try:
         sys.exit(run(inputs, values, _tasks(values)))
     except KeyboardInterrupt:  # before files are worked on, or after

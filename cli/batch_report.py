@@ -1,4 +1,12 @@
-"""rigtri batch-report"""
+"""rigtri batch-report
+
+MANIFEST is a file or the folder that holds it, with the manifests of all parts. It also lists files that
+have one skeleton but different axes, and so cannot share clips.
+
+\b
+Example:
+    rigtri batch-report out/
+"""
 
 from __future__ import annotations
 
@@ -15,7 +23,7 @@ from .printing import print_json
 from .terminal_text import counted, plain
 
 
-@click.command("batch-report", cls=Command)
+@click.command("batch-report", cls=Command, help=__doc__)
 @click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=FilePath())
 @option(
     "--most",
@@ -34,15 +42,6 @@ from .terminal_text import counted, plain
 )
 @json_option
 def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool) -> None:
-    """Summarise the manifest of a batch: counts, the worst, the slowest, errors by kind.
-
-    MANIFEST is a file or the folder that holds it, with those of all parts. It also lists files of
-    one skeleton whose axes differ, so that they cannot share clips.
-
-    \b
-    Example:
-        rigtri batch-report out/
-    """
     from rigtri._version import __version__
     from rigtri.pipeline.batch.report import summarise
 

@@ -1,4 +1,14 @@
-"""rigtri build"""
+"""rigtri build
+
+A step is an operation with its options, as the commands call them. Each step works on the result
+of those before; OUT is written when all of them succeed and are verified, or not at all.
+
+\b
+Examples:
+    rigtri build hero.glb --spec rig.yaml -o out.glb
+    rigtri build --spec rig.yaml --explain
+    rigtri build hero.glb --spec studio.yaml --set side=left -o out.glb --report out.json
+"""
 
 from __future__ import annotations
 
@@ -52,7 +62,7 @@ spec_tolerance_option = option(
 )
 
 
-@click.command("build", cls=Command)
+@click.command("build", cls=Command, help=__doc__)
 @click.argument("source", metavar="[IN]", required=False, type=FilePath(allow_dash=True))
 @optional_target_option
 @spec_option(required=True)
@@ -71,17 +81,6 @@ spec_tolerance_option = option(
 @overwrite_option()
 @output_options
 def command(**values: Any) -> None:
-    """Build a rig by a spec: the steps that a file lists, in one go.
-
-    A step is an operation with its options, as the commands call them. Each step works on the result
-    of those before; OUT is written when all of them succeed and are verified, or not at all.
-
-    \b
-    Examples:
-        rigtri build hero.glb --spec rig.yaml -o out.glb
-        rigtri build --spec rig.yaml --explain
-        rigtri build hero.glb --spec studio.yaml --set side=left -o out.glb --report out.json
-    """
     from rigtri.pipeline.rigspec.load import load
 
     spec = load(values["spec"], variables=assigned(values["variables"]), source=values["source"])

@@ -1,4 +1,15 @@
-"""rigtri check"""
+"""rigtri check
+
+Skins, joints, clips, weights, VRM and rigtri's metadata in glTF; skeletons, animations
+and bindings in USD. Exit code 0 when nothing worse than a warning is found, 1 with
+errors (--strict: or warnings), 3 when a file cannot be read at all.
+
+\b
+Example:
+    rigtri check hero.glb
+    rigtri check hero.glb --profile unreal
+    rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
+"""
 
 from __future__ import annotations
 
@@ -33,7 +44,7 @@ _PAINTS = (
 )
 
 
-@click.command("check", cls=Command)
+@click.command("check", cls=Command, help=__doc__)
 @click.argument("files", metavar="FILE…", nargs=-1, type=FilePath(allow_dash=True))
 @option(
     "--severity",
@@ -76,18 +87,6 @@ _PAINTS = (
 @quiet_option
 @json_option
 def command(files: tuple[str, ...], **values: Any) -> None:
-    """Find all that is wrong with the skinned rigs in files.
-
-    Skins, joints, clips, weights, VRM and rigtri's metadata in glTF; skeletons, animations
-    and bindings in USD. Exit code 0 when nothing worse than a warning is found, 1 with
-    errors (--strict: or warnings), 3 when a file cannot be read at all.
-
-    \b
-    Example:
-        rigtri check hero.glb
-        rigtri check hero.glb --profile unreal
-        rigtri check --json --ignore 'gltf.joint.*' *.glb *.usda
-    """
     from rigtri.files.worker_process import WorkerProcess
     from rigtri.verification.checks.rule_catalogue import matching
 

@@ -1,4 +1,11 @@
-"""rigtri completion"""
+"""rigtri completion
+
+\b
+Examples:
+    rigtri completion bash > ~/.local/share/bash-completion/completions/rigtri
+    rigtri completion zsh > "${fpath[1]}/_rigtri"
+    rigtri completion fish > ~/.config/fish/completions/rigtri.fish
+"""
 
 from __future__ import annotations
 
@@ -14,19 +21,11 @@ from .options import json_option
 SHELLS = ("bash", "zsh", "fish")
 
 
-@click.command("completion", cls=Command)
+@click.command("completion", cls=Command, help=__doc__)
 @click.argument("shell", type=click.Choice(SHELLS, case_sensitive=False))
 @json_option
 @click.pass_context
 def command(ctx: click.Context, shell: str, as_json: bool) -> None:
-    """Print the script with which a shell completes commands, options and their values.
-
-    \b
-    Examples:
-        rigtri completion bash > ~/.local/share/bash-completion/completions/rigtri
-        rigtri completion zsh > "${fpath[1]}/_rigtri"
-        rigtri completion fish > ~/.config/fish/completions/rigtri.fish
-    """
     known = Bash if shell == Bash.name else get_completion_class(shell)
     if known is None:
         raise UsageError(f"click has no completion for {shell}")

@@ -1,8 +1,8 @@
-"""Give a character of IN the standard skeleton of an engine: scale, rest pose, root, axes and names.
+"""rigtri conform
 
-The steps are freeze, rename-joints, set-rest, add-root and orient-joints; --save-spec writes them as a rig
-spec, to change and to build again. Every clip looks as before. Characters that conform to one skeleton
-differ in the lengths of their bones, so that they share clips.
+The steps are freeze, rename-joints, set-rest, add-root and orient-joints; --save-spec writes them as a
+rig spec that you can edit and build. Every clip looks as before. Characters that conform to one skeleton
+differ only in the lengths of their bones, so they can share clips.
 
 \b
 Examples:

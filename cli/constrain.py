@@ -1,7 +1,8 @@
-"""Let a node follow others by a constraint that is stored in the file; nothing moves now.
+"""rigtri constrain
 
-A second run for the same child and type replaces the constraint. With --space, --switch, --weight-keys or
---weight-from the weights are nodes, whose keys (of translation x) an animator can edit.
+The constraint is stored in the file; nothing moves now. A second run for the same child and type replaces
+it. With --space, --switch, --weight-keys or --weight-from the weights are nodes, and an animator can edit
+their keys (translation x).
 
 \b
 Examples:

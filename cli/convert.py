@@ -1,8 +1,9 @@
-"""Write a glTF, GLB or VRM file as USD, or a USD file as glTF or GLB.
+"""rigtri convert
 
-Nodes are prims, joints those of Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
-UsdPreviewSurface; images lie in a folder beside OUT, or in it (.usdz, .glb). Both files are skinned at
-every key and between, and compared before OUT appears. What the other format cannot say is listed.
+Nodes become prims, joints those of Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
+UsdPreviewSurface; images are written to a folder beside OUT, or into it (.usdz, .glb). Both files are
+skinned at every key and between, and compared before OUT is written. What the other format cannot say is
+listed.
 
 \b
 Examples:

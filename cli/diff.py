@@ -1,4 +1,14 @@
-"""rigtri diff"""
+"""rigtri diff
+
+Rig terms: joints, axes, rest and bind pose, skins, clips, attachments, colliders. File
+terms: JSON members, chunks, buffers, images, spelling; layers, prims, fields, package
+entries. Exit code 0 when nothing differs, 1 when something does, 2 for an error. Lines
+start with + (added), - (removed), ~ (changed) or > (moved).
+
+\b
+Example:
+    rigtri diff hero.glb out.glb
+"""
 
 from __future__ import annotations
 
@@ -27,7 +37,7 @@ _PAINTS = (
 )
 
 
-@click.command("diff", cls=Command)
+@click.command("diff", cls=Command, help=__doc__)
 @click.argument("before", metavar="A", type=FilePath(allow_dash=True))
 @click.argument("after", metavar="B", type=FilePath(allow_dash=True))
 @option("-q", "--brief", is_flag=True, help="Print only whether they differ.", group="output")
@@ -56,17 +66,6 @@ _PAINTS = (
 @reading_options
 @json_option
 def command(before: str, after: str, **values: Any) -> None:
-    """Show in rig terms and in file terms how two files differ.
-
-    Rig terms: joints, axes, rest and bind pose, skins, clips, attachments, colliders. File
-    terms: JSON members, chunks, buffers, images, spelling; layers, prims, fields, package
-    entries. Exit code 0 when nothing differs, 1 when something does, 2 for an error. Lines
-    start with + (added), - (removed), ~ (changed) or > (moved).
-
-    \b
-    Example:
-        rigtri diff hero.glb out.glb
-    """
     with failures.always(click.get_current_context(), ERROR):
         same = _diff(before, after, values)
     sys.exit(0 if same else DIFFERS)

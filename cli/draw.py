@@ -1,4 +1,16 @@
-"""rigtri draw"""
+"""rigtri draw
+
+The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away. Joints
+without an axis along their bone are orange. A limb is a teal triangle with the projection of its mid
+joint; the purple arrow from there is its bend direction. --json also prints what is drawn: lines, arrows
+and triangles in space.
+
+\b
+Examples:
+    rigtri draw hero.glb -o hero.svg
+    rigtri draw out.glb --against hero.glb -o before-after.png
+    rigtri draw hero.glb -o hand.svg --below hand_L --view top --pose walk@0.5
+"""
 
 from __future__ import annotations
 
@@ -27,7 +39,7 @@ from .parameters import given, read_options
 from .printing import print_json
 
 
-@click.command("draw", cls=Command)
+@click.command("draw", cls=Command, help=__doc__)
 @source_argument
 @output_option(
     "The picture to write, .svg or .png (extra rigtri[png]); - for SVG on standard output.",
@@ -47,19 +59,6 @@ from .printing import print_json
 @json_option
 @click.pass_context
 def command(ctx: click.Context, /, source: str, output: str, **values: Any) -> None:
-    """Draw the skeleton: bones, axes, limb triangles, pole vectors, controls, names.
-
-    The axes of a joint are red (x), green (y) and blue (z); a ring points at you, a crossed ring away.
-    Joints none of whose axes lies along their bone are orange. A limb is a teal triangle with the
-    projection of its middle joint; the purple arrow from there is its bend direction. --json also prints
-    what is drawn: lines, arrows and triangles in space.
-
-    \b
-    Examples:
-        rigtri draw hero.glb -o hero.svg
-        rigtri draw out.glb --against hero.glb -o before-after.png
-        rigtri draw hero.glb -o hand.svg --below hand_L --view top --pose walk@0.5
-    """
     from rigtri.export.drawing.picture import draw, seen
     from rigtri.export.drawing.primitives import as_json
     from rigtri.files.input_stream import opened, title

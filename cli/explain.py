@@ -1,4 +1,17 @@
-"""rigtri explain"""
+"""rigtri explain
+
+Each line shows the notation of the talk (R. Katz, "Rigging with Triangles", GDC 2018), rigtri's own, and
+the numbers: vectors, lengths, dot and cross product, the aim matrix, the projection and the pole vector;
+product and inverse of matrices, another space and back, the parent constraint with offset and joint
+orient, twist and pose reader. With a file, the matrices are those of its joints. Points are x,y,z each,
+or nine numbers in a row; negative numbers need no quotes.
+
+\b
+Examples:
+    rigtri explain 0,140,0 25,140,-5 50,140,0
+    rigtri explain 0 140 0 25 140 -5 50 140 0 -o arm.svg
+    rigtri explain hero.glb --limb forearm_L --at walk@0.5
+"""
 
 from __future__ import annotations
 
@@ -25,7 +38,7 @@ if TYPE_CHECKING:
     from rigtri.export.explain.explain import Explanation
 
 
-@click.command("explain", cls=Command, context_settings={"ignore_unknown_options": True})
+@click.command("explain", cls=Command, help=__doc__, context_settings={"ignore_unknown_options": True})
 @click.argument(
     "points",
     metavar="A B C | IN [ROOT MIDDLE END]",
@@ -51,20 +64,6 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def command(points: tuple[str, ...], **values: Any) -> None:
-    """Show the vectors, triangles and matrices of three points, or of a limb, step by step.
-
-    Each line has the notation of the talk "Rigging with Triangles", rigtri's own, and the numbers:
-    vectors, lengths, dot and cross product, the aim matrix, the projection and the pole vector; product
-    and inverse of matrices, another space and back, the parent constraint with offset and joint orient,
-    twist and pose reader. Of a file the matrices are those of its joints. Points are x,y,z each, or nine
-    numbers in a row; negative ones need nothing around them.
-
-    \b
-    Examples:
-        rigtri explain 0,140,0 25,140,-5 50,140,0
-        rigtri explain 0 140 0 25 140 -5 50 140 0 -o arm.svg
-        rigtri explain hero.glb --limb forearm_L --at walk@0.5
-    """
     from rigtri.export.explain.picture import picture
     from rigtri.export.explain.text import text
 

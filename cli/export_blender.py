@@ -1,4 +1,13 @@
-"""rigtri export-blender"""
+"""rigtri export-blender
+
+Import IN in Blender and run the script there (Text Editor, Run Script), or let the script import
+IN: blender --python SETUP.py. Bones follow controls by Blender's own constraints; nothing moves at rest.
+
+\b
+Example:
+    rigtri add-controls hero.glb -o rigged.glb --whole-character
+    rigtri export-blender rigged.glb -o setup.py
+"""
 
 from __future__ import annotations
 
@@ -24,7 +33,7 @@ from .parameters import read_options
 from .printing import print_json
 
 
-@click.command("export-blender", cls=Command)
+@click.command("export-blender", cls=Command, help=__doc__)
 @source_argument
 @output_option(
     "The script to write; - for standard output.",
@@ -37,16 +46,6 @@ from .printing import print_json
 @quiet_option
 @json_option
 def command(source: str, output: str, **values: Any) -> None:
-    """Write a script that sets controls, IK and constraints up in Blender.
-
-    Import IN in Blender and run the script there (Text Editor, Run Script), or let the script import
-    IN: blender --python SETUP.py. Bones follow controls by Blender's own constraints; nothing moves at rest.
-
-    \b
-    Example:
-        rigtri add-controls hero.glb -o rigged.glb --whole-character
-        rigtri export-blender rigged.glb -o setup.py
-    """
     from rigtri.export.blender.script import setup_for
 
     report = Report()

@@ -1,8 +1,8 @@
-"""Put the scale and rotation that stand above the joints of IN into the joints.
+"""rigtri freeze
 
-Positions, inverse bind matrices and keys take up the scale of joints and of all above them, which becomes 1,
-and the rotation above joints, which becomes none; nothing that can be seen moves in any pose. Vertices,
-cameras and lights stay the numbers that they are. Without options both are frozen.
+Positions, inverse bind matrices and keys take up the scale of joints and of everything above them, which
+becomes 1, and the rotation above joints, which is removed. Vertices, cameras and lights keep their
+numbers. Without options both are frozen.
 
 \b
 Examples:

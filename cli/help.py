@@ -1,4 +1,10 @@
-"""rigtri help"""
+"""rigtri help
+
+\b
+Examples:
+    rigtri help orient-joints
+    rigtri help --man > ~/.local/share/man/man1/rigtri.1
+"""
 
 from __future__ import annotations
 
@@ -28,19 +34,12 @@ class _CommandName(click.ParamType):  # type: ignore[type-arg]
         ]
 
 
-@click.command("help", cls=Command)
+@click.command("help", cls=Command, help=__doc__)
 @click.argument("name", metavar="[COMMAND]", required=False, type=_CommandName())
 @option("--man", is_flag=True, help="Print the manual page of all commands, for man.", group="what")
 @json_option
 @click.pass_context
 def command(ctx: click.Context, name: str | None, man: bool, as_json: bool) -> None:
-    """Show the whole help of a command: all of its options, in groups, with what their values mean.
-
-    \b
-    Examples:
-        rigtri help orient-joints
-        rigtri help --man > ~/.local/share/man/man1/rigtri.1
-    """
     root = ctx.find_root()
     program = root.command
     assert isinstance(program, click.Group)

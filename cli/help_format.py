@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .catalogue import page_of
+from .catalogue import COMMANDS, page_of
 from .option_types import Parsed
 
 if TYPE_CHECKING:
@@ -87,7 +87,14 @@ option: Callable[..., Callable[[Any], Any]] = partial(click.option, cls=Option)
 
 
 class Command(click.Command):
-    """A command whose options stand in groups; rare ones only in its whole help."""
+    """A command whose options stand in groups; rare ones only in its whole help.
+
+    help: the docstring of its module, of which the line of the catalogue takes the first paragraph's place.
+    """
+
+    def __init__(self, name: str, *, help: str, **about: Any) -> None:
+        words = "\n\n".join([COMMANDS[name], *help.split("\n\n")[1:]])
+        super().__init__(name, help=words, **about)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         words = list(args)

@@ -1,4 +1,13 @@
-"""rigtri inspect"""
+"""rigtri inspect
+
+Every joint is shown with the names by which other commands find it, and with arrows for its axes, in
+colour on a terminal (NO_COLOR and FORCE_COLOR decide it). Narrow terminals show fewer columns.
+
+\b
+Examples:
+    rigtri inspect hero.glb
+    rigtri inspect hero.glb --matrices --joints '*_L' --at walk@0.5 --rotate-order zyx
+"""
 
 from __future__ import annotations
 
@@ -26,7 +35,7 @@ _COLORS = {"x": "red", "y": "green", "z": "blue"}
 _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←↙↓↘⊙⊗·"), re.M)
 
 
-@click.command("inspect", cls=Command)
+@click.command("inspect", cls=Command, help=__doc__)
 @source_argument
 @matrix_options
 @option(
@@ -48,16 +57,6 @@ _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←�
 @no_warnings_option
 @json_option
 def command(source: str, **values: Any) -> None:
-    """Show the joints of a file: axes, lengths, bends, skins, clips, warnings.
-
-    Every joint is shown with the names by which other commands find it, and with arrows for its axes, in
-    colour on a terminal (NO_COLOR and FORCE_COLOR decide it). Narrow terminals have fewer columns.
-
-    \b
-    Examples:
-        rigtri inspect hero.glb
-        rigtri inspect hero.glb --matrices --joints '*_L' --at walk@0.5 --rotate-order zyx
-    """
     from rigtri.export.matrix_table import matrix_text
     from rigtri.export.text_description import as_json, describe
     from rigtri.files.input_stream import opened

@@ -1,8 +1,8 @@
-"""Let no point of IN follow more joints than an engine shows.
+"""rigtri limit-weights
 
-Of each point the joints that weigh most stay, and share the weight of those that go. How far vertices move is
-measured, and refused above --tolerance. With --normalise the weights of every point sum to 1, which engines
-that normalise them show as before.
+Each vertex keeps the joints with the largest weights, which share the weight of the others. The movement
+of vertices is measured, and refused above --tolerance. With --normalise the weights of each vertex sum to
+1, which looks the same in engines that normalise them.
 
 \b
 Examples:

@@ -1,8 +1,8 @@
-"""Make an oriented chain of joints from locators or points: three are a limb, with its pole vector.
+"""rigtri make-limb
 
-Each joint aims at the next, all have the limb's hinge for their up axis, and the end has the
-axes of the joint before. Two joints (a clavicle), or more than three (a spine, tail or finger), are a
-chain, which keeps its curve. A second run finds the limb by its name and moves it.
+Each joint aims at the next; all have the limb's hinge as their up axis, and the end joint has the axes of
+the joint before it. Two joints (a clavicle), or more than three (a spine, tail or finger), are a chain
+that keeps its curve. A second run finds the limb by its name and moves it.
 
 \b
 Examples:

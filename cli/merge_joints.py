@@ -1,7 +1,8 @@
-"""Merge joints of IN into the joints above them, which get their weights.
+"""rigtri merge-joints
 
-A joint goes with all below it. Joints that never move (--still) go without a vertex moving; of others how far
-vertices move is measured, and refused above --tolerance.
+The parent gets the weights of a merged joint; all joints below it are merged, too. Joints that never move
+(--still) are merged without moving a vertex; for others the movement of vertices is measured, and refused
+above --tolerance.
 
 \b
 Examples:

@@ -1,9 +1,8 @@
-"""Give one side of a character what the other has: joint axes, and what rigtri has built.
+"""rigtri mirror
 
-Joints stay in place and all that can be seen stays as it is; axes change as with
-orient-joints. Limbs, controls, pole vectors, twist joints, constraints, rivets and pose
-readers of one side are built, or brought up to date, on the other, with what an animator has
-set. What cannot be mirrored is named.
+Joints stay in place and nothing looks different; axes change as with orient-joints. Limbs, controls, pole
+vectors, twist joints, constraints, rivets and pose readers of one side are built or updated on the other,
+including what an animator has set on them. What cannot be mirrored is listed.
 
 \b
 Examples:

@@ -1,9 +1,9 @@
-"""Give joints new axes; nothing that can be seen moves.
+"""rigtri orient-joints
 
-By default all joints with weight on or below them get new axes; root joints other than a
-character's hips, helpers, sockets, lone end joints beside siblings (of faces and props) and VRM
-eyes stay. Hands, trunk and limbs of a recognised character flex about one axis each
-(docs/presets.md). The hierarchy never changes.
+By default all joints with weight on or below them get new axes. Root joints other than a character's
+hips, helpers, sockets, lone end joints beside siblings (of faces and props) and VRM eyes stay. Each hand,
+the trunk and the limbs of a recognised character flex about one axis (docs/presets.md). The hierarchy
+never changes.
 
 \b
 Examples:

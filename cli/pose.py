@@ -1,8 +1,8 @@
-"""Print the pose of one moment, evaluated; with -o make it the rest pose of a file.
+"""rigtri pose
 
-Each node, controls and locators too, is shown with its translation, rotation (x y z w) and scale
-relative to its parent, and its position in the world; with --matrices by its matrices. In OUT bind
-poses and clips stay as they are: meshes show the pose where no clip plays.
+Each node, including controls and locators, is shown with its translation, rotation (x y z w) and scale
+relative to its parent, and its world position; with --matrices, with its matrices. With -o, bind poses
+and clips do not change: meshes show the pose where no clip plays.
 
 \b
 Examples:

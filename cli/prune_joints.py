@@ -1,7 +1,8 @@
-"""Remove joints of IN that move nothing: no weight on or below them, and nothing hangs there.
+"""rigtri prune-joints
 
-Joints that the format, a constraint or rigtri's metadata name stay, and so do bones of a VRM humanoid and
-springs. Sockets stay unless --sockets is given.
+A joint is removed when no vertex has weight on it or on a joint below it, and no mesh, camera or light is
+a child of it. Joints that the format, a constraint or rigtri's metadata name stay, and so do bones of a
+VRM humanoid and springs. Sockets stay unless --sockets is given.
 
 \b
 Examples:

@@ -1,4 +1,15 @@
-"""rigtri recognise"""
+"""rigtri recognise
+
+Each chain and joint is shown with its confidence, from 0 to 1, and the evidence. Below 0.75 it has a
+question mark, and --limbs auto, --whole-character and the like leave it alone. A file without a character
+is not an error; the reason is printed.
+
+\b
+Examples:
+    rigtri recognise hero.glb
+    rigtri recognise hero.glb --joints --scheme studio.toml
+    rigtri recognise hero.glb --json > layout.json
+"""
 
 from __future__ import annotations
 
@@ -22,7 +33,7 @@ _PAINTS = (
 )
 
 
-@click.command("recognise", cls=Command)
+@click.command("recognise", cls=Command, help=__doc__)
 @source_argument
 @option("--joints", is_flag=True, help="List every joint: its bone, its role, and why.", group="output")
 @scheme_option
@@ -30,18 +41,6 @@ _PAINTS = (
 @no_warnings_option
 @json_option
 def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> None:
-    """Find spine, head, arms, legs, hands and fingers by map, names and shape, and show why.
-
-    Each chain and joint comes with how sure that is, from 0 to 1, and with the evidence in words. What
-    is below 0.75 is shown with a question mark, and left alone by --limbs auto, --whole-character and
-    the like. A file without a character is no error; the reason is printed.
-
-    \b
-    Examples:
-        rigtri recognise hero.glb
-        rigtri recognise hero.glb --joints --scheme studio.toml
-        rigtri recognise hero.glb --json > layout.json
-    """
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.recognition.layout_output import as_json, text

@@ -1,8 +1,9 @@
-"""Give the recognised joints of IN the names of a scheme.
+"""rigtri rename-joints
 
-What names joints follows: rigtri's own metadata, maps of characters, and in USD the tokens of skeletons,
-animations and meshes. Joints that are no bones of a body (twist joints, ends, hair) keep their names. A
-name that two joints would have, or a joint of which it is not sure what it is, is an error.
+Only recognised joints get new names. Everything that refers to joints by name follows: rigtri's metadata,
+maps of characters, and in USD the tokens of skeletons, animations and meshes. Twist joints, end joints
+and hair keep their names. A name for two joints, or a joint that is not recognised with confidence, is an
+error.
 
 \b
 Examples:

@@ -1,7 +1,8 @@
-"""Move what the hips of IN move over the ground to the root above them, or take it out of the clips.
+"""rigtri root-motion
 
-Extracted, nothing but the root stands elsewhere in any clip: hips, and what else is below the root, get other
-keys; removed, the character stays in place. There must be a root above the hips: rigtri add-root.
+With --mode extract the root moves and nothing else looks different in any clip: hips, and everything else
+below the root, get new keys. With --mode remove the character stays in place. There must be a root above
+the hips; rigtri add-root adds one.
 
 \b
 Examples:

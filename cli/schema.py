@@ -1,4 +1,13 @@
-"""rigtri schema"""
+"""rigtri schema
+
+NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain,
+export-blender, frames, inspect, mirror, node, pose, recognise, report, rig, steps, verify and view.
+
+\b
+Examples:
+    rigtri schema > spec.schema.json
+    rigtri schema report
+"""
 
 from __future__ import annotations
 
@@ -29,20 +38,10 @@ def _beginning(start: str) -> list[str]:
     return [name for name in _known() if name.startswith(start)]
 
 
-@click.command("schema", cls=Command)
+@click.command("schema", cls=Command, help=__doc__)
 @click.argument("name", default="spec", shell_complete=lambda _, __, start: _beginning(start))
 @json_option
 def command(name: str, as_json: bool) -> None:
-    """Print a JSON Schema: of rig specs, or of what rigtri writes.
-
-    NAME is spec unless given; others are batch, batch-report, check, diff, draw, error, explain,
-    export-blender, frames, inspect, mirror, node, pose, recognise, report, rig, steps, verify and view.
-
-    \b
-    Examples:
-        rigtri schema > spec.schema.json
-        rigtri schema report
-    """
     known, name = _known(), name.lower()
     if name not in known:
         meant = "".join(f"did you mean '{close}'? " for close in get_close_matches(name, known, n=1))

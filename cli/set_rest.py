@@ -1,8 +1,8 @@
-"""Give the joints of IN another rest pose; every clip plays as before.
+"""rigtri set-rest
 
-A clip without keys of a joint showed its rest pose, so it gets a key of it. Bind poses stay, so meshes show
-the pose where no clip plays. T- and A-pose turn the arms, hands and legs of recognised bodies from their
-bind pose: palms down, feet ahead.
+A clip without keys for a joint showed its rest pose, so the joint gets a key there. Bind poses do not
+change: meshes show the new rest pose where no clip plays. T-pose and A-pose rotate the arms, hands and
+legs of recognised bodies from their bind pose: palms down, feet ahead.
 
 \b
 Examples:

@@ -1,8 +1,8 @@
-"""Match IK to FK, or FK to IK, at some frames: the joints do not move there.
+"""rigtri snap
 
-A limb is solved by IK in a clip where its IK end or pole has keys. So with --to fk those keys go, and
-with --to ik the keys that the limb's FK controls had without IK; what is keyed instead stays as it is
-at the moments given.
+A limb is solved by IK in a clip where its IK end or pole has keys. So --to fk removes those keys, and
+--to ik removes the keys that the limb's FK controls had without IK. At the times of --at the joints stay
+as they are.
 
 \b
 Examples:

@@ -1,4 +1,13 @@
-"""rigtri spec-init"""
+"""rigtri spec-init
+
+Limbs that rigtri recognises get twist joints, controls and pole vectors; a comment lists all joints.
+--json prints the spec as JSON, which `rigtri build` reads as well; FILE.json is written as JSON.
+
+\b
+Example:
+    rigtri spec-init hero.glb -o rig.yaml
+    rigtri build hero.glb --spec rig.yaml -o out.glb
+"""
 
 from __future__ import annotations
 
@@ -18,7 +27,7 @@ from .parameters import read_options
 from .terminal_text import plain
 
 
-@click.command("spec-init", cls=Command)
+@click.command("spec-init", cls=Command, help=__doc__)
 @source_argument
 @output_option(
     "Where to write the spec; - for standard output.",
@@ -31,17 +40,6 @@ from .terminal_text import plain
 @reading_options
 @json_option
 def command(source: str, output: str, **values: Any) -> None:
-    """Write a rig spec to start from: steps for the joints that a character has.
-
-    Limbs that rigtri recognises get twist joints, controls and pole vectors; all joints stand in
-    it as a comment. --json prints the spec as JSON, which `rigtri build` reads as well;
-    FILE.json gets it so.
-
-    \b
-    Example:
-        rigtri spec-init hero.glb -o rig.yaml
-        rigtri build hero.glb --spec rig.yaml -o out.glb
-    """
     from rigtri.pipeline.rigspec.load import need_libraries
     from rigtri.pipeline.rigspec.spec_init import plain_values, spec_init
 

@@ -1,6 +1,7 @@
-"""Remove what rigtri has added to IN: controls, locators, shapes and metadata.
+"""rigtri strip
 
-The axes of joints stay as orient-joints has set them. All that stays is verified to look as before.
+The axes of joints stay as orient-joints has set them. Everything that stays is verified to look as
+before.
 
 \b
 Example:

@@ -1,9 +1,9 @@
-"""Transfer the animation of an edited file back to the rig that it was made from.
+"""rigtri take-clips
 
-Joints and controls are found by name and moved as in EDITED, about RIG's own bind pose, whatever
-axes, unit and extra nodes a DCC has given EDITED. Unchanged tracks stay bit for bit, and so do
-the unchanged parts of edited ones. Keys on every frame are reduced to those that are needed, within
---tolerance. Clips that were split per object are joined.
+Joints and controls are found by name and move as in EDITED, relative to RIG's own bind pose, whatever
+axes, unit and extra nodes a DCC has given EDITED. Unchanged tracks stay bit for bit, and so do the
+unchanged parts of edited ones. Keys on every frame are reduced to those that are needed, within
+--tolerance. Clips that a DCC has split per object are joined.
 
 \b
 Examples:

@@ -1,4 +1,13 @@
-"""rigtri verify"""
+"""rigtri verify
+
+Skinned vertices and attachments, at rest, in the bind pose, at every key and
+between keys; per mesh, clip and time. Exit code 6 when they differ by more than
+the tolerance or something is lost.
+
+\b
+Example:
+    rigtri verify hero.glb out.glb
+"""
 
 from __future__ import annotations
 
@@ -32,23 +41,13 @@ _PAINTS = (
 )
 
 
-@click.command("verify", cls=Command)
+@click.command("verify", cls=Command, help=__doc__)
 @click.argument("before", metavar="BEFORE", type=FilePath(allow_dash=True))
 @click.argument("after", metavar="AFTER", type=FilePath(allow_dash=True))
 @tolerance_option("Largest difference that passes, as a share of the bounding-box diagonal.")
 @reading_options
 @output_options
 def command(before: str, after: str, tolerance: float, **values: Any) -> None:
-    """Measure how much two files differ in every pose.
-
-    Skinned vertices and attachments, at rest, in the bind pose, at every key and
-    between keys; per mesh, clip and time. Exit code 6 when they differ by more than
-    the tolerance or something is lost.
-
-    \b
-    Example:
-        rigtri verify hero.glb out.glb
-    """
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.formats.document import GLTF_SUFFIXES

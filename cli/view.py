@@ -1,4 +1,14 @@
-"""rigtri view"""
+"""rigtri view
+
+Joints with their axes, limb triangles with their projection, pole vectors and controls follow every clip;
+with --against, the page shows the character before and after. The page is one file, three.js included,
+and fetches nothing.
+
+\b
+Examples:
+    rigtri view hero.glb -o hero.html
+    rigtri view out.glb --against hero.glb -o out.html --clip walk
+"""
 
 from __future__ import annotations
 
@@ -30,7 +40,7 @@ if TYPE_CHECKING:
     from rigtri.export.viewer.view import Shown
 
 
-@click.command("view", cls=Command)
+@click.command("view", cls=Command, help=__doc__)
 @source_argument
 @output_option(
     "The page to write; - for standard output.",
@@ -67,17 +77,6 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def command(source: str, output: str, **values: Any) -> None:
-    """Write a page that shows a character: skinned, textured, moving, with its rig.
-
-    Joints with their axes, limb triangles with their projection, pole vectors and controls follow every
-    clip; with --against, the page shows the character before and after. All is in the one
-    file, three.js with it; nothing is fetched.
-
-    \b
-    Examples:
-        rigtri view hero.glb -o hero.html
-        rigtri view out.glb --against hero.glb -o out.html --clip walk
-    """
     from rigtri.export.viewer.view import Begin, shown_page
 
     sources = [source] if values["against"] is None else [source, values["against"]]

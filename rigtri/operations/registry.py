@@ -1,39 +1,155 @@
-"""All operations: their names, their functions, and their options."""
+"""All operations: each with its line of help, its function and its options."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from rigtri.model.rig import Rig
+if TYPE_CHECKING:
+    from rigtri.model.rig import Rig
 
-# Where their functions are, in the order in which a rig is built.
+
+class Registered(NamedTuple):
+    """An operation. module: below `rigtri.operations`, where its function is.
+
+    heading: under which its command stands in help. summary: what it does, in a line. page: of docs/.
+    """
+
+    module: str
+    heading: Literal["Re-orient", "Build", "Motion", "Library"]
+    summary: str
+    page: str = "operations.md"
+
+
+_SKELETON = "one-skeleton.md"
+# By the names of their commands, in the order in which a rig is built.
 OPERATIONS = {
-    "freeze": "freeze",
-    "rename-joints": "rename_joints",
-    "prune-joints": "prune_joints",
-    "merge-joints": "merge_joints",
-    "limit-weights": "limit_weights",
-    "set-rest": "set_rest",
-    "add-root": "add_root",
-    "add-socket": "add_socket",
-    "root-motion": "root_motion",
-    "conform": "conform",
-    "orient-joints": "orient_joints.orient",
-    "make-limb": "make_limb",
-    "add-twist": "add_twist.twist",
-    "add-controls": "add_controls",
-    "add-polevector": "add_polevector",
-    "constrain": "constrain.constrain",
-    "add-rivet": "add_rivet.rivet",
-    "add-posereader": "add_posereader.posereader",
-    "mirror": "mirror.mirror",
-    "take-clips": "take_clips.take_clips",
-    "snap": "snap",
-    "bake": "bake.bake",
-    "pose": "pose",
-    "strip": "strip",
+    "freeze": Registered(
+        "freeze",
+        "Library",
+        "Put scale and rotation above joints into the joints; nothing that can be seen moves.",
+        _SKELETON,
+    ),
+    "rename-joints": Registered(
+        "rename_joints",
+        "Library",
+        "Give joints the names of another scheme: Mixamo, Unreal, Unity, VRM, Rigify ...",
+        _SKELETON,
+    ),
+    "set-rest": Registered(
+        "set_rest",
+        "Library",
+        "Give joints another rest pose, T-pose or A-pose too; every clip plays as before.",
+        _SKELETON,
+    ),
+    "conform": Registered(
+        "conform",
+        "Library",
+        "Give a character the standard skeleton of Unreal, Unity, Godot, VRM or Mixamo.",
+        _SKELETON,
+    ),
+    "add-root": Registered(
+        "add_root",
+        "Library",
+        "Add a root joint on the ground, above a character's joints; nothing moves.",
+        _SKELETON,
+    ),
+    "add-socket": Registered(
+        "add_socket",
+        "Library",
+        "Add a node below a joint, to attach a weapon, a hat or an effect to.",
+        _SKELETON,
+    ),
+    "root-motion": Registered(
+        "root_motion",
+        "Library",
+        "Move motion over the ground from the hips to the root, or take it out.",
+        _SKELETON,
+    ),
+    "prune-joints": Registered("prune_joints", "Library", "Remove joints that move nothing.", _SKELETON),
+    "merge-joints": Registered(
+        "merge_joints",
+        "Library",
+        "Merge joints into their parents: still ones, named ones, or down to a number.",
+        _SKELETON,
+    ),
+    "limit-weights": Registered(
+        "limit_weights",
+        "Library",
+        "Limit the number of joints that move a vertex, and normalise weights.",
+        _SKELETON,
+    ),
+    "orient-joints": Registered(
+        "orient_joints.orient",
+        "Re-orient",
+        "Give joints new axes; nothing that can be seen moves.",
+        "tasks/straighten.md",
+    ),
+    "make-limb": Registered(
+        "make_limb",
+        "Build",
+        "Make a chain of oriented joints from points or locators; three are a limb with its pole vector.",
+    ),
+    "add-twist": Registered(
+        "add_twist.twist",
+        "Build",
+        "Put twist joints along bones, which avoids the candy-wrapper effect.",
+    ),
+    "add-controls": Registered(
+        "add_controls",
+        "Build",
+        "Put a tree of controls over joints: fingers, spines, limbs, characters.",
+    ),
+    "add-polevector": Registered(
+        "add_polevector", "Build", "Add a locator that says which way a limb bends."
+    ),
+    "constrain": Registered(
+        "constrain.constrain",
+        "Build",
+        "Constrain a node to others: parent, point, orient, scale, aim, pole vector.",
+        "constraints.md",
+    ),
+    "add-posereader": Registered(
+        "add_posereader.posereader",
+        "Build",
+        "Drive morph targets, joints or values by the pose of a joint, baked to keys.",
+    ),
+    "add-rivet": Registered(
+        "add_rivet.rivet",
+        "Build",
+        "Attach locators to the surface of a mesh, through skinning and morph targets, baked to keys.",
+    ),
+    "mirror": Registered(
+        "mirror.mirror",
+        "Re-orient",
+        "Give one side of a character the axes of the other, and all that rigtri has built there.",
+    ),
+    "pose": Registered(
+        "pose",
+        "Motion",
+        "Print the pose of one moment, evaluated, or make it the rest pose.",
+        "evaluation.md",
+    ),
+    "snap": Registered(
+        "snap",
+        "Motion",
+        "Match IK to FK, or FK to IK, at some frames: the joints do not move there.",
+        "evaluation.md",
+    ),
+    "bake": Registered(
+        "bake.bake",
+        "Motion",
+        "Bake controls and constraints to joint keys, or joints' motion to controls.",
+        "evaluation.md",
+    ),
+    "take-clips": Registered(
+        "take_clips.take_clips",
+        "Motion",
+        "Transfer the animation of an edited file back to the rig it was made from.",
+        "take-clips.md",
+    ),
+    "strip": Registered("strip", "Build", "Remove what rigtri has added to a file."),
 }
 _FUNCTIONS = {"pose": "take_pose"}
 
@@ -41,7 +157,8 @@ _FUNCTIONS = {"pose": "take_pose"}
 def operation(name: str) -> Callable[..., Rig]:
     """The function of an operation, by its command's name."""
     function = _FUNCTIONS.get(name, name.replace("-", "_"))
-    found: Callable[..., Rig] = getattr(import_module(f"rigtri.operations.{OPERATIONS[name]}"), function)
+    module = import_module(f"rigtri.operations.{OPERATIONS[name].module}")
+    found: Callable[..., Rig] = getattr(module, function)
     return found
 
 

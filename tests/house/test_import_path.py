@@ -110,7 +110,7 @@ FIRST, SOME = "batch", ("inspect", "orient-joints", "build")
 
 
 def test_every_command_has_words() -> None:
-    assert set(WORDS) == set(COMMANDS)
+    assert set(WORDS) == set(COMMANDS), "add words to WORDS above, with which the command does its work"
 
 
 @pytest.mark.parametrize(

@@ -13,11 +13,13 @@ from click.testing import CliRunner
 from pydantic import ValidationError
 from rigs import chain
 
+from rigtri.cli import catalogue
 from rigtri.cli.edit_command import command_of
 from rigtri.errors import UsageError
 from rigtri.model.rig import Rig
 from rigtri.operations.declaration import Direction, Kind, Limbs, Node, made, option, refuse
 from rigtri.operations.operation import operation
+from rigtri.operations.registry import OPERATIONS, Registered
 from rigtri.pipeline.rigspec.models import steps
 from rigtri.report import Report
 
@@ -48,15 +50,24 @@ def wave(rig: Rig, *, options: WaveOptions, report: Report) -> Rig:
     return rig
 
 
+@pytest.fixture(autouse=True)
+def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = Registered("wave", "Build", "Let a hand wave.")
+    monkeypatch.setitem(OPERATIONS, "wave", one)
+    monkeypatch.setitem(catalogue.COMMANDS, "wave", one.summary)
+    monkeypatch.setitem(catalogue.PAGES, "wave", one.page)
+
+
 def command() -> click.Command:
     def run(ctx: click.Context, values: dict[str, Any]) -> None:
         SEEN.append(made(WaveOptions, values, [name for name in values if values[name]]))
 
-    return command_of("wave", WaveOptions, "Wave.", run)
+    return command_of("wave", WaveOptions, "rigtri wave\n\nAs often as you like.", run)
 
 
 def test_the_command_has_the_option_with_its_help_and_default() -> None:
     text = " ".join(CliRunner().invoke(command(), ["--help"]).output.split())
+    assert "Let a hand wave. As often as you like." in text
     assert "--times INTEGER RANGE How often it waves. [default: 3; x>=1]" in text
     assert "--as [queen|child] The manner." in text
     assert "--limb ROOT MIDDLE END The arms that move along." in text
@@ -85,6 +96,7 @@ def test_python_shows_it_in_help() -> None:
 def test_specs_have_it_with_the_same_words(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(steps, "options_class", lambda name: WaveOptions)
     model = steps.step_model("wave")
+    assert model.__doc__ == "Let a hand wave."
     about = model.model_json_schema(by_alias=True)["properties"]
     assert about["times"] == {
         "default": 3,

@@ -21,6 +21,7 @@ from program import cli
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.operations.orient_joints.orient import OrientJointsOptions
+from rigtri.operations.registry import OPERATIONS, operation
 from rigtri.pipeline.edit import edit
 from rigtri.report import Report
 
@@ -363,6 +364,8 @@ def test_public_names_are_what_they_claim() -> None:
 def test_consoles_complete_the_library_and_nothing_else() -> None:
     assert dir(rigtri) == sorted([*rigtri.__all__, "__version__"])
     assert set(rigtri.__all__) == {*rigtri._WHERE, *rigtri._MODULES}
+    missing = {operation(name).__name__ for name in OPERATIONS} - set(rigtri.__all__)
+    assert not missing, f"add {missing} to _WHERE, __all__ and the imports for types in rigtri/__init__.py"
 
 
 def test_words_are_those_of_the_command_line_in_capitals_too(samples: Path) -> None:

@@ -110,7 +110,7 @@ def _linear(byte: int) -> float:
 
 @dataclass(frozen=True)
 class AddControlsOptions(OneCharacter):
-    """Put a tree of controls over joints: fingers, spines, tails, limbs, whole characters.
+    """Options of add-controls.
 
     color: by ``left``, ``right`` and "" for the middle. as_: None keeps what is there. bend: as pole
     vectors have it. axes: by the address of a joint those that its control mirrors, (3, 3) rows in the world.

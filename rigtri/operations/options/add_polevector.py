@@ -69,7 +69,7 @@ class PlacementOptions(OneCharacter):
 
 @dataclass(frozen=True)
 class AddPolevectorOptions(PlacementOptions):
-    """Add a locator that says which way a limb bends.
+    """Options of add-polevector.
 
     bend: by the name of a limb's root, middle or end joint, the direction it bends to.
     as_: None keeps what is there, else it is a locator.

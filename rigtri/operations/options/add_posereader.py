@@ -48,7 +48,7 @@ Changes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET JOI
 
 @dataclass(frozen=True)
 class AddPosereaderOptions(OneCharacter):
-    """Let morph targets or values follow a joint's pose, baked to keys of every clip.
+    """Options of add-posereader.
 
     target: the target poses, in Python also a `Goal` each, or a mapping with its fields. morph: (target,
     mesh, morph target); a target may drive several. attribute: (target, control, attribute). joint:

@@ -20,7 +20,7 @@ from rigtri.operations.declaration import (
 
 @dataclass(frozen=True)
 class AddRivetOptions(OneCharacter):
-    """Attach locators to the surface of a mesh, through skinning and morph targets, baked to keys.
+    """Options of add-rivet.
 
     Each of ``triangle``, ``at`` and ``vertex`` is one rivet; ``name`` has names in this order.
     """

@@ -10,7 +10,7 @@ from rigtri.operations.declaration import Name, Node, option
 
 @dataclass(frozen=True)
 class AddRootOptions:
-    """Put a root joint on the ground, above all joints of a character."""
+    """Options of add-root."""
 
     name: Name = option("root", help="What it is called.", group="what")
     above: Node | None = option(None, help="The joint that it is put above. [the topmost joint of the body]")

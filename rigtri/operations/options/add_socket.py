@@ -8,7 +8,7 @@ from rigtri.operations.declaration import Direction, Name, Node, Point, option
 
 @dataclass(frozen=True)
 class AddSocketOptions:
-    """Put a node on a joint that something can be attached to."""
+    """Options of add-socket."""
 
     name: Name = option(help="What it is called.", group="what")
     on: Node = option(help="The joint that it follows.")

@@ -32,7 +32,7 @@ def _weights(flag: str, text: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class AddTwistOptions(OneCharacter):
-    """Put twist joints along bones, so that skin keeps its volume where forearms and shoulders twist.
+    """Options of add-twist.
 
     joint, to: a bone for each pair of both; whether the child's twist spreads up or the joint's own is
     taken away is what its limb says, else the former.

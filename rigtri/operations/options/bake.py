@@ -26,7 +26,7 @@ BETWEEN = 1e-3
 
 @dataclass(frozen=True)
 class BakeOptions(OneCharacter):
-    """Bake controls and constraints to joint keys, or the motion of joints to their controls.
+    """Options of bake.
 
     fps: None is as many samples as ``between`` needs. tolerance: how far keys that are left out may be
     off, as a share of the rig's size. soft, stretch: of all limbs, instead of their controls' values.

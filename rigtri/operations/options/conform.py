@@ -8,7 +8,7 @@ from rigtri.operations.declaration import Facing, OneCharacter, option
 
 @dataclass(frozen=True)
 class ConformOptions(OneCharacter):
-    """Give a character the standard skeleton of an engine: scale, rest pose, root, axes and names."""
+    """Options of conform."""
 
     to: str = option(
         metavar="SKELETON|FILE.toml",

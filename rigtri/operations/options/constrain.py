@@ -59,7 +59,7 @@ JointOrient = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class ConstrainOptions(OneCharacter):
-    """Let a node follow others by a constraint that is stored in the file; nothing moves now.
+    """Options of constrain.
 
     driver: nodes, in Python also pairs of node and weight. joint_orient: three angles are degrees about
     x, then y, then z.

@@ -11,7 +11,7 @@ from rigtri.operations.declaration import Above, Names, option, options_of
 
 @dataclass(frozen=True)
 class ConvertOptions:
-    """Write a glTF as USD, or a USD as glTF."""
+    """Options of convert."""
 
     clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]", group="what")
     fps: Above | None = option(

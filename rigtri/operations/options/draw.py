@@ -30,7 +30,7 @@ Size = Annotated[tuple[int, int], Kind("size", "WIDTHxHEIGHT", parse=_size)]
 
 @dataclass(frozen=True)
 class DrawOptions:
-    """What of a rig is drawn, and how."""
+    """Options of draw."""
 
     view: str = option(
         "three-quarter",

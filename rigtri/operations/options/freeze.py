@@ -10,7 +10,7 @@ from rigtri.operations.declaration import Above, option
 
 @dataclass(frozen=True)
 class FreezeOptions:
-    """Put scale, rotation and unit that stand above joints into the joints."""
+    """Options of freeze."""
 
     scale: bool = option(
         False,

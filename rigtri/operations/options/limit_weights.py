@@ -12,7 +12,7 @@ Influences = Annotated[int, Kind("number", "N", low=1, high=64)]
 
 @dataclass(frozen=True)
 class LimitWeightsOptions:
-    """Let no point follow more than some joints."""
+    """Options of limit-weights."""
 
     max_influences: Influences = option(
         4, help="The joints that a point may have; those that weigh most stay.", group="what"

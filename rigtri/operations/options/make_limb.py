@@ -45,7 +45,7 @@ def _node_or_point(_flag: str, text: str) -> str | Vector:
 
 @dataclass(frozen=True)
 class MakeLimbOptions(PlacementOptions):
-    """Make an oriented chain of joints from locators or points: three make a limb, with its pole vector.
+    """Options of make-limb.
 
     Two, or more than three without ``planar``, make a chain, which keeps its curve and has no pole vector.
     locators: nodes at the positions of the joints; or points: these positions, in the world. guides: many

@@ -14,7 +14,7 @@ Count = Annotated[int, Kind("number", "N", low=1)]
 
 @dataclass(frozen=True)
 class MergeJointsOptions:
-    """Merge joints into those above them, which get their weights."""
+    """Options of merge-joints."""
 
     joints: Nodes = option((), help="These joints, with all below them.", group="what")
     still: bool = option(

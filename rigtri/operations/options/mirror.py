@@ -27,7 +27,7 @@ WHAT: tuple[What, ...] = get_args(What)
 
 @dataclass(frozen=True)
 class MirrorOptions(OneCharacter):
-    """Give one side of a character what the other has: joint axes, and what rigtri has added.
+    """Options of mirror.
 
     plane_at: None is between most pairs of joints. across: that plane in the world, as
     `rigtri.frames.mirroring` has found it for ``mirror``.

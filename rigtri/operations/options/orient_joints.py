@@ -79,7 +79,7 @@ def _chains(_flag: str, chains: Iterable[Any]) -> tuple[StyledChain, ...]:
 
 @dataclass(frozen=True)
 class OrientJointsOptions(OneCharacter):
-    """Give joints new axes; nothing that can be seen moves.
+    """Options of orient-joints.
 
     keep: joints have their axes already; only ``mirror`` re-orients those of the other side. plane: of the
     character's own space; across: the same in the world, where that is known already.

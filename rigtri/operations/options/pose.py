@@ -8,7 +8,7 @@ from rigtri.operations.declaration import option
 
 @dataclass(frozen=True)
 class PoseOptions:
-    """Make the pose of one moment, evaluated, the rest pose."""
+    """Options of pose."""
 
     at: str = option(
         "rest", metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest.", group="what"

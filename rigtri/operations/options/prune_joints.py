@@ -8,7 +8,7 @@ from rigtri.operations.declaration import Nodes, option
 
 @dataclass(frozen=True)
 class PruneJointsOptions:
-    """Remove joints that move nothing."""
+    """Options of prune-joints."""
 
     sockets: bool = option(
         False,

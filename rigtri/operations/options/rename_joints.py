@@ -12,7 +12,7 @@ from rigtri.operations.declaration import JointNames, JsonFile, Node, Nodes, One
 
 @dataclass(frozen=True)
 class RenameJointsOptions(OneCharacter):
-    """Give recognised joints the names of a scheme; everything that names them follows."""
+    """Options of rename-joints."""
 
     to: str | None = option(
         None,

@@ -10,7 +10,7 @@ from rigtri.operations.declaration import Names, Node, option
 
 @dataclass(frozen=True)
 class RootMotionOptions:
-    """Move a character's motion over the ground from its hips to its root, or take it out."""
+    """Options of root-motion."""
 
     mode: Literal["extract", "remove"] = option(
         "extract",

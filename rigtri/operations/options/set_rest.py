@@ -11,7 +11,7 @@ from rigtri.operations.declaration import Facing, RigFile, option
 
 @dataclass(frozen=True)
 class SetRestOptions:
-    """Give joints another rest pose, with the same motion in every clip."""
+    """Options of set-rest."""
 
     pose: str = option(
         "",

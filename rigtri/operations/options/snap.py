@@ -15,7 +15,7 @@ Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE E
 
 @dataclass(frozen=True)
 class SnapOptions(OneCharacter):
-    """Match IK to FK, or FK to IK, at some frames: the joints do not move there."""
+    """Options of snap."""
 
     to: Literal["ik", "fk"] = option(help="What the limbs are matched to.", group="what")
     at: Names = option(

@@ -8,7 +8,7 @@ from rigtri.operations.declaration import OneCharacter, option
 
 @dataclass(frozen=True)
 class StripOptions(OneCharacter):
-    """Remove what rigtri has added."""
+    """Options of strip."""
 
     splits: bool = option(
         False,

@@ -8,7 +8,7 @@ from rigtri.operations.declaration import ClipNames, EditedFile, Names, Toleranc
 
 @dataclass(frozen=True)
 class TakeClipsOptions:
-    """Transfer the animation of an edited file back to the rig that it was made from.
+    """Options of take-clips.
 
     as_: by the name of a clip of the edited file, or its glob, the clip of the rig. tolerance: how far what
     counts as unchanged, and keys that are left out, may be off, as a share of the rig's size.

@@ -79,9 +79,8 @@ class StepModel(BaseModel):
 def step_model(name: str) -> type[StepModel]:
     """The model of an operation's steps."""
     declared: Any = options_class(name)
-    words = str(declared.__doc__).partition("\n")[0]
     fields = {"do": (Literal[name], ...), **_fields(declared)}
-    return create_model(_model_name(name), __base__=StepModel, __doc__=words, **fields)
+    return create_model(_model_name(name), __base__=StepModel, __doc__=OPERATIONS[name].summary, **fields)
 
 
 def __getattr__(name: str) -> type[StepModel]:
