@@ -11,19 +11,21 @@ import os
 import signal
 import time
 from contextlib import suppress
+from importlib import import_module
 from typing import NoReturn
 
-from rigtri.files.import_path import leave_out_working_folder
-
 INTERRUPTED = 128 + signal.SIGINT
+# What a shell sets that asks for completions.
+COMPLETION = "_RIGTRI_COMPLETE"
 # Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
 _NEAR = 0.5
 _last = -_NEAR
 
 
 def _end(_number: int, _frame: object) -> NoReturn:
-    """End at once: nothing is begun."""
-    os.write(2, b"\nrigtri: interrupted\n")
+    """End at once: nothing is begun. Where a shell completes a line, words would stand in that line."""
+    if COMPLETION not in os.environ:
+        os.write(2, b"\nrigtri: interrupted\n")
     os._exit(INTERRUPTED)
 
 
@@ -34,13 +36,13 @@ def _raise(_number: int, _frame: object) -> None:
         raise KeyboardInterrupt
 
 
-# Before anything else is imported.
-leave_out_working_folder()
 # Until the program begins, which handles interrupts itself, one ends it without a traceback of imports.
 _first = signal.getsignal(signal.SIGINT) is signal.default_int_handler
 if _first:
     with suppress(ValueError):  # a thread that is not the main one gets none
         signal.signal(signal.SIGINT, _end)
+# Before anything else is imported.
+import_module("rigtri.files.import_path").leave_out_working_folder()
 
 
 def raise_interrupts() -> None:

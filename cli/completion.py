@@ -14,6 +14,7 @@ from click.shell_completion import get_completion_class
 
 from rigtri.errors import UsageError
 
+from . import COMPLETION
 from .bash_completion import Bash
 from .help_format import Command
 from .options import json_option
@@ -30,6 +31,6 @@ def command(ctx: click.Context, shell: str, as_json: bool) -> None:
     if known is None:
         raise UsageError(f"click has no completion for {shell}")
     program = ctx.find_root().command
-    lines = known(program, {}, "rigtri", "_RIGTRI_COMPLETE").source()
+    lines = known(program, {}, "rigtri", COMPLETION).source()
     # For fish, click cuts what it says of a choice at the first comma.
     click.echo(lines.replace('string split "," ', 'string split --max 1 "," '))

@@ -13,7 +13,7 @@ import click
 from rigtri._version import __version__
 from rigtri.errors import FileError, RigtriError
 
-from . import failures, ignore_interrupts, raise_interrupts
+from . import COMPLETION, failures, ignore_interrupts, raise_interrupts
 from .catalogue import COMMANDS, GROUPS, alike
 
 
@@ -47,11 +47,12 @@ class Program(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         failures.hold_streams()
-        raise_interrupts()
-        if "_RIGTRI_COMPLETE" in os.environ:
+        if os.environ.get(COMPLETION):  # it only reads: an interrupt may end it at any time
             import_module("rigtri.cli.bash_completion")
+        else:
+            raise_interrupts()
         try:
-            return super().main(*args, **extra)
+            return super().main(*args, **{"complete_var": COMPLETION, **extra})
         except OSError as error:  # of what is said before a command runs, such as --help
             failures.end(None, error)
         finally:

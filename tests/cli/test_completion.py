@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from places import SAMPLES
 from program import cli
 
 
@@ -41,6 +42,24 @@ def test_bash_gets_what_may_come_next(words: str, wanted: str) -> None:
 def test_a_shell_that_nobody_knows_is_a_usage_error() -> None:
     told = cli("completion", "csh", code=2)
     assert "'bash', 'zsh', 'fish'" in told.stderr
+
+
+@pytest.mark.parametrize(
+    "place",
+    ["main.import_module = now", "import rigtri.formats; rigtri.formats.read = now", "atexit.register(now)"],
+)
+def test_an_interrupt_ends_completion_at_any_time_without_a_word(place: str) -> None:
+    now = "now = lambda *_: os.kill(os.getpid(), signal.SIGINT)"
+    allowed = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+    text = (
+        f"import atexit, os, signal; {allowed}; from rigtri.cli import main; {now}; {place}; main.program()"
+    )
+    line = f"rigtri orient-joints {SAMPLES / 'biped.glb'} --joints fore"
+    asked = {**os.environ, "_RIGTRI_COMPLETE": "bash_complete", "COMP_WORDS": line}
+    done = subprocess.run(
+        [sys.executable, "-c", text], env=asked, capture_output=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stderr) == (130, b"")
 
 
 def shell(name: str) -> str:
