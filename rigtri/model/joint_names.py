@@ -21,27 +21,7 @@ _RIGHT = frozenset({"r", "right", "rgt", "右"})
 SIDES = _LEFT | _RIGHT
 # Latin letters that no decomposition takes apart.
 _WRITTEN = {"ß": "ss", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"}
-# A side stands alone between separators, or is Left/Right within a capitalised name.
-_SIDE = re.compile(
-    r"(?<![A-Za-z])(?:[lLrR]|left|right|LEFT|RIGHT|lft|rgt|Lft|Rgt)(?![A-Za-z])"
-    r"|Left(?![a-z])|Right(?![a-z])|^(?:left|right)(?=[A-Z])"
-)
-_SWAP = {
-    "l": "r",
-    "L": "R",
-    "left": "right",
-    "Left": "Right",
-    "LEFT": "RIGHT",
-    "r": "l",
-    "R": "L",
-    "right": "left",
-    "Right": "Left",
-    "RIGHT": "LEFT",
-    "lft": "rgt",
-    "rgt": "lft",
-    "Lft": "Rgt",
-    "Rgt": "Lft",
-}
+_OTHER = {"l": "r", "left": "right", "lft": "rgt", "r": "l", "right": "left", "rgt": "lft"}
 
 
 def words(name: str) -> list[str]:
@@ -98,11 +78,18 @@ def number(name: str) -> int | None:
 def twin(name: str) -> str:
     """The name with its sides swapped; the name itself where it says no side.
 
-    >>> twin("hand.L"), twin("LeftArm"), twin("l_knee_jnt"), twin("左ひじ")
-    ('hand.R', 'RightArm', 'r_knee_jnt', '右ひじ')
+    >>> twin("hand.L"), twin("LeftArm"), twin("lShldr"), twin("左ひじ")
+    ('hand.R', 'RightArm', 'rShldr', '右ひじ')
     """
-    swapped = _SIDE.sub(lambda found: _SWAP[found.group()], name)
-    return swapped.translate({0x5DE6: "右", 0x53F3: "左"})
+    return _WORD.sub(_other_side, name).translate({0x5DE6: "右", 0x53F3: "左"})
+
+
+def _other_side(found: re.Match[str]) -> str:
+    word = found.group()
+    other = _OTHER.get(word.lower())
+    if other is None:
+        return word
+    return other.upper() if word.isupper() else other.capitalize() if word[0].isupper() else other
 
 
 def spread(name: str) -> str:

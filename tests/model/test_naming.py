@@ -27,7 +27,18 @@ def test_a_name_gives_its_side(name: str, expected: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["hand.L", "LeftArm", "l_knee_jnt", "左ひじ", "Bip01 L Foot", "mixamorig:LeftHand"]
+    "name",
+    [
+        "hand.L",
+        "LeftArm",
+        "l_knee_jnt",
+        "左ひじ",
+        "Bip01 L Foot",
+        "mixamorig:LeftHand",
+        "lShldr",
+        "RArm",
+        "armL",
+    ],
 )
 def test_the_twin_of_the_twin_is_the_name_itself(name: str) -> None:
     assert twin(name) != name
