@@ -14,7 +14,7 @@ Examples:
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -31,6 +31,9 @@ from .options import allow_rename_option, optional_target_option
 from .parameters import given, given_options, read_options
 from .printing import print_json
 from .terminal_text import counted, plain
+
+if TYPE_CHECKING:
+    from rigtri.operations.mirror.symmetry_check import Asymmetry
 
 MOST = 20
 
@@ -61,7 +64,7 @@ def _check(values: dict[str, Any], options: MirrorOptions, *, presumed: bool) ->
             "source": str(values["source"]),
             "symmetric": not worse and not found.alone,
             "mode": found.mode,
-            "plane": options.plane,
+            "plane": found.plane,
             "plane_at": found.at,
             "better_plane": None
             if found.better is None
@@ -83,13 +86,21 @@ def _check(values: dict[str, Any], options: MirrorOptions, *, presumed: bool) ->
         if found.better is not None:
             plane, at = found.better
             click.echo(f"most pairs lie about another plane: --plane {plane} --plane-at {at:.6g}", err=True)
-        where = f" about --plane {found.plane} --plane-at {found.at:g}" if found.at else ""
+        elsewhere = found.at or found.plane != "yz"
+        where = f" about --plane {found.plane} --plane-at {found.at:g}" if elsewhere else ""
         total = f"{counted(len(found.pairs), 'pair')}, {len(worse)} not symmetric{where}"
         total += f", {counted(len(found.alone), 'node')} without counterpart"
-        total += f"; axes compared as {found.mode}{'' if presumed else ', which most pairs keep'}"
+        total += f"; axes compared as {found.mode}{'' if presumed else _how_many(found)}"
         click.echo(total, err=True)
     if worse or found.alone:
         sys.exit(1)
+
+
+def _how_many(found: Asymmetry) -> str:
+    """Whether pairs keep the convention that was found, in words."""
+    if 2 * found.keeping > found.with_axes:
+        return ", which most pairs keep"
+    return f", kept by {found.keeping or 'none'} of {counted(found.with_axes, 'pair')}"
 
 
 def summary(report: Report) -> str:

@@ -17,7 +17,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from rigtri.errors import GeometryError, NameNotFoundError
 from rigtri.formats import read
-from rigtri.frames.mirroring import Across, Mirror, mirrored_axes, side_of, twin_of
+from rigtri.frames.mirroring import Across, Mirror, mirrored_axes
 from rigtri.maths.matrices import from_frame, nearest_rotation
 from rigtri.maths.matrices import multiply as matmul
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit
@@ -29,6 +29,7 @@ from rigtri.operations.mirror.symmetry_check import asymmetry
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import given
+from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report
 
 MODES: tuple[Mirror, ...] = ("behavior", "orientation", "blender")
@@ -304,11 +305,3 @@ def test_sides_that_lie_about_no_plane_are_a_warning_and_strict_refuses(
 
     with pytest.raises(GeometryError, match="lie about no xy plane"):
         edit(samples / "biped.glb", tmp_path / "out.glb", step, strict=True)
-
-
-def test_built_nodes_with_sides_in_their_names_give_no_sides_to_nameless_joints() -> None:
-    rig = add_polevector(posed_body(Pose("none", elbow=15.0)).rig, limbs="auto")
-    assert "left_arm_pole" in rig.names
-    for mirrored in (mirror, asymmetry):
-        with pytest.raises(GeometryError, match="rename-joints names them"):
-            mirrored(rig)

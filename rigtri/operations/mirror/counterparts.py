@@ -13,7 +13,6 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError, UsageError
-from rigtri.frames.mirroring import side_of, twin_of
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length, triple
@@ -33,6 +32,7 @@ from rigtri.model.metadata import (
 from rigtri.model.rig import Rig
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
+from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report
 
 R = TypeVar("R", bound=Record)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.mirroring import mirrored_axes, twin_of
+from rigtri.frames.mirroring import mirrored_axes
 from rigtri.maths.matrices import determinant, nearest_rotation
 from rigtri.maths.triangle import axis_of
 from rigtri.maths.trigonometry import Floats
@@ -30,6 +30,7 @@ from rigtri.operations.mirror.counterparts import (
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import free_name, group, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
+from rigtri.recognition.sides import twin_of
 from rigtri.report import Report
 
 _LETTERS = "xyz"

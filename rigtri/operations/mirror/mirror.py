@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.mirroring import MIRRORS, parting, side_of, twin_of, warn_plane
+from rigtri.frames.mirroring import MIRRORS
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
@@ -30,11 +30,13 @@ from rigtri.operations.mirror.limbs import mirror_limbs
 from rigtri.operations.mirror.pose_readers import mirror_readers
 from rigtri.operations.mirror.rivets import mirror_rivets
 from rigtri.operations.mirror.twists import mirror_twists
+from rigtri.operations.mirror_plane import parting, warn_plane
 from rigtri.operations.operation import operation
 from rigtri.operations.options.mirror import WHAT, What
 from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.recognition.one_character import bodies, within
+from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report
 
 
@@ -60,8 +62,9 @@ def _one(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """The rig with one character mirrored."""
     tree = skeleton(rig, options.root)
     refuse_without_sides(rig, tree.joints)
-    parted = parting(tree, reference(tree, options.pose), options.plane, options.from_side, options.plane_at)
-    warn_plane(options.plane, options.plane_at, parted, report)
+    ref = reference(tree, options.pose)
+    parted = parting(tree, ref, tree.joints, options.plane, options.from_side, options.plane_at)
+    warn_plane(options.plane_at, parted, report)
     options = replace(options, across=parted.across)
     before, known = rig, len(report.warnings)
     rig = _mirrored(rig, options, report)

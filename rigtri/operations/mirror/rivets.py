@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.evaluation.skinning import SkinnedPoints
-from rigtri.frames.mirroring import side_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, triple
 from rigtri.model.joint_names import side as side_in_name
@@ -17,6 +16,7 @@ from rigtri.operations.add_rivet.rivet import add_rivet, options_of
 from rigtri.operations.mirror.counterparts import SUFFIX, NotMirroredError, mirror_each, other, twin_name
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
+from rigtri.recognition.sides import side_of
 from rigtri.report import Report
 
 # A mesh whose nearest point is farther off than this share of the mesh is not symmetric there.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.mirroring import CONVENTIONS, PLANES, TOLERANCE, Convention, Plane, mirrored_axes, parting
+from rigtri.frames.mirroring import CONVENTIONS, PLANES, Convention, Plane, mirrored_axes
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes
@@ -21,6 +21,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.mirror.counterparts import other, refuse_without_sides, side
 from rigtri.operations.mirror.pose_readers import reader_twin
+from rigtri.operations.mirror_plane import TOLERANCE, parting
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import find
 
@@ -54,7 +55,8 @@ class Asymmetry:
     """All pairs of joints and of nodes that rigtri made, and those without a twin.
 
     plane, at: the mirror, in the character's own space. better: another one that most pairs lie
-    about, where they do not about that. mode: what the axes of the joints were compared by.
+    about, where they do not about that. mode: what the axes of the joints were compared by. keeping: how many
+    of ``with_axes`` pairs keep the convention that theirs were compared by.
     """
 
     pairs: tuple[Pair, ...]
@@ -63,6 +65,8 @@ class Asymmetry:
     at: float = 0.0
     better: tuple[Plane, float] | None = None
     mode: Convention = "behavior"
+    keeping: int = 0
+    with_axes: int = 0
 
     def worse(self, tolerance: float = TOLERANCE, degrees: float = DEGREES) -> list[Pair]:
         """The pairs that are not symmetric, worst place first."""
@@ -84,7 +88,7 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
     tree = skeleton(rig, options.root)
     refuse_without_sides(rig, tree.joints)
     ref = reference(tree, options.pose)
-    parted = parting(tree, ref, options.plane, options.from_side, options.plane_at)
+    parted = parting(tree, ref, tree.joints, options.plane, options.from_side, options.plane_at)
     options = replace(options, across=parted.across)
     joints = [joint for joint in chosen(tree, options.selection) if _is_bone(tree, joint) or joint in rig.own]
     found, alone = _pairs(rig, joints, options)
@@ -109,11 +113,15 @@ def asymmetry(rig: Rig, *, options: MirrorOptions | None = None, mode: Conventio
         kept = max(by_mode, key=lambda each: _fit(by_mode[each]))
         compared += by_mode[kept]
         modes += [kept] if group else []
+    keeping, with_axes = _fit(compared)[0], len(compared)
     placed = {node: there for node, there in standing.items() if kinds[node] not in _WITH_AXES}
     compared += _compared(rig, placed, rest, ref.extent, options, None)
-    titles = tuple(f"{rig.title(node)} (no {twin(rig.names[node])})" for node in alone)
+    missing = ((node, twin(rig.names[node])) for node in alone)
+    titles = (rig.title(k) + (f" (no {name})" if name != rig.names[k] else "") for k, name in missing)
     better = None if parted.fits else _better(tree, ref, options)
-    return Asymmetry(tuple(compared), titles, options.plane, parted.at, better, (modes or ["behavior"])[0])
+    kept = (modes or ["behavior"])[0]
+    plane, at = parted.plane, parted.at
+    return Asymmetry(tuple(compared), tuple(titles), plane, at, better, kept, keeping, with_axes)
 
 
 def _fit(pairs: Sequence[Pair]) -> tuple[int, float]:
@@ -177,7 +185,7 @@ def _compared(
 def _better(tree: Skeleton, ref: ReferencePose, options: MirrorOptions) -> tuple[Plane, float] | None:
     """A plane that most pairs lie about, where they do not about the given one."""
     for plane in PLANES:
-        parted = parting(tree, ref, plane, options.from_side)
+        parted = parting(tree, ref, tree.joints, plane, options.from_side)
         if parted.own and parted.fits:
             return plane, parted.at
     return None

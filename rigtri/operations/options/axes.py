@@ -7,6 +7,8 @@ from typing import Any
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.declaration import option
 
+# The option of the plane that axes are mirrored about.
+BETWEEN_SIDES = "The plane between the sides, of the space of the joints.  [that about which most pairs lie]"
 # What mirrored axes are, by the word that says it.
 MIRRORED = {
     "behavior": "equal rotations mirror the motion, as in Maya and Unreal",

@@ -42,9 +42,7 @@ class MirrorOptions(OneCharacter):
     from_side: Literal["left", "right"] = option(
         "left", help="The side that is copied onto the other.", group="what"
     )
-    plane: Literal["yz", "xz", "xy"] = option(
-        "yz", help="The plane between the sides, of the space that the joints are in.", rare=True
-    )
+    plane: Literal["yz", "xz", "xy"] | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
     plane_at: Number | None = option(
         None,
         help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",

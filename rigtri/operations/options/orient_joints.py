@@ -168,7 +168,7 @@ class OrientJointsOptions(OneCharacter):
     from_side: Literal["left", "right"] = option(
         "left", help="With --mirror: the side that is copied onto the other.", rare=True
     )
-    plane: Literal["yz", "xz", "xy"] = option("yz", help="The mirror.", rare=True)
+    plane: Literal["yz", "xz", "xy"] | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
     like: RigFile = option(
         None,
         excludes=["frames"],

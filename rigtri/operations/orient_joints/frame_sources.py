@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError
-from rigtri.frames.mirroring import Across, Mirror, mirrored_axes, side_of, twin_of
+from rigtri.frames.mirroring import Mirror, mirrored_axes
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (
@@ -25,8 +25,12 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
+from rigtri.operations.mirror_plane import parting, warn_plane
+from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.joint_frames import set_world_axes
 from rigtri.operations.orient_joints.targets import Targets
+from rigtri.recognition.one_character import bodies
+from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report
 from rigtri.text import listed
 
@@ -158,18 +162,17 @@ def mirrored_deltas(
     targets: Targets,
     joints: Sequence[int],
     delta: Floats,
-    *,
     mirror: Mirror,
-    from_side: Literal["left", "right"],
-    across: Across,
+    options: OrientJointsOptions,
     report: Report,
 ) -> Floats:
     """Changes of frame, (n, 4), with those of one side's joints made from the new frames of the other side's.
 
-    `frames.mirroring` says what each way of mirroring means; with ``behavior`` the side aims backwards.
+    `frames.mirroring` says what each way of mirroring means; with ``behavior`` the side aims backwards. Each
+    character of a file is mirrored about its own plane.
     """
-    rig, known = targets.tree.rig, set(joints)
-    twins: dict[int, int] = {}
+    tree, from_side, known = targets.tree, options.from_side, set(joints)
+    rig, twins = tree.rig, dict[int, int]()
     for joint in joints:
         if side_of(rig, joint) in ("", from_side):
             continue
@@ -182,11 +185,19 @@ def mirrored_deltas(
         twins[joint] = source
     if not any(side_of(rig, joint) for joint in joints):
         raise GeometryError("no selected joint has left or right in its name")
-    result = delta.copy()
-    if twins:
-        sources = list(twins.values())
-        axes = transform_directions(to_axes(delta[sources]), targets.ref.world[sources][:, np.newaxis])
-        set_world_axes(result, mirrored_axes(axes, mirror, across), list(twins), targets)
+    result, several = delta.copy(), [] if options.across is not None else bodies(rig)
+    body = {joint: k for k, nodes in enumerate(several) for joint in nodes}
+    for one in {body.get(joint, 0) for joint in twins}:
+        across = options.across
+        if across is None:
+            own = [joint for joint in tree.joints if body.get(joint, 0) == one]
+            parted = parting(tree, targets.ref, own, options.plane, from_side)
+            warn_plane(None, parted, report)
+            across = parted.across
+        here = [joint for joint in twins if body.get(joint, 0) == one]
+        there = [twins[joint] for joint in here]
+        axes = transform_directions(to_axes(delta[there]), targets.ref.world[there][:, np.newaxis])
+        set_world_axes(result, mirrored_axes(axes, mirror, across), here, targets)
     return result
 
 

@@ -270,21 +270,9 @@ def requested_frames(
         ups, straight = ladder.ups, {k: v for k, v in planes.straight.items() if k not in standard.bones}
     delta[joints] = _with_offset(delta[joints], options)
     if options.mirror is not None:
-        from rigtri.frames.mirroring import parting
         from rigtri.operations.orient_joints.frame_sources import mirrored_deltas
 
-        across = options.across
-        if across is None:
-            across = parting(targets.tree, targets.ref, options.plane, options.from_side).across
-        delta = mirrored_deltas(
-            targets,
-            joints,
-            delta,
-            mirror=options.mirror,
-            from_side=options.from_side,
-            across=across,
-            report=report,
-        )
+        delta = mirrored_deltas(targets, joints, delta, options.mirror, options, report)
     delta[joints] = band.apply(delta[joints], joints)
     return RequestedFrames(joints, delta, band, ups, straight)
 
