@@ -25,7 +25,8 @@ _last = -_NEAR
 def _end(_number: int, _frame: object) -> NoReturn:
     """End at once: nothing is begun. Where a shell completes a line, words would stand in that line."""
     if COMPLETION not in os.environ:
-        os.write(2, b"\nrigtri: interrupted\n")
+        with suppress(OSError):  # nobody reads it
+            os.write(2, b"\nrigtri: interrupted\n")
     os._exit(INTERRUPTED)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import click
 
-from . import failures
+from . import failures, streams
 from .help_format import Command, option
 from .option_types import FilePath, Tolerance
 from .options import json_option, reading_options
@@ -68,7 +68,7 @@ _PAINTS = (
 def command(before: str, after: str, **values: Any) -> None:
     with failures.always(click.get_current_context(), ERROR):
         same = _diff(before, after, values)
-    sys.exit(0 if same else DIFFERS)
+    sys.exit(DIFFERS if not same else ERROR if streams.lost() else 0)
 
 
 def _diff(before: str, after: str, values: dict[str, Any]) -> bool:

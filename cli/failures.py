@@ -44,21 +44,6 @@ def print_json_error(
             click.echo(json.dumps({"error": error}, indent=2))
 
 
-def hold_streams() -> None:
-    """Give the standard streams that the caller has closed their places back.
-
-    Else the next file that is opened gets the number, and what is printed goes into it. What is
-    written to standard output then fails, for it would be lost.
-    """
-    held = os.open(os.devnull, os.O_RDONLY)
-    while held < 2:
-        held = os.dup(held)
-    if held > 2:
-        os.close(held)
-    if sys.stdout is None:
-        sys.stdout = os.fdopen(1, "w", encoding="utf-8")
-
-
 def _takes_more() -> bool:
     """Whether standard output takes what waits for it; of one that does not, let the rest go.
 
@@ -73,13 +58,6 @@ def _takes_more() -> bool:
             os.close(nowhere)
         return False
     return True
-
-
-def gone(code: int) -> NoReturn:
-    """The reader of our output has gone; nobody is left to print for."""
-    if sys.stderr is not None:
-        sys.stderr.close()
-    sys.exit(code)
 
 
 @contextmanager
@@ -99,8 +77,6 @@ def always(ctx: click.Context, code: int) -> Iterator[None]:
         yield
     except (click.ClickException, click.exceptions.Exit, click.Abort):
         raise
-    except BrokenPipeError:
-        gone(code)
     except (RigtriError, OSError, MemoryError) as error:
         end(ctx, error, code)
     except Exception as error:  # a mistake of ours: Python's own code for it would be an answer

@@ -13,7 +13,7 @@ import click
 from rigtri._version import __version__
 from rigtri.errors import FileError, RigtriError
 
-from . import COMPLETION, failures, ignore_interrupts, raise_interrupts
+from . import COMPLETION, failures, ignore_interrupts, raise_interrupts, streams
 from .catalogue import COMMANDS, GROUPS, alike
 
 
@@ -46,7 +46,10 @@ class Program(click.Group):
         return ctx.fail(f"No such command '{args[0]}'.{hint}")
 
     def main(self, *args: Any, **extra: Any) -> Any:
-        failures.hold_streams()
+        ours = not (args or extra)  # the process, which ends with this
+        streams.hold()
+        if ours:
+            streams.keep()
         if os.environ.get(COMPLETION):  # it only reads: an interrupt may end it at any time
             import_module("rigtri.cli.bash_completion")
         else:
@@ -55,16 +58,18 @@ class Program(click.Group):
             return super().main(*args, **{"complete_var": COMPLETION, **extra})
         except OSError as error:  # of what is said before a command runs, such as --help
             failures.end(None, error)
+        except SystemExit as ended:
+            if not ended.code and streams.lost():
+                # As of any file that cannot be written; 1 is an answer of check and mirror.
+                sys.exit(FileError.exit_code)
+            raise
         finally:
-            if not (args or extra):  # the process is ours and ends now
+            if ours:
                 ignore_interrupts()
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
-        try:
-            with failures.exit_on_interrupt():
-                return super().make_context(*args, **extra)
-        except BrokenPipeError:  # --help of all commands
-            failures.gone(FileError.exit_code)
+        with failures.exit_on_interrupt():
+            return super().make_context(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
         for stream in (sys.stdout, sys.stderr):
@@ -76,9 +81,6 @@ class Program(click.Group):
                 return super().invoke(ctx)
         except click.ClickException as error:
             failures.misused(ctx, error)
-        except BrokenPipeError:
-            # As of any file that cannot be written; 1 is an answer of check and mirror.
-            failures.gone(FileError.exit_code)
         except (RigtriError, OSError, MemoryError) as error:
             failures.end(ctx, error)
 

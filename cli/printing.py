@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import streams
 from .terminal_text import echo_message, plain
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:
         click.echo("No OUT was written (--dry-run).", err=True)
     elif values["dry_run"]:
         click.echo(f"{where} was not written (--dry-run).", err=True)
-    else:
+    elif output != "-" or not streams.lost():
         click.echo(f"Wrote {where}", err=True)
 
 

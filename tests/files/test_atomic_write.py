@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from places import slow
+from places import ci, slow
 
 from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files import atomic_write
@@ -549,6 +549,36 @@ def test_a_closed_standard_output_is_no_success(
     done = run(*words, stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
     assert done.stderr.decode().splitlines()[-1] == "rigtri: output: Bad file descriptor"
     assert done.returncode == (2 if name == "diff" else 3)
+
+
+@POSIX
+@pytest.mark.parametrize(
+    ("words", "code", "lost"),
+    [
+        ("orient-joints nofile.glb -o out.glb", 3, 3),
+        ("verify biped.glb tpose.glb", 6, 6),
+        ci("explain biped.glb --limb nojoint", 4, 4),
+        ci("no-command", 2, 2),
+        ci("diff biped.glb tpose.glb", 1, 1),
+        ci("diff biped.glb biped.glb", 0, 0),
+        ci("orient-joints biped.glb -o out.glb", 0, 0),
+        ci("orient-joints biped.glb -o -", 0, 3),
+        ci("inspect biped.glb", 0, 3),
+        ci("--help", 0, 3),
+    ],
+)
+def test_a_command_ends_with_its_own_code_whoever_reads_what_it_prints(
+    words: str, code: int, lost: int, samples: Path, tmp_path: Path
+) -> None:
+    """code: where only messages are lost; lost: where what standard output was to get is lost, too."""
+    line = [str(samples / word) if (samples / word).exists() else word for word in words.split()]
+    reader, closed = os.pipe()
+    os.close(reader)
+    for printed, expected in ((subprocess.DEVNULL, code), (closed, lost)):
+        done = run(*line, cwd=tmp_path, stdout=printed, stderr=closed)
+        (tmp_path / "out.glb").unlink(missing_ok=True)
+        assert done.returncode == expected
+    os.close(closed)
 
 
 @pytest.mark.slow
