@@ -11,6 +11,7 @@ from places import SAMPLES
 
 from rigtri.evaluation import sampling
 from rigtri.formats import read
+from rigtri.maths.matrices import compose
 from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
@@ -53,6 +54,24 @@ def turned_key(rig: Rig, joint: str, clip: str = "walk", key: int = 3, angle: fl
         return replace(track, values=values)
 
     return with_tracks(rig, clip, changed)
+
+
+def without_skin(rig: Rig) -> Rig:
+    return replace(rig, skins=())
+
+
+def shown_at(rig: Rig, time: float) -> Rig:
+    """The rig as a DCC writes it that stores the current frame as rest."""
+    parts = {path: getattr(rig, path).copy() for path in ("translation", "rotation", "scale")}
+    for track in (t for t in rig.clip("walk").tracks if t.path != "weights"):
+        parts[track.path][track.node] = sampling.sample(track, [time * rig.rules.per_second])[0]
+    return resting(rig, **parts)
+
+
+def resting(rig: Rig, **parts: Floats) -> Rig:
+    """The rig with its nodes elsewhere at rest, whether these hold parts or a matrix."""
+    rig = replace(rig, **parts)
+    return replace(rig, matrix=compose(rig.translation, rig.rotation, rig.scale))
 
 
 def places(rig: Rig, clip: str, times: Floats) -> dict[str, Floats]:

@@ -310,13 +310,3 @@ def test_joints_that_stretch_a_little_are_compared_all_the_same() -> None:
     )
     with pytest.raises(GeometryError, match="point elsewhere"):
         take_clips(rig, from_=replace(other, names=tuple(names), clips=clips))
-
-
-def test_joints_that_are_rolled_without_a_skin_are_told() -> None:
-    rig = held(rig_of())
-    rotation, head = rig.rotation.copy(), rig.find("head")
-    rotation[head] = multiply(from_axis_angle([0.0, 1.0, 0.0], 1.0), rotation[head])
-    report = Report()
-    take_clips(rig, from_=replace(rig, rotation=rotation, skins=()), report=report)
-    (told,) = (notice.text for notice in report.warnings if notice.code == "unsure-axes")
-    assert "head: 57.3°" in told

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_json, glb_parts
 from program import cli
-from taken_clips import BIPED, apart, notices, rig_of, turned_key, with_tracks
+from taken_clips import BIPED, apart, notices, rig_of, shown_at, turned_key, with_tracks, without_skin
 
 from rigtri import check
 from rigtri.errors import GeometryError
@@ -24,18 +24,6 @@ from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
 CLOSE = 1e-6
-
-
-def without_skin(rig: Rig) -> Rig:
-    return replace(rig, skins=())
-
-
-def shown_at(rig: Rig, time: float) -> Rig:
-    """The rig as a DCC writes it that stores the current frame as rest."""
-    parts = {path: getattr(rig, path).copy() for path in ("translation", "rotation", "scale")}
-    for track in rig.clip("walk").tracks:
-        parts[track.path][track.node] = sampling.sample(track, [time])[0]
-    return replace(rig, **parts)
 
 
 def in_centimetres(rig: Rig) -> Rig:

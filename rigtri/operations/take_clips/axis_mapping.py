@@ -265,7 +265,7 @@ class Counterparts:
         drawn = multiply(multiply(self.rig.local[node], inverse(between)), inverse(self.other.local[theirs]))
         if not np.isfinite(drawn).all():
             return self._inherited(node, between)
-        if self.rig.is_joint[node] and not self.other.is_joint[theirs]:
+        if self.rig.is_joint[node]:
             return self._bare(node, between)
         if theirs not in self.moving or self.other.is_joint[theirs]:
             return drawn
@@ -314,7 +314,7 @@ class Counterparts:
         return turn
 
     def _bare(self, node: int, between: Floats) -> Floats:
-        """C of a joint that is only a node in EDITED, which has no skin."""
+        """C of a joint without a bind pose in either file: what rests in a frame shows no axes."""
         turn = self._inherited(node, between)
         axes = from_frame(self._bare_axes, np.zeros(3))
         turn[:3, :3] = inverse(axes)[:3, :3] * float(length(turn[0, :3]))

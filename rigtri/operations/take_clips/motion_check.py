@@ -18,7 +18,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import locals_at, sorted_unique, thinned, worlds
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import inverse, multiply, transform_points
+from rigtri.maths.matrices import transform_points
 from rigtri.maths.similarity_fit import OTHER_SHAPE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
@@ -28,6 +28,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.clip_comparison import Comparison
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions
+from rigtri.operations.take_clips.seen_joints import joint_above, seen_ours, seen_theirs
 from rigtri.operations.take_clips.track_comparison import MISSED, without_near_keys
 from rigtri.report import Report
 
@@ -100,10 +101,10 @@ class MotionCheck:
     # --- one joint
 
     def _of(self, joint: int) -> list[_Off]:
-        above = self._above(joint)
+        above = joint_above(self.both, joint)
         frames = self._frames(joint, above)
         theirs = self._seen_theirs(joint, above)[frames]
-        ours = self._seen_ours(joint, above).reshape(-1, len(self.times), 4, 4)[:, frames]
+        ours = seen_ours(self.both, joint, self.ours).reshape(-1, len(self.times), 4, 4)[:, frames]
         unit = float(length(self.rig.world[above, 0, :3])) if above >= 0 else 1.0
         if not len(theirs) or not (np.isfinite(theirs).all() and np.isfinite(ours).all()):
             return []
@@ -129,29 +130,13 @@ class MotionCheck:
         track = Track(joint, "rotation", "LINEAR", times, np.tile([0.0, 0.0, 0.0, 1.0], (len(times), 1)))
         return np.asarray(MOST_OFF + np.degrees(self.seen.tolerances.of(track)))
 
-    def _above(self, joint: int) -> int:
-        """The nearest joint above that both files have, or −1."""
-        above = self.both.line(joint)[2]
-        while above >= 0 and not self.rig.is_joint[above]:
-            above = self.both.line(above)[2]
-        return above
-
-    def _seen_ours(self, joint: int, above: int) -> Floats:
-        world = self.ours[:, joint]
-        return world if above < 0 else multiply(world, inverse(self.ours[:, above]))
-
     def _seen_theirs(self, joint: int, above: int) -> Floats:
         """What EDITED shows of a joint, in RIG's axes and with RIG's lengths, (f, 4, 4)."""
-        both, of = self.both, self.both.of
-        world = multiply(both.turns[joint], self.theirs[:, of[joint]])
+        seen = np.array(seen_theirs(self.both, joint, self.theirs))
         if above < 0:
-            seen = np.array(multiply(world, both.space))
             seen[..., 3, :3] = self._placed(joint, seen[..., 3, :3])
-        else:
-            carrier = multiply(both.turns[above], self.theirs[:, of[above]])
-            seen = np.array(multiply(world, inverse(carrier)))
-            if both.line(joint)[2] == above and (place := self.bodies.place(joint)) is not None:
-                seen[..., 3, :3] = transform_points(seen[..., 3, :3], place)
+        elif self.both.line(joint)[2] == above and (place := self.bodies.place(joint)) is not None:
+            seen[..., 3, :3] = transform_points(seen[..., 3, :3], place)
         return seen
 
     def _placed(self, joint: int, places: Floats) -> Floats:
@@ -203,7 +188,7 @@ class MotionCheck:
         """Whether a property of a joint comes from keys of EDITED, or RIG has none that would stay."""
         if self.seen.transfer.is_carried(joint):
             return True
-        above, driven = self._above(joint), self.seen.transfer.driven
+        above, driven = joint_above(self.both, joint), self.seen.transfer.driven
         line = {n: driven.get(self.both.of[n], {}) for n in self._line(joint, above) if n in self.both.of}
         for node, own in line.items():
             paths = (path,) if node == joint else PATHS

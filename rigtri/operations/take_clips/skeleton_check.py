@@ -13,9 +13,7 @@ from collections.abc import Collection
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.maths.matrices import multiply, nearest_rotation
-from rigtri.maths.quaternions import angle_between, from_axes
-from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_SIZE
+from rigtri.maths.similarity_fit import SAME_SIZE
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
@@ -24,7 +22,6 @@ from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.operations.take_clips.proportions import Proportions, keys, varying
 from rigtri.operations.take_clips.retargeting import rest_parts
-from rigtri.report import Report
 
 # Of the size: so far bind poses may be apart beside turn, size and place, while bones still point alike.
 # Joints then move as in EDITED about RIG's own bind pose. Beyond half of the size no joint is near its own
@@ -63,26 +60,6 @@ def refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Collec
         raise GeometryError(
             f"EDITED has another skeleton than RIG, or other axes without a skin that shows them: {why}. "
             "Its rotations would give another motion: retarget it in a DCC, or export EDITED with its skin"
-        )
-
-
-def warn_unsure_axes(both: Counterparts, report: Report) -> None:
-    """Joints without a bind pose that stand where RIG's do, but turned: by a pose, or by other axes."""
-    rig = both.rig
-    joints = [n for n in both.of if rig.is_joint[n] and n not in both.bound]
-    theirs = np.reshape([both.other.world[both.of[n]] for n in joints], (-1, 4, 4))
-    theirs = multiply(multiply(np.reshape([both.turns[n] for n in joints], (-1, 4, 4)), theirs), both.space)
-    ours = rig.world[joints]
-    if not joints or not (length(ours[:, 3, :3] - theirs[:, 3, :3]) <= OTHER_SHAPE * both.size).all():
-        return  # another pose: nothing tells it from other axes
-    axes = (from_axes(nearest_rotation(each)) for each in (ours, theirs))
-    off = zip(joints, np.degrees(angle_between(*axes)).tolist(), strict=True)
-    if names := [f"{rig.title(n)}: {by:.3g}°" for n, by in off if by > MOST_DEGREES]:
-        report.warn(
-            "unsure-axes",
-            "EDITED has no skin that shows the axes of its joints, and while all of them stand where RIG's "
-            f"do, some are turned there ({list_names(names)}). This is taken for a pose; where it is other "
-            "axes, meshes are twisted: export EDITED with its skin",
         )
 
 

@@ -49,11 +49,12 @@ from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
-from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton, warn_unsure_axes
+from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
 from rigtri.operations.take_clips.standing import stood_up
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
+from rigtri.operations.take_clips.unsure_axes import AxesEvidence
 from rigtri.progress import count_done
 from rigtri.report import Report
 
@@ -87,15 +88,16 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
     every = names.taken(options.clip)
-    both = stood_up(both, every, report)
     driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
     _refuse_other_nodes(both, every)
     bodies = Proportions(both)
     refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
+    if (stood := stood_up(both, every, report)) is not both:
+        both, bodies = stood, Proportions(stood)
     warn_differences(both, report)
     warn_facing(both, report)
-    warn_unsure_axes(both, report)
     warn_lengths(bodies, report)
+    axes, moved = AxesEvidence(bodies), set[int]()
     taken_all, changed = set[str](), set[str]()
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
     for number, taken in enumerate(every):
@@ -108,10 +110,12 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             )
             continue
         before, rig = rig, taking.done()
-        taking.refuse_other_motion(rig)
+        taking.refuse_other_motion(rig, axes)
+        moved.update(track.node for track in taking.changed)
         taken_all.add(taken.name)
         if rig is not before:
             changed.add(taken.name)
+    axes.warn(moved, report)
     warn_followers(start, rig, report)
     rig = drop_switched_off_ik_keys(
         rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
@@ -195,8 +199,11 @@ class _Taking:
             self.report.reposed = True
         return rig
 
-    def refuse_other_motion(self, rig: Rig) -> None:
-        """GeometryError where the clip would not play in ``rig``, the result, as it does in EDITED."""
+    def refuse_other_motion(self, rig: Rig, axes: AxesEvidence) -> None:
+        """GeometryError where the clip would not play in ``rig``, the result, as it does in EDITED.
+
+        What it shows of EDITED's axes goes to ``axes``.
+        """
         home = self.taken.home
         played = [
             t
@@ -208,6 +215,8 @@ class _Taking:
             left = self.follow | {n for n in self.both.of if self.rig.names[n] in splines}
             check = MotionCheck(self.seen, self.bodies, rig, played[-1].clip, left)
             refuse_other_motion(check, self.kept, self.report)
+            before = home.clip if home is not None else Clip("", ())
+            axes.look(check.theirs, before, self.clock.times(check.times))
 
     def is_a_pose(self) -> bool:
         """Whether EDITED has but one moment of a clip that goes on here."""
