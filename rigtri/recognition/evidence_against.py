@@ -218,10 +218,16 @@ def _arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 
 
 def _split_bone(draft: Draft, each: Found) -> str:
-    """A limb that begins at what its name calls a further part of the joint above: ``shoulder.001``."""
-    tree, start = draft.tree, each.joints[0]
-    whole, part = _PART.fullmatch(tree.rig.names[start]), tree.above[start]
-    if whole is None or part < 0 or tree.rig.names[part] != whole[1]:
+    """A limb that begins at what its name calls a further part of the joint above: ``shoulder.001``.
+
+    So programs number what nobody has named (``Bone``, ``Bone.001``), too, in one branch and in another.
+    """
+    tree, names, start = draft.tree, draft.tree.rig.names, each.joints[0]
+    whole, part = _PART.fullmatch(names[start]), tree.above[start]
+    if whole is None or part < 0 or names[part] != whole[1] or not parse_name(whole[1]).plain:
+        return ""
+    parts = (k for k in tree.nodes if (found := _PART.fullmatch(names[k])) and found[1] == whole[1])
+    if any(not tree.is_below(k, start) and not tree.is_below(start, k) for k in parts if k != start):
         return ""
     return f"{_title(draft, part)} may be the first part of its upper bone"
 
@@ -234,7 +240,7 @@ def _misnamed(draft: Draft, each: Found) -> str:
         return f"{_title(draft, each.joints[2])} is called as a lower bone is"
     first, second, third = (parse_name(name) for name in names)
     counts = second.plain == third.plain != first.plain and second.key != third.key
-    if counts and _numbers(second.key) == [1] and _numbers(third.key) == [2]:
+    if counts and second.plain and _numbers(second.key) == [1] and _numbers(third.key) == [2]:
         return f"its bones are counted from {_title(draft, each.joints[1])} on"
     return ""
 

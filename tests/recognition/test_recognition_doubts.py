@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from posed_bodies import Pose, posed_body
 from recognition_bodies.measure import measure
 from recognition_bodies.population import crowd, population
 from recognition_bodies.skeletons import FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
@@ -206,6 +207,20 @@ def test_a_limb_that_begins_at_the_further_part_of_a_split_bone_is_not_sure() ->
     case = next(case for case in population(402) if case.name == "person 34")
     found = measure(case.rig, case.truth, recognise(case.rig), named=True)
     assert [each for each in found if each.outcome == "surely wrong"] == []
+
+
+@pytest.mark.parametrize(
+    "called",
+    ["Bone.{k:03}", "Bone{k:03}", "joint{k}", "bone_{k}", "Armature_{k}", "Node.{k:03}", "Object_{k}"],
+)
+def test_names_that_a_program_has_numbered_say_nothing(called: str) -> None:
+    """``Bone.001`` at the hips ``Bone`` begins a leg, and is no further part of them."""
+    rig = posed_body(Pose("none", knee=5.0, elbow=5.0)).rig
+    first = [called.partition(".")[0].format(k=0)] if "." in called else []
+    names = ["Armature", *first, *(called.format(k=k) for k in range(1, len(rig) - len(first)))]
+    chains, nameless_ones = (recognise(each).chains for each in (replace(rig, names=tuple(names)), rig))
+    known, expected = ([(k.name, k.joints, k.confidence) for k in each] for each in (chains, nameless_ones))
+    assert sorted(known) == sorted(expected)
 
 
 @pytest.mark.parametrize(
