@@ -38,7 +38,7 @@ _CLOSE = 0.04
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
 # Where a chain could bend at two places almost as well, it is not said which.
-_TIE = 0.05
+TIE = 0.05
 # Scores of a body between which it goes from a mere guess to as sure as a shape can be.
 _GUESS, _CLEAR, _LEAST, _SUREST = 0.6, 0.9, 0.5, 0.94
 # What is left of a limb without names where others have some.
@@ -117,7 +117,7 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         kind, sure = _shaped(body, limbs), _shape_confidence(draft, body, limbs)
     elif body is not None and _is_further(draft, body, limbs):
         kind = "arm"
-    named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > _TIE)
+    named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
         told = 1.0 - (1.0 - sure) * (1.0 - _WORDS * _told(limbs))
         # The front legs of an animal are often called arms, and are legs.
@@ -141,7 +141,7 @@ def _is_further(draft: Draft, body: Body, limbs: Limbs) -> bool:
     if body.form != "quadruped" or body.arms is None or len(limbs.at) < 3 or limbs.kind == "other":
         return False
     high = (limbs.starts - body.arms.starts).dot(body.up) > 0.0
-    return high and limbs.quality > LEG and limbs.size > ALIKE * body.arms.size and limbs.lead > _TIE
+    return high and limbs.quality > LEG and limbs.size > ALIKE * body.arms.size and limbs.lead > TIE
 
 
 def _shaped(body: Body, limbs: Limbs) -> LimbKind:
@@ -153,7 +153,7 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     """How sure the limbs of a body are by its shape."""
     sure = _body_confidence(draft, body, limbs) * (0.85 + 0.15 * within(limbs.quality, 0.25, 0.55))
     if len(limbs.at) == 3 and len(limbs.pair.paths[0]) > 3:
-        sure -= 0.2 * (1.0 - within(limbs.lead, _TIE, 3.0 * _TIE))
+        sure -= 0.2 * (1.0 - within(limbs.lead, TIE, 3.0 * TIE))
     if limbs is body.arms and _lacks_hand(draft, limbs):
         sure = min(sure, _HALF)
     return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure

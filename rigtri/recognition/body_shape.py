@@ -123,9 +123,10 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
 
 
 def _kind_of(tree: Tree, limbs: Limbs, words: Sequence[LimbWords]) -> LimbKind | Literal["other", ""]:
-    """What names say that two limbs are; ``other`` where one says a tail, a wing, or something worn."""
+    """What names say that two limbs are; ``other`` where one says a trunk, a wing, or something worn."""
     joints = (*limbs.joints(0), *limbs.joints(1))
-    if any(NO_LIMB.intersection(roles_in_name(tree.rig.names[joint])) for joint in joints):
+    roles = {role for joint in joints for role in roles_in_name(tree.rig.names[joint])}
+    if NO_LIMB & roles or any(word.trunk for word in words):
         return "other"
     kinds: set[LimbKind] = {word.kind for word in words if word.kind}
     return kinds.pop() if len(kinds) == 1 else ""

@@ -52,11 +52,16 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     for each in found:
         why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each)
         if why and round(each.confidence, 2) >= CONFIDENT:  # as it is written
-            words = f"the {each.side} {each.kind}".replace("  ", " ")
-            draft.remarks.append(f"{words} is not sure: {why}")
-            each = replace(each, confidence=_UNSURE, evidence=(*each.evidence, f"but {why}"))
+            each = unsure(draft, each, why)
         weighed.append(each)
     return weighed
+
+
+def unsure(draft: Draft, each: Found, why: str) -> Found:
+    """A limb that is not sure, for a reason, which a remark gives."""
+    words = f"the {each.side} {each.kind}".replace("  ", " ")
+    draft.remarks.append(f"{words} is not sure: {why}")
+    return replace(each, confidence=_UNSURE, evidence=(*each.evidence, f"but {why}"))
 
 
 def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:

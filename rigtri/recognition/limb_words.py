@@ -35,7 +35,8 @@ class LimbWords:
     """levels: the places along a limb that a name may mean, with how far it says so, 0 to 1; none for a
     name without such words. kind: the limb that its words are of, "" where they do not say or disagree.
     place: ``front`` or ``hind``, where it says one. plain: of vague words alone, the name without its
-    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. animal: of one."""
+    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. animal: of one.
+    trunk: it is of the trunk or the head, and so of no limb (`name_readings.limb_names` says so)."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
@@ -43,6 +44,7 @@ class LimbWords:
     plain: str = ""
     is_middle: bool = False
     animal: bool = False
+    trunk: bool = False
 
 
 NO_WORDS = LimbWords({}, "")

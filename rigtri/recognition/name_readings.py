@@ -12,6 +12,8 @@ from rigtri.recognition.layout import BENDS, MIDDLE, LimbKind
 from rigtri.recognition.limb_words import LEVELS, Level, LimbWords, limb_words
 from rigtri.recognition.naming_schemes import BESIDE, ParsedName, Scheme, parse_name, roles_in_name
 
+# What roles.toml has for joints in the middle of a body.
+_MIDDLE = frozenset(["trunk", "skull", "tail"])
 _SIDES: tuple[Side, ...] = ("left", "right", "")
 # What a whole limb, a bone beside it, and a word that one scheme alone has count for.
 _LIMB, _BONE, _MARK = 3.0, 0.25, 0.6
@@ -72,7 +74,21 @@ def limb_names(rig: Rig, nodes: Iterable[int], reading: Reading | None) -> dict[
             if own in _LEVELS:
                 kinds = [kind for kind, bones in BENDS.items() if own in bones]
                 found[node] = LimbWords({_LEVELS[own]: 1.0}, kinds[0] if kinds else "")
-    return found
+    scheme = reading.scheme if reading is not None else None
+    return {
+        node: replace(each, trunk=True) if _is_of_trunk(rig.names[node], scheme) else each
+        for node, each in found.items()
+    }
+
+
+def _is_of_trunk(name: str, scheme: Scheme | None) -> bool:
+    """Whether a name is of spine, neck, head or tail: what is in the middle is of no arm or leg."""
+    parsed = parse_name(name)
+    parsed = scheme.read(parsed) if scheme is not None else parsed
+    if parsed.side:
+        return False
+    called = scheme is not None and scheme.bone(parsed)[0] in MIDDLE
+    return called or not _MIDDLE.isdisjoint(roles_in_name(name))
 
 
 def _reading(tree: Tree, words: Mapping[int, ParsedName], scheme: Scheme) -> Reading:

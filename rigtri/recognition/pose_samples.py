@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -29,6 +29,12 @@ class Poses:
     """The poses of a rig, each where its nodes stand, (n, 3), made when asked for."""
 
     rig: Rig
+
+    def without_names(self) -> Poses:
+        """The poses of the same rig whose nodes have no names, as far as they are known."""
+        bare = Poses(replace(self.rig, names=("",) * len(self.rig)))
+        vars(bare).update({key: known for key, known in vars(self).items() if key != "rig"})
+        return bare
 
     @cached_property
     def rest(self) -> Floats:

@@ -27,6 +27,7 @@ from rigtri.recognition.layout import (
 from rigtri.recognition.name_readings import limb_names, read_names
 from rigtri.recognition.naming_schemes import Scheme, deforming, parse_name, roles_in_name, schemes
 from rigtri.recognition.pose_samples import Poses
+from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import shape_of, tree_of
 from rigtri.recognition.trunk import lay_trunk, pairs_of_limbs
 
@@ -83,7 +84,7 @@ def _draft(rig: Rig, nodes: Sequence[int], poses: Poses, own: Sequence[Scheme]) 
     draft = Draft(shape, poses, reading, certain, words, controls, segments)
     if not (reading is not None and reading.limbs) and not certain and lay_hand(draft):
         return draft
-    found = doubted(draft, find_limbs(draft))
+    found = agreed(draft, doubted(draft, find_limbs(draft)))
     if not draft.known_bones and not any(each.confidence >= UNLIKELY for each in found):
         return draft
     _add_limbs(draft, found)

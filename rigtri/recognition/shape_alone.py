@@ -1,0 +1,83 @@
+"""What shape alone says of a body whose joints have names: names and shape have to agree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rigtri.recognition.arms_legs import TIE, Found, find_limbs
+from rigtri.recognition.candidates import Draft
+from rigtri.recognition.evidence_against import doubted, unsure
+from rigtri.recognition.layout import CONFIDENT
+from rigtri.recognition.limb_words import NO_WORDS
+from rigtri.recognition.shape_analysis import shape_of
+from rigtri.text import a
+
+
+def agreed(draft: Draft, found: Sequence[Found]) -> list[Found]:
+    """The limbs, those less than sure of which the shape without names says something else."""
+    if draft.certain or not draft.words or not any(map(_is_sure, found)):
+        return list(found)
+    bare = _without_names(draft)
+    alone = [each for each in doubted(bare, find_limbs(bare)) if _is_sure(each)]
+    weighed = []
+    for each in found:
+        other = (
+            (_surely(draft, bare, each, alone) or _clearly(draft, bare, each, found))
+            if _is_sure(each)
+            else ""
+        )
+        weighed.append(unsure(draft, each, f"by its shape alone {other}") if other else each)
+    return weighed
+
+
+def _is_sure(each: Found) -> bool:
+    return len(each.joints) == 3 and round(each.confidence, 2) >= CONFIDENT
+
+
+def _without_names(draft: Draft) -> Draft:
+    """The same joints by their shape, those too that names call parts of bones.
+
+    Names say no more than that they are of an animal.
+    """
+    nodes = sorted({*draft.tree.nodes, *draft.segments})
+    words = {node: replace(NO_WORDS, animal=True) for node, word in draft.words.items() if word.animal}
+    poses = draft.poses.without_names()
+    return Draft(shape_of(nodes, poses, words), poses, None, {}, words, draft.controls, draft.segments)
+
+
+def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> str:
+    """What else some of a limb's joints are where the shape is sure of it, in words.
+
+    The front legs of an animal are often called arms.
+    """
+    body = bare.shape.body
+    front = body.arms if body is not None and body.form == "quadruped" else None
+    for other in (k for k in alone if set(k.joints).intersection(each.joints)):
+        called_arm = each.kind == "arm" and front is not None and other.pair is front
+        if other.joints != each.joints or (other.kind != each.kind and not called_arm):
+            return f"{_titles(draft, other.joints)} is {a(other.kind)}"
+    return ""
+
+
+def _clearly(draft: Draft, bare: Draft, each: Found, found: Sequence[Found]) -> str:
+    """At which other joints a limb and its twin bend where names pass over one of them, in words.
+
+    Clavicles, toes and twist joints are named, too: of a chain that is named throughout names tell more.
+    """
+    twins = [k.joints for k in found if k.kind == each.kind and {k.side, each.side} == {"left", "right"}]
+    for limbs in bare.shape.limbs:
+        for own, path in enumerate(limbs.pair.paths):
+            across = set(limbs.pair.paths[1 - own])
+            if set(each.joints) <= set(path) and any(across.issuperset(joints) for joints in twins):
+                other = limbs.joints(own)
+                passed = any(
+                    not draft.words.get(k, NO_WORDS).levels for k in other if k not in draft.segments
+                )
+                clear = len(other) == 3 and other != each.joints and limbs.lead > TIE
+                return f"it bends at {_titles(draft, other)}" if clear and passed else ""
+    return ""
+
+
+def _titles(draft: Draft, joints: Sequence[int]) -> str:
+    return " - ".join(draft.tree.rig.title(joint) for joint in joints)

@@ -1,0 +1,102 @@
+"""Names and shape have to agree on the same three joints before a limb is sure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from recognition_bodies.cases import Case
+from recognition_bodies.population import population
+from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, Joint, rig_with
+from recognition_bodies.truth import nameless
+
+from rigtri.model.rig import Rig
+from rigtri.recognition.layout import BENDS, Layout
+from rigtri.recognition.recognise import recognise
+
+_FINGERS = {"t": "thumb", "f0": "index", "f1": "middle", "f2": "ring", "f3": "little"}
+# A man with fingers that are called so: a naming scheme that knows all of him.
+WHOLE = [*MAN, *FINGERS]
+CALLED = {name: f"{_FINGERS[name[:-3]]}_{name[-3:]}" for name, _, _ in FINGERS}
+
+
+def called(rig: Rig, names: dict[str, str]) -> Rig:
+    return replace(rig, names=tuple(names.get(name, name) for name in rig.names))
+
+
+def exchanged(case: Case) -> Rig:
+    """A rig with the names of arms on legs, of legs on arms; or of front legs on hind legs."""
+    names = list(case.rig.names)
+    by_side: dict[str, list[list[int]]] = {}
+    for part in case.truth.parts:
+        if "leg" in part.kinds or "arm" in part.kinds:
+            by_side.setdefault(part.side, []).append(
+                [min(choice) for choice in part.joints if min(choice) >= 0]
+            )
+    for limbs in by_side.values():
+        for one, other in zip(*limbs[:2], strict=False) if len(limbs) > 1 else ():
+            names[one], names[other] = names[other], names[one]
+    return replace(case.rig, names=tuple(names))
+
+
+def one_off(case: Case) -> Rig:
+    """A rig in which each joint has the name of the one above it."""
+    return with_names_above(case.rig)
+
+
+def with_names_above(rig: Rig) -> Rig:
+    names: list[str] = []
+    for above in rig.parents.tolist():
+        name = rig.names[above] if above >= 0 else "root"
+        names.append(name if name not in names else f"{name}.{len(names):03}")
+    return replace(rig, names=tuple(names))
+
+
+def sure(layout: Layout) -> list[tuple[str, tuple[int, ...]]]:
+    return [(chain.name, chain.bend) for chain in layout.chains if chain.bend and chain.is_sure]
+
+
+def test_arms_called_legs_are_neither_and_the_evidence_has_both_readings() -> None:
+    """Before, such a body was sure: arms by the names, ``though its shape could be that of a leg``."""
+    rig = called(rig_with(WHOLE), CALLED)
+    assert len(sure(recognise(rig))) == 4
+    other = {"upper_arm": "thigh", "forearm": "shin", "hand": "foot"}
+    pairs = {f"{one}.{side}": f"{two}.{side}" for one, two in other.items() for side in "LR"}
+    layout = recognise(called(rig, pairs | {two: one for one, two in pairs.items()}))
+    assert sure(layout) == []
+    arm = next(chain for chain in layout.chains if chain.name == "left arm")
+    assert arm.evidence[0].startswith("its names")
+    assert arm.evidence[-1] == "but by its shape alone upper_arm.L - forearm.L - hand.L is a leg"
+    assert any("the left arm is not sure: by its shape alone" in remark for remark in layout.remarks)
+
+
+@pytest.mark.parametrize("joints", [WHOLE, HORSE], ids=["man", "horse"])
+def test_names_that_are_one_joint_off_make_nothing_sure_that_the_shape_denies(joints: list[Joint]) -> None:
+    """Before, a shin, foot and toe that were called thigh, shin and foot were a sure leg."""
+    rig = called(rig_with(joints), CALLED)
+    right = {bend for _, bend in sure(recognise(rig))}
+    assert len(right) == 4
+    assert {bend for _, bend in sure(recognise(with_names_above(rig)))} <= right
+
+
+@pytest.mark.parametrize("wrong", [exchanged, one_off])
+@pytest.mark.slow
+def test_whatever_names_call_a_limb_its_shape_alone_is_not_sure_of_another(
+    wrong: Callable[[Case], Rig],
+) -> None:
+    for case in (case for which in (0, 1, 2) for case in population(which)):
+        rig = wrong(case)
+        shaped = [chain for chain in recognise(nameless(rig)).chains if chain.bend and chain.is_sure]
+        for chain in (chain for chain in recognise(rig).chains if chain.kind in BENDS and chain.is_sure):
+            others = [k for k in shaped if set(k.bend[:2]).intersection(chain.bend[:2])]
+            assert [(k.kind, k.bend) for k in others] in ([], [(chain.kind, chain.bend)]), case.name
+
+
+def test_a_spine_is_no_leg_although_its_bones_are_as_long_as_those_of_one() -> None:
+    """Before, it was: one of two alike, and words of its twin's names made that sure."""
+    twin = {"thigh.L": "spine", "shin.L": "spine2", "foot.L": "chest", "toe.L": "neck", "hips": "body"}
+    body: list[Joint] = [("body", "", (0.0, 1.0, 0.0)), ("head", "body", (0.0, 1.3, 0.0))]
+    body += [(name, twin[above] if above == "hips" else above, place) for name, above, place in LEG]
+    body += [(twin[name], twin[above], (-x, y, z)) for name, above, (x, y, z) in LEG]
+    assert [name for name, _ in sure(recognise(rig_with(body)))] == ["left leg"]
