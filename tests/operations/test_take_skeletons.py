@@ -91,6 +91,23 @@ def test_joints_that_keys_hide_by_their_scale_are_no_other_skeleton(size: float)
     np.testing.assert_array_equal(taken.values, track.values)
 
 
+def test_keys_that_make_joints_infinite_are_refused_unless_the_rig_has_them() -> None:
+    """Before, they were written, 0 off, beside "motion differs by up to inf"."""
+    rig = rig_of()
+    times = rig.clip("walk").tracks[0].times
+    sizes = np.ones((len(times), 3))
+    sizes[5] = 3e30
+    grown = [Track(rig.find(name), "scale", "LINEAR", times, sizes) for name in ("chest", "neck")]
+    clips = (replace(c, tracks=(*c.tracks, *grown)) if c.name == "walk" else c for c in rig.clips)
+    edited = replace(rig, clips=tuple(clips))
+    with pytest.raises(
+        GeometryError, match=f"'walk' of EDITED.*key 5 of 'neck', at {times[5]:.6g}, .* 3e\\+30"
+    ):
+        take_clips(rig, from_=edited)
+    assert take_clips(edited, from_=edited) is edited
+    assert take_clips(rig, from_=edited, clip=("wave",)) is rig
+
+
 def test_joints_that_clips_move_against_their_parents_are_no_bones() -> None:
     rig = rig_of()
     foot = rig.find("foot_L")

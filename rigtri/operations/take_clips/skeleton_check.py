@@ -8,7 +8,7 @@ node of a file without a skin has no bind pose.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -19,9 +19,13 @@ from rigtri.maths.vectors import angle, length
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
-from rigtri.operations.take_clips.messages import list_names
-from rigtri.operations.take_clips.proportions import Proportions, keys, varying
+from rigtri.operations.take_clips.clip_matching import Taken
+from rigtri.operations.take_clips.infinite_motion import refuse_infinite_motion
+from rigtri.operations.take_clips.messages import list_names, warn_differences, warn_facing
+from rigtri.operations.take_clips.proportions import Proportions, keys, varying, warn_lengths
 from rigtri.operations.take_clips.retargeting import rest_parts
+from rigtri.operations.take_clips.standing import stood_up
+from rigtri.report import Report
 
 # Of the size: so far bind poses may be apart beside turn, size and place, while bones still point alike.
 # Joints then move as in EDITED about RIG's own bind pose. Beyond half of the size no joint is near its own
@@ -41,7 +45,39 @@ class _Off:
     stretch: float
 
 
-def refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Collection[int]) -> None:
+def checked_bodies(both: Counterparts, every: Sequence[Taken], report: Report) -> Proportions:
+    """The bones of both files, EDITED set upright, with warnings of what else differs.
+
+    Raises GeometryError where EDITED's motion would be another one here.
+    """
+    _refuse_other_nodes(both, every)
+    refuse_infinite_motion(both, every)
+    driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
+    bodies = Proportions(both)
+    _refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
+    if (stood := stood_up(both, every, report)) is not both:
+        both, bodies = stood, Proportions(stood)
+    warn_differences(both, report)
+    warn_facing(both, report)
+    warn_lengths(bodies, report)
+    return bodies
+
+
+def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
+    """GeometryError where clips move only nodes that RIG lacks, and that nothing of it is below."""
+    driven = {track.node for taken in every for track in taken.clip.tracks}
+    if driven and not any(driven.intersection(both.other.path_to_root(node)) for node in both.back):
+        names, ours = (
+            list_names(rig.names[n] for n in nodes)
+            for rig, nodes in ((both.other, sorted(driven)), (both.rig, np.flatnonzero(both.rig.is_joint)))
+        )
+        raise GeometryError(
+            f"EDITED's clips move nothing that RIG has: they move {names}, and RIG has {ours}. "
+            "Were the files made of one another?"
+        )
+
+
+def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Collection[int]) -> None:
     """GeometryError where bones or bind poses differ by more than the bounds; ``moved``: nodes of RIG."""
     rig = both.rig
     bones = _measured(both, bodies, moved)

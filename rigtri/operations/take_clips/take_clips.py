@@ -38,8 +38,6 @@ from rigtri.operations.take_clips.key_merging import merged, thinned
 from rigtri.operations.take_clips.messages import (
     list_names,
     moves,
-    warn_differences,
-    warn_facing,
     warn_followers,
     warn_tracks,
     why_nothing_matches,
@@ -47,10 +45,9 @@ from rigtri.operations.take_clips.messages import (
 from rigtri.operations.take_clips.morph_targets import MorphNames
 from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
-from rigtri.operations.take_clips.proportions import Proportions, warn_lengths
+from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import rest_parts
-from rigtri.operations.take_clips.skeleton_check import refuse_other_skeleton
-from rigtri.operations.take_clips.standing import stood_up
+from rigtri.operations.take_clips.skeleton_check import checked_bodies
 from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
@@ -88,15 +85,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             "EDITED has no clips, so there is no motion to take. Export it with its animations"
         )
     every = names.taken(options.clip)
-    driven = {track.node for taken in every for track in taken.clip.tracks if track.path != "weights"}
-    _refuse_other_nodes(both, every)
-    bodies = Proportions(both)
-    refuse_other_skeleton(both, bodies, {both.back[node] for node in driven if node in both.back})
-    if (stood := stood_up(both, every, report)) is not both:
-        both, bodies = stood, Proportions(stood)
-    warn_differences(both, report)
-    warn_facing(both, report)
-    warn_lengths(bodies, report)
+    bodies = checked_bodies(both, every, report)
     axes, moved = AxesEvidence(bodies), set[int]()
     taken_all, changed = set[str](), set[str]()
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
@@ -121,20 +110,6 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
         rig, switched, [each for each in timelines(rig) if each.name in taken_all], report
     )
     return hold_switched_on_ik(rig, switched, [each for each in timelines(rig) if each.name in changed])
-
-
-def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
-    """GeometryError where clips move only nodes that RIG lacks, and that nothing of it is below."""
-    driven = {track.node for taken in every for track in taken.clip.tracks}
-    if driven and not any(driven.intersection(both.other.path_to_root(node)) for node in both.back):
-        names, ours = (
-            list_names(rig.names[n] for n in nodes)
-            for rig, nodes in ((both.other, sorted(driven)), (both.rig, np.flatnonzero(both.rig.is_joint)))
-        )
-        raise GeometryError(
-            f"EDITED's clips move nothing that RIG has: they move {names}, and RIG has {ours}. "
-            "Were the files made of one another?"
-        )
 
 
 def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) -> None:
