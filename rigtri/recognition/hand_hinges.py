@@ -35,6 +35,8 @@ THUMB_APART = cosine_below(20)
 INTO_PALM = 0.9396926207859084, 0.3420201433256687
 # Fingers that all bend to one side by more than this (radians) say which side the palm is on.
 SHOWN = radians_below(2)
+# The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
+AS_HANDS_HANG = "palm of the hand, as hands hang"
 FOUR = ("index", "middle", "ring", "little")
 
 
@@ -167,18 +169,20 @@ class _PosedHand:
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
             return None if natural is None else Hinge("arm, as hands hang", natural)
+        rule = "palm of the hand"
         if not known:
-            towards = self._shown_side(across, natural)
+            shown = _shown(self.fingers, self.at)
+            if shown is not None:
+                towards = float(dot(shown, across))
+            elif natural is not None:
+                rule, towards = AS_HANDS_HANG, float(dot(natural, across))
+            else:
+                towards = self._side_of_thumb(across)
             across = -across if towards < 0 else across
-        return Hinge("palm of the hand", across)
+        return Hinge(rule, across)
 
-    def _shown_side(self, across: Floats, natural: Floats | None) -> float:
-        """Whether ``across`` closes the hand, positive: by a bend of all fingers, the arm, or the thumb."""
-        shown = _shown(self.fingers, self.at)
-        if shown is not None:
-            return float(dot(shown, across))
-        if natural is not None:
-            return float(dot(natural, across))
+    def _side_of_thumb(self, across: Floats) -> float:
+        """Whether ``across`` closes the hand of a body that nobody knows, positive."""
         if len(self.thumb) < 2 or not self.fingers:
             return 1.0
         # The thumb stands on the side to which the fingers close.

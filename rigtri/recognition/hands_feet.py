@@ -222,13 +222,13 @@ def _in_order(
     By knuckles and first bones, which a fist does not exchange: where a finger ends says nothing.
     """
     at = draft.tree.at
-    if not 3 <= len(chains) <= 6:
+    if not 2 <= len(chains) <= 6:
         return [("", chain) for chain in chains]
     which = next((k for k, chain in enumerate(chains) if named.get(chain[0]) == "Thumb"), -1)
     which = which if which >= 0 else thumb_of(draft.tree, hand, chains)
     thumb = chains[which] if which >= 0 else []
     others = [chain for chain in chains if chain is not thumb]
-    if len(others) > 4:  # which of them has one too many nobody knows
+    if not 2 <= len(others) <= 4:  # which of them has one too many nobody knows, nor which one stands for all
         return [("Thumb" if chain is thumb else "", chain) for chain in chains]
     start, end = max(combinations(others, 2), key=lambda two: (at[two[0][0]] - at[two[1][0]]).length)
     if thumb and (at[end[0]] - at[thumb[0]]).length < (at[start[0]] - at[thumb[0]]).length:

@@ -84,10 +84,12 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]]) -> int:
     near = [k for k, size in enumerate(far) if size < _NEAR * usual]
     if len(near) == 1:
         return near[0]
-    first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
-    alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
     least = min(len(chain) for chain in chains)
     short = [k for k, chain in enumerate(chains) if len(chain) == least]
+    if len(chains) == 2 and len(short) == 2:
+        return -1  # each goes another way than the other
+    first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
+    alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
     apart = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
     return apart if alike[apart] < _APART else -1
 

@@ -133,6 +133,10 @@ HANDS = [
     Pose("blender", fingers=4, thumb=False, curl=25.0),
     # A clear bend goes before that.
     Pose("none", thumb=False, metacarpals=True, curl=50.0, palm=90.0, arms=75.0),
+    # So does a thumb beside one finger, which begins nearer to the wrist.
+    Pose("none", fingers=1, arms=10.0, palm=150.0),
+    Pose("none", fingers=1, arms=130.0, palm=90.0, phalanges=2),
+    Pose("none", fingers=1, arms=90.0, palm=90.0, phalanges=2),
 ]
 
 
@@ -148,6 +152,14 @@ def test_hands_of_every_kind_close(pose: Pose) -> None:
     body = posed_body(pose)
     for preset, hinge in HINGES.items():
         assert broken_laws(body, pose, orient_joints(body.rig, preset=preset), hinge) == [], preset
+
+
+@pytest.mark.parametrize("names", ["none", "mixamo"])
+def test_a_guess_to_which_side_fingers_close_is_a_warning(names: str) -> None:
+    report = Report()
+    orient_joints(posed_body(Pose(names, thumb=False, arms=60.0)).rig, report=report)
+    notices = [notice for notice in report.warnings if notice.code == "unsure-hand"]
+    assert [notice.geometry for notice in notices] == [True] * (names == "none")
 
 
 @pytest.mark.parametrize("side", ["", "right"])

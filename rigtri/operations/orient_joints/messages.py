@@ -25,6 +25,7 @@ from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven, first_uneven
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
+from rigtri.recognition.hand_hinges import AS_HANDS_HANG
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limbs import limb_title, unsure
 from rigtri.recognition.recognise import recognise
@@ -159,6 +160,14 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
             f"{name} is {straightness(degrees(sine))}; up axis: from {', '.join(sorted(sources))}.",
             joint=name,
             geometry=max(steps) > 3,
+        )
+    guessed = [rig.title(joint) for joint in outcome.targets.joints if ups.source[joint] == AS_HANDS_HANG]
+    if guessed:
+        report.warn(
+            "unsure-hand",
+            f"{and_more(guessed, 3)}: no thumb and no bend shows to which side the fingers close, so it is "
+            "that to which hands that hang do. Names as index_01_l make it sure",
+            geometry=True,
         )
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):
         if joint not in straight:
