@@ -13,13 +13,13 @@ Examples:
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rigtri.errors import FileError, GeometryError, UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.report import Report
 
 from . import output_file
@@ -44,6 +44,7 @@ from .options import (
 from .parameters import given_options
 
 if TYPE_CHECKING:
+    from rigtri.files.staged_output import StagedOutput
     from rigtri.model.rig import Rig
     from rigtri.pipeline.edit import Outcome
     from rigtri.pipeline.rigspec.auto import Proposal
@@ -108,7 +109,7 @@ class _Job:
 
     def __init__(self, values: dict[str, Any], *, derived: bool) -> None:
         """derived: the user has not named the spec's place."""
-        self.values, self.derived = values, derived
+        self.values, self.derived, self.followed = values, derived, False
         self.proposal: Proposal
         self.built: Built
 
@@ -119,9 +120,12 @@ class _Job:
         values = self.values
         if values["spec_out"] is not None and self.derived and not values["dry_run"]:
             refuse_edited(Path(values["spec_out"]))
+        request = edit_request(values)
+        if values["picture"] not in (None, "-"):
+            request = replace(request, ready=self._follow)
         try:
             self.built = auto_file(
-                edit_request(values),
+                request,
                 report,
                 preset=values["preset"] or "",
                 own=own_schemes(values["own"]),
@@ -129,7 +133,8 @@ class _Job:
                 seen=self._seen,
             )
         except GeometryError:
-            self._draw(self.proposal.rig, None)
+            if values["picture"] is not None:
+                output_file.write_picture(self._picture(self.proposal.rig, None), values["picture"])
             raise
         return self.built.outcome
 
@@ -137,22 +142,22 @@ class _Job:
         self.proposal = proposal
 
     def drawn(self, report: Report) -> None:
-        """The picture, before and after."""
-        try:
-            self._draw(self.built.outcome.rig or self.proposal.rig, self.proposal.rig)
-        except FileError as error:
-            made = [] if self.values["dry_run"] else [self.values["output"], self.values["spec_out"]]
-            written = " and ".join(filter(None, made))
-            raise FileError(f"{error}. {written} were written before" if written else str(error)) from error
+        """The picture, before and after, where no output has it follow."""
+        target = self.values["picture"]
+        if target is not None and not self.followed:
+            rig = self.built.outcome.rig or self.proposal.rig
+            output_file.write_picture(self._picture(rig, self.proposal.rig), target)
 
-    def _draw(self, rig: Rig, before: Rig | None) -> None:
+    def _follow(self, outcome: Outcome, written: StagedOutput) -> None:
+        """Let the picture appear with the output, or neither of them."""
+        target, self.followed = self.values["picture"], True
+        svg = self._picture(outcome.rig or self.proposal.rig, self.proposal.rig)
+        written.follow(Path(target), output_file.picture_bytes(svg, target))
+
+    def _picture(self, rig: Rig, before: Rig | None) -> str:
         from rigtri.export.drawing.picture import draw
 
-        target = self.values["picture"]
-        if target is not None:
-            report, titles = Report(), {"title": "after", "title_against": "before"}
-            svg = draw(rig, against=before, report=report, **titles)
-            output_file.write_picture(svg, target)
+        return draw(rig, against=before, report=Report(), title="after", title_against="before")
 
     def summary(self, report: Report) -> str:
         """What was recognised, and what each step has done."""

@@ -60,12 +60,16 @@ def write_output(content: bytes, output: str) -> None:
 
 def write_picture(svg: str, output: str) -> None:
     """Write a picture in the format that its name says, or SVG to standard output."""
+    write_output(picture_bytes(svg, output), output)
+
+
+def picture_bytes(svg: str, output: str) -> bytes:
+    """A picture in the format that a name says, SVG for standard output."""
     if Path(output).suffix.lower() == ".png":
         from rigtri.export.drawing.png import png
 
-        write_output(png(svg), output)
-    else:
-        write_output(svg.encode("utf-8"), output)
+        return png(svg)
+    return svg.encode("utf-8")
 
 
 def print_result(report: Report, output: str, values: dict[str, Any]) -> None:

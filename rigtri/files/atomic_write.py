@@ -44,9 +44,7 @@ def commit(part: Path, path: Path, *, synced: bool = False, named: bool = True) 
     """
     if not synced:
         fsync(part)
-    # Afterwards, for it may be that nobody may write it then; and some disks know no permissions.
-    with suppress(OSError):
-        _inherit(path, part)
+    inherit(path, part)  # afterwards, for it may be that nobody may write it then
     os.replace(part, path)
     if named:
         fsync_folder(path.parent)
@@ -95,13 +93,14 @@ def _fsync_until(file: int, done: threading.Event) -> None:
             os.fdatasync(file)
 
 
-def _inherit(old: Path, new: Path) -> None:
-    """Give a new file the permissions of the old one, and where we may its owner."""
-    known = old.stat()
-    if hasattr(os, "chown") and (known.st_uid, known.st_gid) != (os.geteuid(), os.getegid()):
-        with suppress(OSError):
-            os.chown(new, known.st_uid, known.st_gid)
-    os.chmod(new, stat.S_IMODE(known.st_mode))
+def inherit(old: Path, new: Path) -> None:
+    """Give a new file the permissions of the old one, where there is one, and where we may its owner."""
+    with suppress(OSError):  # some disks know no permissions
+        known = old.stat()
+        if hasattr(os, "chown") and (known.st_uid, known.st_gid) != (os.geteuid(), os.getegid()):
+            with suppress(OSError):
+                os.chown(new, known.st_uid, known.st_gid)
+        os.chmod(new, stat.S_IMODE(known.st_mode))
 
 
 def fsync_folder(folder: Path) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import filecmp
+import glob
 import os
 import re
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import IO
 
@@ -17,6 +19,8 @@ from rigtri.files.atomic_write import (
     atomic_write,
     commit,
     discard_stale,
+    fsync,
+    inherit,
     resolve_link,
     same_file,
     stale_files,
@@ -44,8 +48,8 @@ class StagedOutput:
 
     The rename of the part is the moment that counts: as long as there is a part, the old
     files are the valid ones, and what a killed run has replaced is put back by the next. Where there is
-    something to tidy up after the rename, the old output stays meanwhile, too, under the name of a backup:
-    a backup without a part shows the next run what a killed one has not tidied up.
+    something to do after the rename, the old output stays meanwhile, too, under the name of a backup:
+    a backup without a part shows the next run what a killed one has not done.
     """
 
     def __init__(
@@ -60,20 +64,17 @@ class StagedOutput:
         """shared: other files appear in the folder at the same time, and may need the same copies.
 
         Copies of the source's files then are not ours to take back, to force names to the disk is the
-        caller's, who does it while the next file is worked on, and what killed runs have left is
-        for the caller to `recover`: who looks through a folder for each of its files is never done.
+        caller's, who does it while the next file is worked on.
         """
         self.final, self.overwrite, self._needed, self._shared = final, overwrite, needed, shared
         self._ahead = ahead or BackgroundCopies()
-        if not shared:
-            with as_file_error(final):
-                recover(final)
         self.part = temp_path(final)
         self._on_disk = False
         self._syncing: threading.Thread | None = None
         self.placed: list[tuple[Path, Path | None]] = []
         self._folders: list[Path] = []  # those that were not there before
         self.beside: list[Path] = []  # all companions, also those that were there
+        self._followers: list[Path] = []
         self._backup = _backup_path(final, os.getpid())
 
     def add(self, companion: Companion) -> None:
@@ -110,6 +111,21 @@ class StagedOutput:
             elif not there:
                 copy_file(content, fresh)
 
+    def follow(self, place: Path, content: bytes) -> None:
+        """Write what is true of the new output alone: it takes its name after the output has.
+
+        What has that name now loses it before, so that at no moment one stands beside the other's output.
+        """
+        place = destination(place)
+        with as_file_error(place):
+            for stale, _ in stale_files(place.parent, f".{place.name}.part-"):
+                stale.unlink(missing_ok=True)
+            self._followers.append(place)
+            part = _follower_part(place, os.getpid())
+            part.write_bytes(content)
+            fsync(part)
+            inherit(place, part)
+
     def _make_folder(self, folder: Path) -> None:
         if not folder.is_dir():
             self._make_folder(folder.parent)
@@ -135,15 +151,25 @@ class StagedOutput:
         return self._on_disk
 
     def finish(self) -> None:
-        """Rename the part into place; remove buffers of ours that nothing refers to any more."""
+        """Rename the part into place, and what follows it; remove buffers of ours that nothing refers to."""
         backups = [backup for _, backup in self.placed if backup is not None]
         with as_file_error(self.final):
             # Of what is there now: another run may have put it there since this one began.
             orphans = _our_buffers(self.final, self.final)
-            if backups or orphans:
+            if backups or orphans or self._followers:
                 _link(self.final if self.final.exists() else self.part, self._backup)
+        for place in filter(Path.exists, self._followers):
+            with as_file_error(place):
+                backups.append(_backup_path(place, os.getpid()))
+                _link(place, backups[-1])
+                self.placed.append((place, backups[-1]))
+                place.unlink()
+        with as_file_error(self.final):
             commit(self.part, self.final, synced=self._fsynced(), named=not self._shared)
-        # The new file is there; what cannot be tidied up any more is no reason to fail.
+        for place in self._followers:
+            with as_file_error(place):
+                commit(_follower_part(place, os.getpid()), place, synced=True)
+        # The new files are there; what cannot be tidied up any more is no reason to fail.
         with suppress(OSError):
             for backup in backups:
                 backup.unlink()
@@ -152,9 +178,11 @@ class StagedOutput:
             self._backup.unlink(missing_ok=True)
 
     def undo(self) -> None:
-        """Leave the folder as it was; nothing to do where the part has become the file."""
+        """Leave the folder as it was; where the part has become the file, leave what follows it."""
         self._fsynced()
-        if self.placed and not self.part.exists():
+        if (self.placed or self._followers) and not self.part.exists():
+            with suppress(OSError):
+                recover(self.final, self._followers)
             return
         for place, backup in reversed(self.placed):
             if backup is not None:
@@ -165,8 +193,15 @@ class StagedOutput:
             with suppress(OSError):  # somebody else has put something there
                 folder.rmdir()
         with suppress(OSError):  # the reason for undoing is raised, not this
+            for place in self._followers:
+                _follower_part(place, os.getpid()).unlink(missing_ok=True)
             self._backup.unlink(missing_ok=True)
             self.part.unlink(missing_ok=True)
+
+
+def _follower_part(place: Path, process: int) -> Path:
+    """What takes a name after an output has; its own name tells it from the part of an output."""
+    return place.with_name(f".{place.name}.part-{process}")
 
 
 def _backup_path(place: Path, process: int) -> Path:
@@ -191,17 +226,21 @@ def _put_back(backup: Path, place: Path) -> None:
     backup.unlink(missing_ok=True)
 
 
-def recover(final: Path, *, alone: bool = False) -> None:
+def recover(final: Path, side_files: Sequence[Path] = (), *, alone: bool = False) -> None:
     """Finish what killed runs have left.
 
     Those that had not renamed their part: put back what they had replaced, remove their parts and the
-    buffers that only these refer to. Those that had: remove what they had replaced.
-    alone: nobody else writes ``final``.
+    buffers that only these refer to. Those that had: let what follows the output take its name, and remove
+    what they had replaced.
+    side_files: what may follow the output; in its folder and with its name it is found without. alone:
+    nobody else writes ``final``.
     """
     for own, process in stale_parts(final, every=alone):
         _backup_path(final, process).unlink(missing_ok=True)
-        for backup in final.parent.rglob(f".*.kept-{process}"):
-            _put_back(backup, backup.with_name(backup.name[1:].rpartition(".kept-")[0]))
+        for backup in chain(final.parent.rglob(f".*.kept-{process}"), _left(side_files, f"kept-{process}")):
+            _put_back(backup, _of_name(backup))
+        for part in _left(side_files, f"part-{process}"):
+            part.unlink()
         others = (path for path in final.parent.glob("*.gltf") if path != own)
         _remove_unnamed(_our_buffers(own, final), others)
         for part in final.parent.rglob(f".*.part-{process}*"):
@@ -209,11 +248,26 @@ def recover(final: Path, *, alone: bool = False) -> None:
                 part.unlink(missing_ok=True)
         own.unlink(missing_ok=True)
     for old, process in stale_files(final.parent, f".{final.name}.kept-", every=alone):
+        named = final.parent.glob(f".{glob.escape(final.stem)}.*.part-{process}")
+        for part in chain(named, _left(side_files, f"part-{process}")):
+            os.replace(part, _of_name(part))
         _remove_unnamed(_our_buffers(old, final), final.parent.glob("*.gltf"))
-        for backup in final.parent.rglob(f".*.kept-{process}"):
+        for backup in chain(final.parent.rglob(f".*.kept-{process}"), _left(side_files, f"kept-{process}")):
             if backup != old:
                 backup.unlink(missing_ok=True)
         old.unlink(missing_ok=True)
+
+
+def _left(side_files: Sequence[Path], end: str) -> Iterator[Path]:
+    """What a process has left of side files, under names that end so; not what was done away with by then."""
+    for place in map(resolve_link, side_files):
+        if (left := place.with_name(f".{place.name}.{end}")).exists():
+            yield left
+
+
+def _of_name(left: Path) -> Path:
+    """What a backup, or the part of what follows an output, is to be called."""
+    return left.with_name(left.name[1:].rpartition(".")[0])
 
 
 def _our_buffers(path: Path, final: Path) -> set[Path]:
@@ -277,8 +331,13 @@ def destination(path: Path) -> Path:
 
 def write_text(path: Path, text: str) -> None:
     """Write a small text file as `write_bytes` does, in UTF-8."""
+    write_bytes(path, encoded(text))
+
+
+def encoded(text: str) -> bytes:
+    """Text in UTF-8."""
     # Half of a surrogate pair has no UTF-8; in JSON its escape means the same.
-    write_bytes(path, text.encode("utf-8", errors="backslashreplace"))
+    return text.encode("utf-8", errors="backslashreplace")
 
 
 def write_bytes(path: Path, content: bytes) -> None:

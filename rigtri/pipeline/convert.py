@@ -12,13 +12,21 @@ import numpy as np
 from rigtri.errors import DeviationError, FileError, NameNotFoundError, UsageError, in_keywords
 from rigtri.evaluation.timelines import matching_clips
 from rigtri.files.input_stream import opened
-from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
+from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input
 from rigtri.formats import read
 from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
 from rigtri.formats.registry import need_usd, unknown_format
 from rigtri.model.rig import Rig
 from rigtri.operations.options.convert import ConvertOptions
-from rigtri.pipeline.edit import KEYWORDS, Clock, EditRequest, Outcome, allowed_target, working_folder
+from rigtri.pipeline.edit import (
+    KEYWORDS,
+    Clock,
+    EditRequest,
+    Outcome,
+    allowed_target,
+    target_of,
+    working_folder,
+)
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.across import compare_converted
@@ -63,8 +71,7 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
         rig = _chosen(conversion.rig, options.clip)
         clock.lap("read")
         with working_folder(final, request) as folder:
-            shared = request.ready is not None
-            written = StagedOutput(folder / final.name, request.overwrite, needed, shared=shared)
+            written = StagedOutput(folder / final.name, request.overwrite, needed, shared=request.shared)
             try:
                 begin_stage("write")
                 with as_file_error(written.final):
@@ -143,8 +150,7 @@ def _checked(path: Path, request: EditRequest) -> Path:
     allowed = USD_SUFFIXES if path.suffix.lower() in GLTF_SUFFIXES else (".glb", ".gltf")
     if request.dry_run and request.target == request.source:
         return path.with_suffix(allowed[-2])
-    with as_file_error(Path(request.target)):
-        final = destination(Path(request.target))
+    final = target_of(request)
     if final.suffix.lower() not in allowed:
         raise UsageError(
             f"{final.name}: convert writes {path.suffix} files as {', '.join(allowed)}; a command that "

@@ -17,7 +17,7 @@ from rigtri.errors import DeviationError, FileError, GeometryError, UsageError, 
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened, path_of
-from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination
+from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination, recover
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
 from rigtri.limits import TOLERANCE
 from rigtri.maths.arrays import Booleans
@@ -71,8 +71,8 @@ class EditRequest:
     target: ``-`` is standard output. tolerance: the largest vertex movement, as a share of the bounding-box
     diagonal. strict: any warning is an error. side_files: what the caller will write besides. document: the
     source, where it was read already, with the same ``options``. ahead: copies that the caller has begun
-    (`files.background_copy`). ready: is called when the output has passed and is about to take its name, by
-    runs of many files at once: these may share copies, which then stay where the edit fails.
+    (`files.background_copy`). ready: is called when the output has passed and is about to take its name.
+    shared: others write beside it at the same time (`files.staged_output`).
     """
 
     source: Path | str
@@ -87,6 +87,7 @@ class EditRequest:
     document: Document | None = None
     ahead: BackgroundCopies | None = None
     ready: Callable[[Outcome, StagedOutput], None] | None = None
+    shared: bool = False
 
     def __post_init__(self) -> None:
         for path in (self.source, self.target):
@@ -143,10 +144,8 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         _take_warnings(document, report, request.strict)
         clock.lap("edit")
         with working_folder(final, request) as folder:
-            shared = request.ready is not None
-            written = StagedOutput(
-                folder / final.name, request.overwrite, needed, request.ahead, shared=shared
-            )
+            place, shared = folder / final.name, request.shared
+            written = StagedOutput(place, request.overwrite, needed, request.ahead, shared=shared)
             try:
                 result = _deliver(document, path, rig, written, request, report, clock)
                 # Meshes are read, and misread, while measuring.
@@ -170,14 +169,14 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
             return outcome
 
 
-def check_target(source: Path | str, target: Path | str, *, overwrite: bool, options: ReadOptions) -> None:
-    """Refuse, before anything is read, a target that `edit` would refuse.
+def check_target(request: EditRequest) -> None:
+    """Refuse, before anything is read, a target that `edit_file` would refuse.
 
-    source: no stream, which can be read only once. Raises FileError, and UsageError for one that exists,
-    without ``overwrite``, or is of another format.
+    The source is no stream, which can be read only once. Raises FileError, and UsageError for a target that
+    exists, without ``overwrite``, or is of another format.
     """
-    with opened(source) as path:
-        _checked_target(path, EditRequest(source, target, options, overwrite))
+    with opened(request.source) as path:
+        _checked_target(path, request)
 
 
 def _checked_target(path: Path, request: EditRequest) -> Path:
@@ -187,8 +186,7 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
         # An override is a layer, also where it is of a package.
         layer = options.is_override and path.suffix.lower() == ".usdz"
         return Path(path.stem + ".usda" if layer else path.name)
-    with as_file_error(Path(request.target)):
-        final = allowed_target(destination(Path(request.target)), path, request.overwrite)
+    final = allowed_target(target_of(request), path, request.overwrite)
     fits = output_suffixes(path, options)  # writers know it more closely, when the file has been read
     if fits and final.suffix.lower() not in fits:
         what = "an override is a layer" if options.is_override else "the output has the format of the input"
@@ -349,6 +347,16 @@ def _left_behind(
         for file, _ in needed
         if file.is_file() and not any(same_file(file, other) for other in kept)
     ]
+
+
+def target_of(request: EditRequest) -> Path:
+    """Where the output goes. What killed runs have left there is put in order, before anything is read."""
+    # Where many share a folder that is for the caller: who looks through it for each of them is never done.
+    with as_file_error(Path(request.target)):
+        final = destination(Path(request.target))
+        if request.is_kept and not request.shared:
+            recover(final, request.side_files)
+    return final
 
 
 def allowed_target(final: Path, path: Path, overwrite: bool) -> Path:

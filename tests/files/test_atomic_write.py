@@ -404,6 +404,28 @@ def test_a_dead_process_with_our_own_number_left_what_bears_it(tmp_path: Path) -
     assert atomic_write.stale_parts(tmp_path / "out.glb") == [(part, os.getpid())]
 
 
+@pytest.mark.parametrize("elsewhere", [False, True])
+@pytest.mark.parametrize("renamed", [False, True])
+def test_what_follows_an_output_is_of_the_same_run_whatever_becomes_of_the_next(
+    renamed: bool, elsewhere: bool, samples: Path, tmp_path: Path
+) -> None:
+    """A run that was killed before, or after, its output had its name; the next one is refused."""
+    out = tmp_path / "out.glb"
+    side = tmp_path / "specs" / "mine.yaml" if elsewhere else tmp_path / "out.rig.yaml"
+    side.parent.mkdir(exist_ok=True)
+    kept, part = (side.with_name(f".{side.name}.{word}-{os.getpid()}") for word in ("kept", "part"))
+    kept.write_bytes(b"old")
+    part.write_bytes(b"new")
+    out.write_bytes(b"new" if renamed else b"old")
+    (tmp_path / f".out.glb.kept-{os.getpid()}").write_bytes(b"old")
+    if not renamed:
+        atomic_write.temp_path(out).write_bytes(b"new")
+    with pytest.raises(UsageError, match="exists; it is replaced only"):
+        edit(samples / "flat_ik.glb", out, orient, side_files=(side,))
+    now = b"new" if renamed else b"old"
+    assert contents(tmp_path) == {"out.glb": now, str(side.relative_to(tmp_path)): now}
+
+
 def test_an_override_beside_its_source_is_delivered_the_same_way(samples: Path, tmp_path: Path) -> None:
     options = ReadOptions(edit_target="bare")
     edit(samples / "biped.usda", tmp_path / "over.usda", orient, options=options)

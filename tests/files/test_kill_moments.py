@@ -32,6 +32,7 @@ def orient(suffix: str) -> list[str]:
 
 MORE = [*TWIST, "--count", "3"]
 GLTF = ["in/biped.gltf", "-o", "out/biped.gltf", "--overwrite"]
+AUTO = ["auto", *GLTF, "--picture", "out/biped.svg"]
 # By the row of docs/reliability.md: the command, and what has run there before with other results.
 CASES = {
     "edit .glb": (orient(".glb"), [*orient(".glb")[:-1], "blender"]),
@@ -40,12 +41,15 @@ CASES = {
     "edit .usdz": (orient(".usdz"), []),
     "build .gltf": (["build", *GLTF, "--spec", "in/rig.yaml"], MORE),
     "auto .gltf": (["auto", *GLTF], MORE),
+    "auto .gltf with spec and picture": ([*AUTO, "--preset", "maya"], AUTO),
     "view": (["view", "in/biped.glb", "-o", "out/page.html", "--overwrite"], []),
     "batch": (["batch", "in/biped.g*", "--spec", "in/rig.yaml", "-O", "out", "-j1", "--overwrite"], TWIST),
 }
 # Longer than what they add to the others is worth in a short run.
-SLOW = ("auto .gltf", "edit .usdz")
+SLOW = ("auto .gltf", "auto .gltf with spec and picture", "edit .usdz")
 LATE = ("build .gltf", "batch")
+# What describes an output: nowhere is it beside another's.
+BESIDE = ("out/biped.rig.yaml", "out/biped.svg")
 
 
 @pytest.fixture
@@ -94,9 +98,13 @@ def test_a_kill_at_any_change_leaves_old_or_new_and_the_next_run_leaves_nothing_
         restored(place, before)
         code = run(place, words, moment)
         wait_for(lambda: not working(place))  # workers of a batch see that it is gone
-        for name, content in contents(place).items():
+        found = contents(place)
+        for name, content in found.items():
             if name in (old.keys() | new.keys()):  # whole, the old one or the new one
                 assert content in (old.get(name), new.get(name)), (name, moment)
+        output = words[3]
+        whose = new if found.get(output) == new[output] else old
+        assert all(found.get(name) in (None, whose.get(name)) for name in BESIDE), moment
         assert run(place, words) == 0
         assert contents(place) == new, (moment, contents(place).keys() ^ new.keys())
         moment += step

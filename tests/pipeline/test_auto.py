@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +18,6 @@ from recognition_bodies.creatures import crane, two_characters, vehicle
 from second_opinions import validator
 
 from rigtri import auto, read
-from rigtri.errors import FileError
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
 from rigtri.model.rig import Rig
@@ -126,18 +127,22 @@ def test_a_build_that_fails_leaves_the_spec_of_one_that_works(tmp_path: Path) ->
     assert spec.read_bytes() == before
 
 
-def test_a_picture_that_cannot_be_written_says_what_was(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("name", ["p.svg", pytest.param("out.rig.yaml", marks=pytest.mark.ci)])
+def test_a_picture_or_spec_that_cannot_be_written_leaves_no_output_either(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    out = tmp_path / "out.glb"
+    real = Path.write_bytes
 
-    def full(*_: object) -> None:
-        raise FileError("p.svg: No space left on device")
+    def full(path: Path, content: bytes) -> int:
+        if path.name.startswith(f".{name}."):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(path, content)
 
-    monkeypatch.setattr("rigtri.cli.output_file.write_picture", full)
-    result = run("auto", SAMPLES / "biped.glb", "-o", out, "--picture", tmp_path / "p.svg", code=3)
-    words = f"{out} and {out.with_suffix('.rig.yaml')} were written before"
-    assert f"p.svg: No space left on device. {words}" in result.stderr.splitlines()[-1]
+    monkeypatch.setattr(Path, "write_bytes", full)
+    places = "-o", tmp_path / "out.glb", "--picture", tmp_path / "p.svg"
+    result = run("auto", SAMPLES / "biped.glb", *places, code=3)
+    assert f"{name} cannot be written: No space left on device" in result.stderr.splitlines()[-1]
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.ci

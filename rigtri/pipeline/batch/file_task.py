@@ -173,7 +173,12 @@ def work(assignment: Assignment, folder: str, scratch: str, dry_run: bool, at: s
             raise FileError(why)
         with _place(entry, dry_run) as target:
             request = EditRequest(
-                Path(entry.source), target, overwrite=assignment.overwrite, dry_run=dry_run, ready=ready
+                Path(entry.source),
+                target,
+                overwrite=assignment.overwrite,
+                dry_run=dry_run,
+                ready=ready,
+                shared=True,
             )
             outcome = assignment.task.run(request, report)
             record = sent[0] if sent else _record(outcome, folder, moment, None)

@@ -12,12 +12,12 @@ from typing import Any
 from rigtri.errors import FixedWeightsError, GeometryError, RigtriError, UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import called, opened, title
-from rigtri.files.staged_output import write_text
+from rigtri.files.staged_output import StagedOutput, encoded, write_text
 from rigtri.files.text_files import text_of
 from rigtri.formats import ReadOptions, read
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import EditRequest
+from rigtri.pipeline.edit import EditRequest, Outcome
 from rigtri.pipeline.rigspec.build import Built, build_file
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
@@ -142,21 +142,23 @@ def auto_file(
         if found.questions:
             _write(place, found.text)
             raise GeometryError(_unsure_message(found, place, request.target))
-        inner = replace(request, source=at, options=_read_once(request))
+        side_files = [*request.side_files, *([] if place is None else [place])]
+        inner = replace(request, source=at, options=_read_once(request), side_files=side_files)
         spec = Path(folder, "rig.yaml"), str(spec_out or "the spec")
         try:
             try:
-                built = _built(inner, found, report, *spec)
+                built = _built(inner, found, report, *spec, place)
             except FixedWeightsError as error:  # twist joints would twist nothing
                 found = replace(found, text=found.without_twist(str(error)))
                 seen(found)
-                built = _built(inner, found, report, *spec)
+                built = _built(inner, found, report, *spec, place)
         except SpecError as error:
             # One that is there may be that of a rig that works, and edited.
             if place is None or not place.exists():
                 _write(place, _not_built(error) + found.text)
             raise
-    _write(place, found.text)
+    if request.to_stdout:
+        _write(place, found.text)
     return built
 
 
@@ -164,14 +166,24 @@ def _read_once(request: EditRequest) -> ReadOptions:
     return replace(request.options, from_stream=str(request.source) == "-")
 
 
-def _built(request: EditRequest, found: Proposal, report: Report, spec: Path, name: str) -> Built:
-    """Build by what is proposed. A build that is done again, without twist joints, leaves no report."""
+def _built(
+    request: EditRequest, found: Proposal, report: Report, spec: Path, name: str, place: Path | None
+) -> Built:
+    """Build by what is proposed, and let the spec follow the output. A build that is done again, without
+    twist joints, leaves no report."""
+
+    def ready(outcome: Outcome, written: StagedOutput) -> None:
+        if request.ready is not None:
+            request.ready(outcome, written)
+        if place is not None:
+            written.follow(place, encoded(_sealed(found.text)))
+
     write_text(spec, found.text)
     own = replace(report, warnings=[], joints=[], limbs=[], added=[], removed=[])
     with called({str(spec): name}):
         limited = load(spec).limited(strict=request.strict, tolerance=request.tolerance)
         try:
-            built = build_file(request, limited, own, found.check)
+            built = build_file(replace(request, ready=ready), limited, own, found.check)
         except FixedWeightsError:
             raise
         except RigtriError:
@@ -205,11 +217,15 @@ def _unsure_message(found: Proposal, place: Path | None, target: Path | str) -> 
 
 def _write(place: Path | None, text: str) -> None:
     if place is not None:
-        write_text(place, f"{text}{_SEAL}{_digest(text)}\n")
+        write_text(place, _sealed(text))
+
+
+def _sealed(text: str) -> str:
+    return f"{text}{_SEAL}{_digest(text)}\n"
 
 
 def _digest(text: str) -> str:
-    return sha256(text.encode("utf-8", errors="backslashreplace")).hexdigest()[:16]
+    return sha256(encoded(text)).hexdigest()[:16]
 
 
 def refuse_edited(place: Path) -> None:

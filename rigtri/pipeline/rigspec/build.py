@@ -87,7 +87,7 @@ def build_file(
     ):
         work.source = work.at
         if folder:  # else the only step asks it, before anything is read
-            check_target(work.at, request.target, overwrite=request.overwrite, options=spec.reading)
+            check_target(replace(request, source=work.at, options=spec.reading))
         for one in spec.steps[:-1]:
             place = Path(folder, str(one.index), work.at.name)
             place.parent.mkdir()
