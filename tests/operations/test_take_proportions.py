@@ -14,7 +14,7 @@ from taken_clips import notices, places, rig_of
 from rigtri.errors import GeometryError
 from rigtri.maths.matrices import compose, decompose, inverse
 from rigtri.maths.matrices import multiply as multiply_matrices
-from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.maths.quaternions import from_axis_angle, multiply, rotate
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length
 from rigtri.model.animation import Clip, Path, Track
@@ -287,6 +287,19 @@ def test_edited_may_be_bound_and_rest_in_the_frame_that_was_shown(degrees: float
     translation[hips] += 0.01
     edited = replace(leaning, translation=translation, skins=tuple(skins))
     assert take_clips(rig, from_=edited) is rig
+
+
+def test_bones_that_only_point_elsewhere_are_told_with_the_largest_angle() -> None:
+    """Before, they were said to have other lengths."""
+    rig, translation = rig_of(), rig_of().translation.copy()
+    for name, degrees in {"shin_L": 2.0, "shin_R": 4.0}.items():
+        node = rig.find(name)
+        translation[node] = rotate(from_axis_angle([1.0, 0.0, 0.0], np.radians(degrees)), translation[node])
+    report = Report()
+    take_clips(rig, from_=replace(rig, translation=translation, skins=()), report=report)
+    (text,) = (notice.text for notice in report.warnings if notice.code == "other-proportions")
+    assert "'shin_L', 'shin_R' point elsewhere in EDITED, by up to 3.97° ('shin_R')" in text
+    assert "length" not in text
 
 
 def test_joints_that_stretch_a_little_are_compared_all_the_same() -> None:

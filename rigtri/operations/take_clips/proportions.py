@@ -10,7 +10,7 @@ Source: docs/take-clips.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -82,12 +82,30 @@ class Proportions:
             return self.body
         return ours / theirs
 
-    @cached_property
+    @property
     def other_lengths(self) -> list[int]:
-        """The joints whose bones differ by more than rounding."""
-        far = OTHER_SHAPE * self.both.size
-        bones = {n: b for n, b in self.bones.items() if b.bound or not b.slides}
-        return [n for n, b in bones.items() if float(length(b.ours - b.theirs)) * b.unit > far]
+        """The joints whose bones are longer or shorter by more than rounding."""
+        return [n for n, (longer, _) in self._differences.items() if longer > OTHER_SHAPE * self.both.size]
+
+    @property
+    def other_directions(self) -> dict[int, float]:
+        """The joints whose bones point elsewhere by more than rounding, and by how many degrees."""
+        return {
+            node: float(np.degrees(angle(self.bones[node].ours, self.bones[node].theirs)))
+            for node, (_, aside) in self._differences.items()
+            if aside > OTHER_SHAPE * self.both.size
+        }
+
+    @cached_property
+    def _differences(self) -> dict[int, tuple[float, float]]:
+        """By how much each bone is longer or shorter, and how far its end is aside at the same length."""
+        found = {}
+        for node, bone in self.bones.items():
+            if bone.bound or not bone.slides:
+                ours, theirs = (float(length(offset)) * bone.unit for offset in (bone.ours, bone.theirs))
+                aside = float(angle(bone.ours, bone.theirs)) * min(ours, theirs)
+                found[node] = abs(ours - theirs), aside
+        return found
 
     @cached_property
     def body(self) -> float:
@@ -220,19 +238,29 @@ def _scaled(size: float, offset: Floats) -> Floats | None:
 
 
 def warn_lengths(bodies: Proportions, report: Report) -> None:
-    """Bones of other lengths, and by how much the motion of the whole body is scaled."""
-    both = bodies.both
-    if not bodies.other_lengths:
+    """Bones of other lengths or directions, and by how much the motion of the whole body is scaled."""
+    both, texts = bodies.both, list[str]()
+    if longer := bodies.other_lengths:
+        texts.append(f"The bones of {_names(both, longer)} have other lengths in EDITED; RIG's were kept")
+    if turned := bodies.other_directions:
+        worst = max(turned, key=lambda node: turned[node])
+        texts.append(
+            f"The bones of {_names(both, turned)} point elsewhere in EDITED, by up to {turned[worst]:.3g}° "
+            f"('{both.rig.title(worst)}'); RIG's were kept, so these are off by as much"
+        )
+    if not texts:
         return
-    names = list_names(both.rig.names[n] for n in bodies.other_lengths)
-    text = f"The bones of {names} have other lengths in EDITED; RIG's were kept"
     carriers = [n for n in bodies.carriers if both.of[n] in both.moving]
     if bodies.body != 1.0 and carriers:
-        text += (
-            f". Translations of {list_names(both.rig.names[n] for n in carriers)} were scaled by "
-            f"{bodies.body:.3g}, as the legs are: other limbs may reach elsewhere than in EDITED"
+        texts.append(
+            f"Translations of {_names(both, carriers)} were scaled by {bodies.body:.3g}, as the legs are: "
+            "other limbs may reach elsewhere than in EDITED"
         )
-    report.warn("other-proportions", text)
+    report.warn("other-proportions", ". ".join(texts))
+
+
+def _names(both: Counterparts, nodes: Iterable[int]) -> str:
+    return list_names(both.rig.names[node] for node in nodes)
 
 
 def _bones(both: Counterparts) -> dict[int, Bone]:
