@@ -16,11 +16,12 @@ from __future__ import annotations
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import click
 
 from rigtri.errors import UsageError
+from rigtri.verification import Profile
 
 from .help_format import Command, option
 from .option_types import FilePath
@@ -63,7 +64,7 @@ _PAINTS = (
 )
 @option(
     "--profile",
-    type=click.Choice(["unity", "unreal", "godot", "vrm", "three", "webgl"]),
+    type=click.Choice(get_args(Profile)),
     help="Also look for what an engine asks of a character, by its own documents.",
     group="what",
 )

@@ -14,9 +14,11 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import click
+
+from rigtri.verification import Terms
 
 from . import failures, streams
 from .help_format import Command, option
@@ -44,7 +46,7 @@ _PAINTS = (
 @option("--all", "every", is_flag=True, help="Show every line of long groups.", group="output")
 @option(
     "--only",
-    type=click.Choice(["rig", "file"]),
+    type=click.Choice(get_args(Terms)),
     help="Compare only in rig terms, or only in file terms.",
     group="what",
 )

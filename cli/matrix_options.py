@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import click
 
 from rigtri.errors import UsageError
+from rigtri.maths import RotateOrder
 from rigtri.operations.options.constrain import joint_orient
 
 from .help_format import option
@@ -37,7 +38,7 @@ def matrix_options(command: F) -> F:
         ),
         option(
             "--rotate-order",
-            type=click.Choice(["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"]),
+            type=click.Choice(get_args(RotateOrder)),
             default="xyz",
             show_default=True,
             help="With --matrices: the order of the Euler angles.",

@@ -11,7 +11,6 @@ the target.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -21,11 +20,7 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats, arc_tangent, exponential
 from rigtri.maths.vectors import angle, dot, normalise
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import PoseReaderRecord
-
-Kind = Literal["dot", "cone", "rbf"]
-Kernel = Literal["linear", "gaussian"]
-Mode = Literal["swing", "twist", "both"]
+from rigtri.model.metadata import Kernel, PoseReaderRecord, ReaderKind, ReaderMode
 
 # Poses nearer to each other, in radians, are one: no weights can separate them.
 SAME_POSE = 1e-4
@@ -57,13 +52,13 @@ class PoseReader:
     from outer on, straight between.
     """
 
-    kind: Kind
+    kind: ReaderKind
     axis: Floats
     targets: tuple[Target, ...]
     inner: float = 0.0
     outer: float = ALONE
     kernel: Kernel = "linear"
-    mode: Mode = "swing"
+    mode: ReaderMode = "swing"
     rest: Floats | None = None
     signed: bool = False
 

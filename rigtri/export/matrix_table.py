@@ -7,17 +7,19 @@ rotation of ``local`` is ``rotate · joint_orient``, as a joint's is in Maya.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from rigtri.evaluation.pose_cache import PoseCache
-from rigtri.maths.euler import Order, from_angles, to_angles
+from rigtri.maths import RotateOrder
+from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.options.constrain import OrientWord
 from rigtri.operations.pose import PoseOptions, pose_of
 from rigtri.report import Report
 from rigtri.text import plain_lines
@@ -26,7 +28,7 @@ _DEGREES = 180.0 / np.pi
 # Of a matrix's largest number: less is the rounding of a right angle.
 _NOISE = 1e-9
 _ROWS = ("x", "y", "z", "at")
-JointOrient = Literal["rest", "none"] | tuple[float, float, float]
+JointOrient = OrientWord | tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class MatrixOptions:
 
     joints: tuple[str, ...] = ()
     at: str = "rest"
-    order: Order = "xyz"
+    order: RotateOrder = "xyz"
     joint_orient: JointOrient = "rest"
     evaluate: bool = True
 
@@ -80,7 +82,7 @@ def joint_orient(rig: Rig, node: int, chosen: JointOrient = "rest") -> Floats:
     return from_angles(np.array(chosen) / _DEGREES, "xyz")
 
 
-def _numbers(matrix: Floats, order: Order, oriented: Floats | None = None) -> dict[str, Any]:
+def _numbers(matrix: Floats, order: RotateOrder, oriented: Floats | None = None) -> dict[str, Any]:
     """A matrix, and what it is made of; angles are degrees about x, y, z. oriented: see `joint_orient`."""
     translation, rotation, scale = decompose(matrix)
     turned = rotation if oriented is None else multiply(conjugate(oriented), rotation)

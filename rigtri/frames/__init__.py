@@ -4,3 +4,11 @@ Beside them lives what decides whether a change is exact: scale tables and toler
 constraints require; and mirror modes and the mirror plane. Nothing here chooses which joints change or to
 which axes (that is for `rigtri.operations`), and nothing knows a file.
 """
+
+from __future__ import annotations
+
+from typing import Literal
+
+# Mirror modes and planes (`mirroring`), here because options name them too, which import no numpy.
+Mirror = Literal["behavior", "orientation", "blender"]
+Plane = Literal["yz", "xz", "xy"]

@@ -12,6 +12,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from rigtri.frames import Mirror, Plane
 from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes
 from rigtri.maths.trigonometry import Floats
@@ -19,11 +20,10 @@ from rigtri.maths.vectors import dot
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
-Mirror = Literal["behavior", "orientation", "blender"]
 MIRRORS: tuple[Mirror, ...] = get_args(Mirror)
 # What the axes of twins may be, besides: mirrored but for y or z, which is reversed, as both sides have them
 # where they follow one rule (orient-joints with the hinge on y or z; ``blender`` is that of x).
-Convention = Literal["behavior", "orientation", "blender", "y-reversed", "z-reversed"]
+Convention = Literal[Mirror, "y-reversed", "z-reversed"]
 CONVENTIONS: tuple[Convention, ...] = get_args(Convention)
 _SIGNS: Mapping[Convention, tuple[float, float, float]] = {
     "behavior": (-1.0, -1.0, -1.0),
@@ -31,7 +31,6 @@ _SIGNS: Mapping[Convention, tuple[float, float, float]] = {
     "y-reversed": (1.0, -1.0, 1.0),
     "z-reversed": (1.0, 1.0, -1.0),
 }
-Plane = Literal["yz", "xz", "xy"]
 PLANES: tuple[Plane, ...] = get_args(Plane)
 
 

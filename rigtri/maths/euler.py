@@ -9,11 +9,10 @@ after the last is undone, which keeps all digits where the middle axis is near a
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rigtri.maths import RotateOrder
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes
 from rigtri.maths.trigonometry import Floats, arc_tangent, sin_cos
 
@@ -23,12 +22,11 @@ __all__ = [
     "to_angles",
 ]
 
-Order = Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"]
 # Of a unit vector: less of it gives no direction, and the last angle is taken as 0.
 _NOTHING = 1e-15
 
 
-def to_angles(q: ArrayLike, order: Order) -> Floats:
+def to_angles(q: ArrayLike, order: RotateOrder) -> Floats:
     """Angles about x, y and z in radians, (..., 3), of unit quaternions (..., 4).
 
     The middle angle of the order lies in ±π/2; at its ends the last angle is 0.
@@ -50,7 +48,7 @@ def to_angles(q: ArrayLike, order: Order) -> Floats:
     return angles
 
 
-def from_angles(angles: ArrayLike, order: Order) -> Floats:
+def from_angles(angles: ArrayLike, order: RotateOrder) -> Floats:
     """Unit quaternions of angles about x, y and z in radians, (..., 3) → (..., 4).
 
     >>> to_angles(from_angles([0.1, 0.2, 0.3], "zyx"), "zyx").round(9).tolist()

@@ -10,11 +10,10 @@ node B" and "Pole Vector"; "Using Vector Math to Rig an Arm" (article).
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rigtri.maths import PoleMethod, PoleOrigin, ReachOf
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import (
     angle,
@@ -137,7 +136,7 @@ def bend_direction(
     middle: ArrayLike,
     end: ArrayLike,
     *,
-    method: Literal["perpendicular", "ratio"] = "perpendicular",
+    method: PoleMethod = "perpendicular",
 ) -> Floats:
     """The unit direction that limbs bend to: from a point P of AC to B, (..., 3).
 
@@ -181,9 +180,9 @@ def pole_position(
     end: ArrayLike,
     *,
     direction: ArrayLike | None = None,
-    origin: Literal["middle", "root", "foot"] = "middle",
+    origin: PoleOrigin = "middle",
     reach: float = 0.5,
-    reach_of: Literal["limb", "chord"] = "limb",
+    reach_of: ReachOf = "limb",
     far: float | None = None,
 ) -> Floats:
     """Where pole vectors stand, (..., 3), in file units.

@@ -14,7 +14,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from rigtri.maths.euler import Order
+from rigtri.maths import RotateOrder
 from rigtri.maths.quaternions import IDENTITY
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
@@ -55,7 +55,7 @@ class Constraint:
     offsets: Floats
     weight_nodes: tuple[int, ...] = ()
     skip: frozenset[str] = frozenset()
-    order: Order = "xyz"
+    order: RotateOrder = "xyz"
     joint_orient: Floats = field(default_factory=IDENTITY.copy)
     rest: Floats = field(default_factory=IDENTITY.copy)
     space: ConstraintSpace = "world"

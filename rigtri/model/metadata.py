@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, field, fields
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_origin, get_type_hints
 
+from rigtri.maths import PoleMethod, PoleOrigin, ReachOf, RotateOrder
 from rigtri.model.dataclass import dataclass
 
 VERSION = 1
@@ -121,7 +122,7 @@ class ConstraintRecord(Record):
     offsets: Matrices
     chain: Names = ()
     skip: Names = ()
-    rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] | None = None
+    rotate_order: RotateOrder | None = None
     joint_orient: Quaternion | None = None
     rest: Quaternion | None = None
     space: ConstraintSpace | None = None
@@ -226,11 +227,11 @@ class PoleVectorRecord(Record):
 
     type: ClassVar[str] = "poleVector"
     chain: Names
-    method: Literal["perpendicular", "ratio"] | None = None
-    from_: Literal["middle", "root", "foot"] | None = None
+    method: PoleMethod | None = None
+    from_: PoleOrigin | None = None
     distance: float | None = None
     reach: float | None = None
-    reach_of: Literal["limb", "chord"] | None = None
+    reach_of: ReachOf | None = None
     bend: float | None = None
     source: str = ""
     pose: str = ""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from rigtri.maths.quaternions import IDENTITY, between, conjugate, from_axes, mu
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
+from rigtri.operations.declaration import StandardPose
 from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
 
 # Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made
@@ -31,7 +32,6 @@ ASKEW = 0.02
 STRETCHED = cosine_below(20)
 # How far arms of an A-pose are below the horizontal: 45°.
 _DOWN = {"tpose": 0.0, "apose": float(np.sqrt(0.5)), "godot": 0.0}
-StandardPose = Literal["tpose", "apose", "godot"]
 FACE = ("jaw", "leftEye", "rightEye")
 THUMB = ("ThumbMetacarpal", "ThumbProximal", "ThumbDistal")
 

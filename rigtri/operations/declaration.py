@@ -440,6 +440,12 @@ Name = Annotated[str, Kind("name", "NAME")]
 Names = Annotated[tuple[str, ...], Kind("names", "NAME")]
 Auto = Literal["auto"]
 EndKind = Literal["locator", "joint"]
+BodySide = Literal["left", "right"]
+StandardPose = Literal["tpose", "apose", "godot"]
+SignedAxis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
+UpAxis = Literal["y", "z"]
+NonuniformScale = Literal["snap", "skip", "split", "error"]
+ConstraintPolicy = Literal["freeze", "error"]
 Axis = Annotated[str, Kind("axis", "AXIS")]
 Number = Annotated[float, Kind("number")]
 Above = Annotated[float, Kind("number", low=0, low_open=True)]
@@ -470,7 +476,7 @@ Facing = Annotated[
     ),
 ]
 OnNonuniformScale = Annotated[
-    Literal["snap", "skip", "split", "error"],
+    NonuniformScale,
     Kind(
         "choice",
         help="What becomes of a joint whose scale would shear.",
@@ -483,7 +489,7 @@ OnNonuniformScale = Annotated[
     ),
 ]
 OnConstraint = Annotated[
-    Literal["freeze", "error"],
+    ConstraintPolicy,
     Kind(
         "choice",
         help="What becomes of a joint whose new axes would change what a VRM node constraint does.",

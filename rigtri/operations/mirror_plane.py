@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.frames.mirroring import PLANES, Across, Plane, normal_of
+from rigtri.frames import Plane
+from rigtri.frames.mirroring import PLANES, Across, normal_of
 from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.trigonometry import Floats

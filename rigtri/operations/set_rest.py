@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import posed
+from rigtri.operations.declaration import StandardPose
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.options.pose import PoseOptions
@@ -75,7 +76,7 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
         layout = recognise(rig)
         if not layout.characters:
             raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
-        pose = cast(Literal["tpose", "apose"], options.pose)
+        pose = cast(StandardPose, options.pose)
         worlds = _bind(rig)
         found = _of_locals(rig, worlds, joints)
         for body in layout.characters:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -41,6 +40,7 @@ from rigtri.model.animation import PATHS, Clip, Interpolation, Path, Track
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
+from rigtri.operations.options.snap import IkOrFk
 from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
 from rigtri.progress import count_done
@@ -107,7 +107,7 @@ class _Limb:
     chain: tuple[int, int, int]
     timeline: Timeline | None
     times: Floats
-    to: Literal["ik", "fk"]
+    to: IkOrFk
     report: Report
     reference: ControlsAtZero
 

@@ -4,3 +4,12 @@
 one file; `diff` lists what differs between two files. They read through `formats` and change nothing; what
 to do with a verdict is up to `pipeline` and the commands.
 """
+
+from __future__ import annotations
+
+from typing import Literal
+
+# Choices that commands name too, before they import numpy: the engines of `checks.profile_check`, and the
+# terms of `diff`.
+Profile = Literal["unity", "unreal", "godot", "vrm", "three", "webgl"]
+Terms = Literal["rig", "file"]

@@ -8,14 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from rigtri.maths.euler import Order, from_angles, to_angles
+from rigtri.maths import RotateOrder
+from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes
 
-ORDERS = get_args(Order)
+ORDERS = get_args(RotateOrder)
 AXES = dict(zip("xyz", np.eye(3), strict=True))
 
 
-def by_hand(angles: dict[str, float], order: Order) -> np.ndarray:
+def by_hand(angles: dict[str, float], order: RotateOrder) -> np.ndarray:
     """The axes after one rotation after the other, about fixed axes in the order."""
     first, second, third = (from_axis_angle(AXES[letter], angles[letter]) for letter in order)
     return to_axes(multiply(third, multiply(second, first)))
@@ -23,7 +24,9 @@ def by_hand(angles: dict[str, float], order: Order) -> np.ndarray:
 
 @pytest.mark.parametrize("order", ORDERS)
 @given(whole=st.tuples(*[st.floats(-3.1, 3.1)] * 2), middle=st.floats(-1.5, 1.5))
-def test_angles_come_back_from_their_rotation(order: Order, whole: tuple[float, ...], middle: float) -> None:
+def test_angles_come_back_from_their_rotation(
+    order: RotateOrder, whole: tuple[float, ...], middle: float
+) -> None:
     angles = dict(zip(order, (whole[0], middle, whole[1]), strict=True))
     row = [angles[letter] for letter in "xyz"]
     assert_allclose(to_angles(from_angles(row, order), order), row, atol=1e-9)
@@ -32,7 +35,7 @@ def test_angles_come_back_from_their_rotation(order: Order, whole: tuple[float, 
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("middle", [np.pi / 2, -np.pi / 2])
-def test_at_the_ends_of_the_middle_angle_the_last_is_zero(order: Order, middle: float) -> None:
+def test_at_the_ends_of_the_middle_angle_the_last_is_zero(order: RotateOrder, middle: float) -> None:
     angles = dict(zip(order, (0.4, middle, 0.3), strict=True))
     rotation = from_angles([angles[letter] for letter in "xyz"], order)
     found = to_angles(rotation, order)

@@ -26,7 +26,8 @@ from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
 from rigtri.frames.reframe import reframe
 from rigtri.frames.reoriented_constraints import broken
-from rigtri.maths.euler import Order, from_angles, to_angles
+from rigtri.maths import RotateOrder
+from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.matrices import compose, inverse, multiply, rotate_after, rotate_before
 from rigtri.maths.quaternions import average, between, conjugate, from_axis_angle, slerp, to_axes, unit
 from rigtri.maths.quaternions import multiply as product
@@ -206,8 +207,8 @@ def test_offset_and_joint_orient_go_together() -> None:
     assert_allclose(np.degrees(rotate_of(rule, to_parts(solved(out)[2]).rotation)), [0, 0, 75], atol=1e-10)
 
 
-@pytest.mark.parametrize("order", get_args(Order))
-def test_the_reported_rotate_and_joint_orient_recompose_the_local(order: Order) -> None:
+@pytest.mark.parametrize("order", get_args(RotateOrder))
+def test_the_reported_rotate_and_joint_orient_recompose_the_local(order: RotateOrder) -> None:
     rig = moved(random_pose(5), 6, "child")
     for orient in ("rest", "none", (40.0, -70.0, 15.0)):
         report = Report()
@@ -222,9 +223,9 @@ def test_the_reported_rotate_and_joint_orient_recompose_the_local(order: Order) 
         assert_allclose(local, to_axes(to_parts(found).rotation), atol=1e-12)
 
 
-@pytest.mark.parametrize("order", get_args(Order))
+@pytest.mark.parametrize("order", get_args(RotateOrder))
 @pytest.mark.parametrize("middle", [0.4, np.pi / 2, -np.pi / 2, np.pi / 2 - 1e-9])
-def test_all_six_orders_recompose_also_at_right_angles(order: Order, middle: float) -> None:
+def test_all_six_orders_recompose_also_at_right_angles(order: RotateOrder, middle: float) -> None:
     angles = np.array([0.3, -1.2, 2.5])
     angles["xyz".index(order[1])] = middle
     turn = from_angles(angles, order)

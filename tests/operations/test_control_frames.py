@@ -13,7 +13,8 @@ from places import SAMPLES, asset_files, every_other, slow
 
 import rigtri
 from rigtri.errors import RigtriError, UsageError
-from rigtri.frames.mirroring import Across, Mirror, mirrored_axes
+from rigtri.frames import Mirror
+from rigtri.frames.mirroring import Across, mirrored_axes
 from rigtri.model.metadata import ControlRecord, OffsetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.mirror.symmetry_check import asymmetry

@@ -17,7 +17,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from rigtri.errors import GeometryError, NameNotFoundError
 from rigtri.formats import read
-from rigtri.frames.mirroring import Across, Mirror, mirrored_axes
+from rigtri.frames import Mirror
+from rigtri.frames.mirroring import Across, mirrored_axes
 from rigtri.maths.matrices import from_frame, nearest_rotation
 from rigtri.maths.matrices import multiply as matmul
 from rigtri.maths.quaternions import from_axis_angle, multiply, to_axes, unit

@@ -19,7 +19,8 @@ from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_readers import PoseReader, weights
 from rigtri.export.text_description import describe
 from rigtri.formats import read
-from rigtri.frames.mirroring import MIRRORS, Across, Mirror, mirrored_axes
+from rigtri.frames import Mirror
+from rigtri.frames.mirroring import MIRRORS, Across, mirrored_axes
 from rigtri.maths.matrices import multiply as after
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply

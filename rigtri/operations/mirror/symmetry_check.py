@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.mirroring import CONVENTIONS, PLANES, Convention, Plane, mirrored_axes
+from rigtri.frames import Plane
+from rigtri.frames.mirroring import CONVENTIONS, PLANES, Convention, mirrored_axes
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import angle_between, from_axes

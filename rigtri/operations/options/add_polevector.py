@@ -6,6 +6,7 @@ from collections.abc import Collection
 from typing import Literal
 
 from rigtri.errors import UsageError
+from rigtri.maths import PoleMethod, PoleOrigin, ReachOf
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import (
     Above,
@@ -26,7 +27,7 @@ from rigtri.operations.declaration import (
 class PlacementOptions(OneCharacter):
     """Position of the pole vector of a limb."""
 
-    method: Literal["perpendicular", "ratio"] = option(
+    method: PoleMethod = option(
         "perpendicular",
         help="Where on the root-to-end line the direction starts.",
         values={
@@ -35,7 +36,7 @@ class PlacementOptions(OneCharacter):
         },
         rare=True,
     )
-    from_: Literal["middle", "root", "foot"] = option(
+    from_: PoleOrigin = option(
         "middle",
         help="Where the distance is measured from.",
         values={
@@ -47,9 +48,7 @@ class PlacementOptions(OneCharacter):
     )
     reach: Above = option(0.5, help="Distance as a multiple of the limb's length.", excludes=["distance"])
     distance: Above | None = option(None, help="Distance in world units of the file.")
-    reach_of: Literal["limb", "chord"] = option(
-        "limb", help="What --reach multiplies: both bones, or root to end.", rare=True
-    )
+    reach_of: ReachOf = option("limb", help="What --reach multiplies: both bones, or root to end.", rare=True)
     orientation: Literal["world", "limb", "aim"] = option(
         "world",
         help="The locator's axes.",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Annotated, Literal
+from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
+from rigtri.model.metadata import Kernel, ReaderKind, ReaderMode
 from rigtri.operations.declaration import (
     Above,
     Direction,
@@ -68,7 +69,7 @@ class AddPosereaderOptions(OneCharacter):
         "Repeatable; without a name they are target1, target2 and so on.",
         group="what",
     )
-    reader: Literal["dot", "cone", "rbf"] = option(
+    reader: ReaderKind = option(
         "dot",
         help="How a pose becomes a weight.",
         values={
@@ -81,10 +82,8 @@ class AddPosereaderOptions(OneCharacter):
     signed: bool = option(False, help="dot: negative weights, down to −1, where the axis points away.")
     inner: Number = option(0.0, help="Cone: 1 up to here (degrees).")
     outer: Number = option(90.0, help="Cone: 0 from here (degrees).")
-    kernel: Literal["linear", "gaussian"] = option("linear", help="rbf: how a pose fades out.")
-    mode: Literal["swing", "twist", "both"] = option(
-        "swing", help="rbf: which part of the rotation counts, about --axis."
-    )
+    kernel: Kernel = option("linear", help="rbf: how a pose fades out.")
+    mode: ReaderMode = option("swing", help="rbf: which part of the rotation counts, about --axis.")
     morph: Morphs = option(
         (), help="Let a target drive this morph target (name or number) of a mesh. Repeatable.", group="what"
     )

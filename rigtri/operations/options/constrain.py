@@ -8,8 +8,9 @@ from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
+from rigtri.maths import RotateOrder
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION
+from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION, ConstraintKind, WorldUp
 from rigtri.operations.declaration import (
     Direction,
     JsonFile,
@@ -23,6 +24,7 @@ from rigtri.operations.declaration import (
     three,
 )
 
+OrientWord = Literal["rest", "none"]
 _THREE = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
 _AIM_ONLY = ("aim_axis", "up_axis", "world_up", "up_vector", "up_object")
 _ROTATION_ONLY = ("rotate_order", "joint_orient")
@@ -34,7 +36,7 @@ def _skip(_flag: str, text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.lower().split(",")) if text else ()
 
 
-def joint_orient(text: str) -> Literal["rest", "none"] | Vector:
+def joint_orient(text: str) -> OrientWord | Vector:
     """``rest``, ``none`` or three degrees with commas between. ValueError for anything else."""
     if text.lower() in ("rest", "none"):
         return "rest" if text.lower() == "rest" else "none"
@@ -52,9 +54,7 @@ Drivers = Annotated[tuple[tuple[str, float] | str, ...], Kind("of nodes", "NODE[
 Spaces = Annotated[tuple[str, ...], Kind("names", "world|root|NODE", group="joints")]
 Switches = Annotated[tuple[str, ...], Kind("names", "CLIP@TIME=NODE")]
 Channels = Annotated[tuple[str, ...], Kind("joined", "tx,ty,…", read=_skip)]
-JointOrient = Annotated[
-    Literal["rest", "none"] | Vector, Kind("joint orient", "rest|none|X,Y,Z", parse=joint_orient)
-]
+JointOrient = Annotated[OrientWord | Vector, Kind("joint orient", "rest|none|X,Y,Z", parse=joint_orient)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +65,7 @@ class ConstrainOptions(OneCharacter):
     x, then y, then z.
     """
 
-    type: Literal["parent", "point", "orient", "scale", "aim", "polevector"] = option(
+    type: ConstraintKind = option(
         "parent",
         help="What the child takes over.",
         values={
@@ -115,7 +115,7 @@ class ConstrainOptions(OneCharacter):
         True,
         help="Maintain the offset between each driver and the child, or take over the driver's transform.",
     )
-    rotate_order: Literal["xyz", "yzx", "zxy", "xzy", "yxz", "zyx"] = option(
+    rotate_order: RotateOrder = option(
         "xyz", help="Order of the angles that --skip and the report mean by rx, ry, rz.", rare=True
     )
     joint_orient: JointOrient = option(
@@ -141,7 +141,7 @@ class ConstrainOptions(OneCharacter):
     up_axis: Direction = option(
         (0.0, 1.0, 0.0), help="aim: the axis of the child that leans to --world-up.", rare=True
     )
-    world_up: Literal["vector", "object", "objectrotation", "none"] = option(
+    world_up: WorldUp = option(
         "vector",
         help="aim: what the up axis leans to.",
         values={

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Above, Names, option, options_of
+from rigtri.operations.declaration import Above, Names, UpAxis, option, options_of
 
 
 @dataclass(frozen=True)
@@ -20,7 +18,7 @@ class ConvertOptions:
         "keys on whole frames, else 24]",
         group="what",
     )
-    up_axis: Literal["y", "z"] = option("y", help="To USD: the stage's up axis.", group="what")
+    up_axis: UpAxis = option("y", help="To USD: the stage's up axis.", group="what")
     meters_per_unit: Above = option(
         1.0, metavar="METRES", help="To USD: how many metres the stage's unit is.", group="what"
     )

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Above, option
+from rigtri.operations.declaration import Above, UpAxis, option
 
 
 @dataclass(frozen=True)
@@ -17,7 +15,7 @@ class FreezeOptions:
         help="Freeze scale: that of joints, sockets and all above them becomes 1 in the world.",
         group="what",
     )
-    up_axis: Literal["y", "z"] | None = option(
+    up_axis: UpAxis | None = option(
         None,
         help="Freeze the rotation of what is above joints; the file's up axis becomes this (glTF: y alone).",
         group="what",

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
     Axis,
+    BodySide,
     EndKind,
     JsonFile,
     Kind,
@@ -98,7 +99,7 @@ class MakeLimbOptions(PlacementOptions):
     )
     bend: Point | None = option(None, help="The bend direction of points on a line; for no others.")
     name: str = option("limb", help="The limb's name; its joints are NAME_1 …", group="what")
-    side: Literal["left", "right"] | None = option(None, help="Put _L or _R behind the names.", group="what")
+    side: BodySide | None = option(None, help="Put _L or _R behind the names.", group="what")
     names: Names = option((), metavar="A B C", help="Names of the joints.", group="what", rare=True)
     parent: Node | None = option(
         None,

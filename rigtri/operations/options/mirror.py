@@ -7,8 +7,10 @@ from functools import cached_property
 from typing import Any, Literal, get_args
 
 from rigtri.errors import UsageError
+from rigtri.frames import Mirror, Plane
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.declaration import (
+    BodySide,
     Nodes,
     Number,
     OnConstraint,
@@ -33,16 +35,14 @@ class MirrorOptions(OneCharacter):
     `rigtri.frames.mirroring` has found it for ``mirror``.
     """
 
-    mode: Literal["behavior", "orientation", "blender"] = option(
+    mode: Mirror = option(
         "behavior",
         help="What mirrored axes are.",
         values=axes.MIRRORED,
         group="what",
     )
-    from_side: Literal["left", "right"] = option(
-        "left", help="The side that is copied onto the other.", group="what"
-    )
-    plane: Literal["yz", "xz", "xy"] | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
+    from_side: BodySide = option("left", help="The side that is copied onto the other.", group="what")
+    plane: Plane | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
     plane_at: Number | None = option(
         None,
         help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",

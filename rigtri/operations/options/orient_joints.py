@@ -9,10 +9,12 @@ from functools import cached_property
 from typing import Annotated, Any, Literal, get_args
 
 from rigtri.errors import UsageError
+from rigtri.frames import Mirror, Plane
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.declaration import (
     Axis,
+    BodySide,
     Facing,
     JsonFile,
     Kind,
@@ -25,6 +27,8 @@ from rigtri.operations.declaration import (
     OnNonuniformScale,
     RigFile,
     Selection,
+    SignedAxis,
+    StandardPose,
     Tolerance,
     Vector,
     option,
@@ -57,8 +61,8 @@ class StyledChain:
 
     start: Node
     end: Node
-    aim: str | None = option(None, choices=("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"))
-    up: str | None = option(None, choices=("x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"))
+    aim: SignedAxis | None = None
+    up: SignedAxis | None = None
     up_from: str | None = None
 
     def style(self, base: AxisStyle) -> AxisStyle:
@@ -144,7 +148,7 @@ class OrientJointsOptions(OneCharacter):
         rare=True,
     )
     world: bool = option(False, help="Make every frame parallel to the world.", group="what", rare=True)
-    standard_pose: Literal["tpose", "apose", "godot"] | None = option(
+    standard_pose: StandardPose | None = option(
         None,
         help="Take a recognised body that stands so for a standard skeleton: joints aim where its bones do.",
         values={
@@ -162,13 +166,13 @@ class OrientJointsOptions(OneCharacter):
         help="Afterwards rotate about the new axes, in degrees: X, then Y, then Z.",
         rare=True,
     )
-    mirror: Literal["behavior", "orientation", "blender"] | None = option(
+    mirror: Mirror | None = option(
         None, help="Give the other side the mirrored axes of --from-side.", values=axes.MIRRORED, rare=True
     )
-    from_side: Literal["left", "right"] = option(
+    from_side: BodySide = option(
         "left", help="With --mirror: the side that is copied onto the other.", rare=True
     )
-    plane: Literal["yz", "xz", "xy"] | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
+    plane: Plane | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
     like: RigFile = option(
         None,
         excludes=["frames"],

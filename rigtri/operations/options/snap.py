@@ -12,12 +12,14 @@ from rigtri.operations.declaration import Kind, Names, OneCharacter, option
 # By name alone: limbs with an IK end, whose joints need not be below each other.
 Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
 
+IkOrFk = Literal["ik", "fk"]
+
 
 @dataclass(frozen=True)
 class SnapOptions(OneCharacter):
     """Options of snap."""
 
-    to: Literal["ik", "fk"] = option(help="What the limbs are matched to.", group="what")
+    to: IkOrFk = option(help="What the limbs are matched to.", group="what")
     at: Names = option(
         metavar="CLIP@TIME",
         help="The moment, in seconds (USD: time codes), or rest. Repeatable.",

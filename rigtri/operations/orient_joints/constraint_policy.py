@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field
-from typing import Literal
 
 import numpy as np
 
@@ -22,13 +21,12 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.declaration import ConstraintPolicy
 from rigtri.operations.joint_selection import STEADFAST
 from rigtri.operations.orient_joints.joint_frames import UNCHANGED, DeadBand
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
 from rigtri.text import and_more
-
-Policy = Literal["freeze", "error"]
 
 
 @dataclass
@@ -100,7 +98,7 @@ def apply_constraint_policy(
     band: DeadBand,
     ties: Sequence[NodeConstraint],
     *,
-    policy: Policy,
+    policy: ConstraintPolicy,
     report: Report,
 ) -> Constrained:
     """What nodes can take of their deltas, (n, 4), for the sake of constraints; what gave way is reported.
@@ -136,7 +134,7 @@ def apply_constraint_policy(
 
 
 def _report(
-    rig: Rig, bond: Bond, leader: int, gave_way: list[int], why: str, policy: Policy, report: Report
+    rig: Rig, bond: Bond, leader: int, gave_way: list[int], why: str, policy: ConstraintPolicy, report: Report
 ) -> None:
     names, because = [f"'{rig.title(node)}'" for node in gave_way], _names_of_constraints(rig, bond)
     lead = f"can only be re-oriented as '{rig.title(leader)}' is ({because})"

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError, GeometryError
-from rigtri.frames.mirroring import Mirror, mirrored_axes
+from rigtri.frames import Mirror
+from rigtri.frames.mirroring import mirrored_axes
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
 from rigtri.maths.matrices import nearest_rotation, transform_directions
 from rigtri.maths.quaternions import (

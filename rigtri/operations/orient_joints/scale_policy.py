@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -34,9 +34,9 @@ from rigtri.maths.vectors import angle, cross, dot, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.declaration import NonuniformScale
 from rigtri.report import Report
 
-Policy = Literal["snap", "skip", "split", "error"]
 # A delta and its nearest exact one are the same below this (radians).
 EXACT = 1e-9
 # Aims whose cosines differ by less are equally near.
@@ -66,13 +66,13 @@ class ScalePolicy:
     with them.
     """
 
-    policy: Policy
+    policy: NonuniformScale
     rig: Rig
     scales: ScaleTable
     unsplittable: frozenset[int]
 
     @property
-    def in_place(self) -> Policy:
+    def in_place(self) -> NonuniformScale:
         """The policy for joints that keep their own node."""
         return "skip" if self.policy == "split" else self.policy
 

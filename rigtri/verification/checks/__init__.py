@@ -15,8 +15,9 @@ from rigtri.files.text_files import check_plain
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, ReadOptions, need_usd, read
 from rigtri.formats.registry import check_content, unknown_format
 from rigtri.model.rig import Rig
+from rigtri.verification import Profile
 from rigtri.verification.checks.findings import Finding, Findings, Rule
-from rigtri.verification.checks.profile_check import PROFILE_RULES, Profile, check_profile
+from rigtri.verification.checks.profile_check import PROFILE_RULES, check_profile
 from rigtri.verification.checks.rule_catalogue import ORIENT, RULES, UNREADABLE
 
 __all__ = ["RULES", "Finding", "Rule", "check", "unreadable"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import Literal
+from typing import get_args
 
 import numpy as np
 
@@ -22,11 +22,11 @@ from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.recognise import recognise
+from rigtri.verification import Profile
 from rigtri.verification.checks.cycle_check import place_of
 from rigtri.verification.checks.findings import Findings
 
-Profile = Literal["unity", "unreal", "godot", "vrm", "three", "webgl"]
-PROFILES: tuple[Profile, ...] = ("unity", "unreal", "godot", "vrm", "three", "webgl")
+PROFILES: tuple[Profile, ...] = get_args(Profile)
 # A world scale this near to 1 is 1; arms this far (a cosine) from the lateral axis are in no T-pose.
 _ONE, _LATERAL = 1e-3, cosine_below(20)
 # A body that faces farther to the side (a cosine) faces another way.

@@ -5,12 +5,13 @@ from __future__ import annotations
 import filecmp
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from rigtri.errors import FileError
 from rigtri.formats import GLTF_SUFFIXES, USD_SUFFIXES, Document, ReadOptions, read
 from rigtri.model.dataclass import dataclass
 from rigtri.text import plain_lines
+from rigtri.verification import Terms
 from rigtri.verification.compare.compare import Comparison
 from rigtri.verification.compare.compare import verify as compare
 from rigtri.verification.diff.change import Change
@@ -20,8 +21,6 @@ from rigtri.verification.diff.rig_diff import rig_changes
 MOST = 8
 # Bytes compared at once.
 _BLOCK = 1 << 20
-
-Terms = Literal["rig", "file"]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -20,7 +20,8 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
-from rigtri.operations.declaration import direction
+from rigtri.operations.declaration import SignedAxis, direction
+from rigtri.operations.options.constrain import OrientWord
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
 UNKNOWN = "unknown_node"
@@ -212,13 +213,11 @@ Joined = Annotated[
 ]
 # ``rest``, ``none`` or three degrees.
 _Degrees = Annotated[float, Strict(), Field(gt=-1e6, lt=1e6)]
-JointOrient = Annotated[
-    Literal["rest", "none"] | tuple[_Degrees, _Degrees, _Degrees], BeforeValidator(_joint_orient)
-]
+JointOrient = Annotated[OrientWord | tuple[_Degrees, _Degrees, _Degrees], BeforeValidator(_joint_orient)]
 TextOrPoint = Annotated[str, BeforeValidator(_text_or_point), WithJsonSchema(_TRIPLE)]
 File = Name
 # What a variable may stand for.
 Scalar = Annotated[
     Any, AfterValidator(_scalar), WithJsonSchema({"type": ["string", "number", "integer", "boolean"]})
 ]
-Axis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
+Axis = SignedAxis
