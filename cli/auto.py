@@ -30,16 +30,13 @@ from .option_types import FilePath
 from .options import (
     dry_run_option,
     output_options,
-    overwrite_option,
     preset_option,
     reading_options,
     report_option,
     scheme_option,
+    shared,
     source_argument,
-    strict_option,
     target_option,
-    tolerance_option,
-    verify_option,
 )
 from .parameters import given_options
 
@@ -74,12 +71,12 @@ SUFFIX = ".rig.yaml"
     group="output",
 )
 @reading_options
-@tolerance_option()
-@verify_option()
-@strict_option()
+@shared("tolerance")
+@shared("verify")
+@shared("strict")
 @report_option("Write what was recognised and done")
 @dry_run_option
-@overwrite_option()
+@shared("overwrite")
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:
@@ -115,7 +112,6 @@ class _Job:
 
     def done(self, report: Report) -> Outcome:
         from rigtri.pipeline.rigspec.auto import auto_file, refuse_edited
-        from rigtri.recognition.naming_schemes import own_schemes
 
         values = self.values
         if values["spec_out"] is not None and self.derived and not values["dry_run"]:
@@ -128,7 +124,7 @@ class _Job:
                 request,
                 report,
                 preset=values["preset"] or "",
-                own=own_schemes(values["own"]),
+                scheme=values["scheme"],
                 spec_out=values["spec_out"],
                 seen=self._seen,
             )

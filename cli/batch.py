@@ -27,10 +27,10 @@ from rigtri.errors import FileError, UsageError
 
 from . import INTERRUPTED, batch_engine, batch_job, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
-from .build import assigned, set_option, spec_option, spec_tolerance_option
+from .build import assigned, set_option, spec_option, spec_strict_option, spec_tolerance_option
 from .help_format import Command, option
 from .option_types import Bytes, FilePath
-from .options import dry_run_option, json_option, quiet_option, strict_option, verify_option
+from .options import dry_run_option, json_option, quiet_option, shared
 from .progress import Progress
 from .terminal_text import plain
 
@@ -140,16 +140,10 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
     help="Start no other file when more than N have failed.",
     group="safety",
 )
-@verify_option("Compare source and result in every pose before an output appears.")
-@strict_option("Make any warning an error, also where the spec does not.")
+@shared("verify")
+@spec_strict_option
 @spec_tolerance_option
-@option(
-    "--resources",
-    type=click.Choice(["copy", "relink"]),
-    help="Copy the files that a .gltf refers to, or link to them. [as in the spec, else copy]",
-    group="output",
-    rare=True,
-)
+@shared("resources", default=None, more="[as the spec says, else copy]")
 @dry_run_option
 @option("--overwrite", is_flag=True, help="Replace outputs that this batch has not written.", group="safety")
 @quiet_option

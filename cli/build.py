@@ -23,15 +23,13 @@ from rigtri.report import Report
 
 from .editing import edit_request, run
 from .help_format import Command, option
-from .option_types import FilePath, Tolerance
+from .option_types import FilePath
 from .options import (
     dry_run_option,
     optional_target_option,
     output_options,
-    overwrite_option,
     report_option,
-    strict_option,
-    verify_option,
+    shared,
 )
 from .printing import print_json
 from .terminal_text import plain
@@ -57,9 +55,8 @@ set_option = option(
     help="Set a variable of the spec.",
     group="what",
 )
-spec_tolerance_option = option(
-    "--tolerance", type=Tolerance(), help="Instead of the spec's.", group="safety", rare=True
-)
+spec_tolerance_option = shared("tolerance", default=None, more="[as the spec says]")
+spec_strict_option = shared("strict", more="[as the spec says]")
 
 
 @click.command("build", cls=Command, help=__doc__)
@@ -73,19 +70,20 @@ spec_tolerance_option = option(
     help="Print the steps without writing OUT; with IN, also their results.",
     group="safety",
 )
-@strict_option("Make any warning an error (5), also where the spec does not.")
+@spec_strict_option
 @spec_tolerance_option
-@verify_option()
+@shared("verify")
 @report_option("Write what was done, per step, joint and limb")
 @dry_run_option
-@overwrite_option()
+@shared("overwrite")
 @output_options
 def command(**values: Any) -> None:
     from rigtri.pipeline.rigspec.load import load
 
     spec = load(values["spec"], variables=assigned(values["variables"]), source=values["source"])
     spec = spec.limited(strict=values["strict"], tolerance=values["tolerance"])
-    values |= {"tolerance": spec.model.tolerance, "sidecar": spec.model.sidecar, "reading": spec.reading}
+    edits = spec.model.edits
+    values |= {"tolerance": edits.tolerance, "sidecar": edits.sidecar, "reading": spec.reading}
     if values["explain"]:
         _explain(values, spec)
         return

@@ -25,7 +25,7 @@ from rigtri.verification import Profile
 
 from .help_format import Command, option
 from .option_types import FilePath
-from .options import json_option, quiet_option
+from .options import json_option, quiet_option, shared
 from .printing import print_json
 from .terminal_text import echo, plain, plain_lines
 
@@ -71,13 +71,7 @@ _PAINTS = (
 @option("--strict", is_flag=True, help="Treat warnings as errors.", group="safety")
 @option("--external", is_flag=True, help="USD: add the findings of OpenUSD's own validators.", group="what")
 @option("--list", "list_rules", is_flag=True, help="Print every id with its meaning, and exit.", group="what")
-@option(
-    "--allow-external-paths",
-    is_flag=True,
-    help="Read buffers and USD layers outside the folder of a file. Nothing is ever fetched.",
-    group="safety",
-    rare=True,
-)
+@shared("allow_external_paths")
 @option(
     "-v",
     "--verbose",

@@ -19,7 +19,7 @@ from typing import Any
 
 import click
 
-from rigtri.operations.declaration import made
+from rigtri.model.options import made
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.report import Report
 
@@ -31,13 +31,10 @@ from .options import (
     needed_output,
     output_option,
     output_options,
-    overwrite_option,
     reading_options,
     report_option,
+    shared,
     source_argument,
-    strict_option,
-    tolerance_option,
-    verify_option,
 )
 from .parameters import destination, given, given_options, read_options
 from .terminal_text import counted
@@ -48,12 +45,12 @@ from .terminal_text import counted
 @output_option("The file to write, in the other format. Required unless --dry-run.", callback=needed_output)
 @declared_options(ConvertOptions)
 @reading_options
-@overwrite_option()
+@shared("overwrite")
 @dry_run_option
 @report_option("Write what was done, and what the other format cannot say")
-@strict_option("Make anything that the other format cannot say, and any warning, an error (5).")
-@verify_option()
-@tolerance_option()
+@shared("strict", more="So is what the other format cannot say.")
+@shared("verify")
+@shared("tolerance")
 @output_options
 @click.pass_context
 def command(ctx: click.Context, /, **values: Any) -> None:

@@ -19,7 +19,7 @@ from typing import Any
 
 import click
 
-from rigtri.operations.declaration import made
+from rigtri.model.options import made
 from rigtri.operations.options.draw import DrawOptions
 from rigtri.report import Report
 
@@ -30,9 +30,9 @@ from .option_types import FilePath
 from .options import (
     json_option,
     output_option,
-    overwrite_option,
     quiet_option,
     reading_options,
+    shared,
     source_argument,
 )
 from .parameters import given, read_options
@@ -54,7 +54,7 @@ from .printing import print_json
 )
 @declared_options(DrawOptions)
 @reading_options
-@overwrite_option("the picture")
+@shared("overwrite")
 @quiet_option
 @json_option
 @click.pass_context

@@ -9,14 +9,14 @@ from typing import Any
 import click
 
 from rigtri.errors import NameNotFoundError
-from rigtri.operations.declaration import made
+from rigtri.model.options import made
 from rigtri.report import Report
 
 from .editing import copy_ahead, run_edit
 from .help_format import Command, Option
 from .operation_options import click_options
 from .option_types import FilePath
-from .options import edit_options, output_options, reading_options, source_argument, target_option
+from .options import add_option, edit_options, output_options, reading_options, source_argument, target_option
 from .parameters import given, given_options, read_options
 
 Step = Callable[[Any, "Report"], Any]
@@ -86,7 +86,7 @@ def command_of(
 
     called = output_options(edit_options(reading_options(called)))
     for option in reversed(more):
-        _add(called, option)
+        add_option(called, option)
     return click.command(name, cls=cls, help=words)(source(output(declared_options(declared)(called))))
 
 
@@ -95,7 +95,7 @@ def declared_options(declared: type) -> Callable[[Any], Any]:
 
     def decorated(command: Any) -> Any:
         for option in reversed(click_options(declared)):
-            _add(command, option)
+            add_option(command, option)
         return command
 
     return decorated
@@ -116,8 +116,3 @@ def step_of(name: str, declared: type, values: dict[str, Any]) -> Step:
             raise
 
     return named
-
-
-def _add(command: Any, option: click.Parameter) -> None:
-    """As the decorators of click add an option: in front of those that are there."""
-    command.__click_params__ = [*getattr(command, "__click_params__", []), option]

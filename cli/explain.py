@@ -30,7 +30,7 @@ from rigtri.report import Report
 from . import output_file
 from .file_names import complete_node
 from .help_format import Command, option
-from .options import json_option, output_option, overwrite_option, quiet_option, reading_options
+from .options import json_option, output_option, quiet_option, reading_options, shared
 from .parameters import read_options
 from .printing import print_json, print_warnings
 
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 )
 @option("--view", metavar="X,Y,Z", help="View direction of the picture. [across the plane]", group="output")
 @reading_options
-@overwrite_option("the picture")
+@shared("overwrite")
 @quiet_option
 @json_option
 def command(points: tuple[str, ...], **values: Any) -> None:

@@ -24,9 +24,9 @@ from .option_types import FilePath
 from .options import (
     json_option,
     output_option,
-    overwrite_option,
     quiet_option,
     reading_options,
+    shared,
     source_argument,
 )
 from .parameters import read_options
@@ -41,7 +41,7 @@ from .printing import print_json
     required=True,
     type=FilePath(allow_dash=True, dir_okay=False),
 )
-@overwrite_option()
+@shared("overwrite")
 @reading_options
 @quiet_option
 @json_option

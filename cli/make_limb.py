@@ -23,13 +23,14 @@ import click
 
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
-from rigtri.operations.options.make_limb import MakeLimbOptions
+from rigtri.operations.options.make_limb import MakeLimbOptions, NewFileOptions
 from rigtri.report import Report
 
 from .edit_command import command_of, step_of
 from .editing import run_edit
-from .help_format import Command, Option
-from .option_types import FilePath, Number
+from .help_format import Command
+from .operation_options import click_options
+from .option_types import FilePath
 from .options import needed_output, output_option
 from .parameters import given_options, refuse_given
 
@@ -106,32 +107,12 @@ def summary(report: Report) -> str:
     return f"{len(joints)} joints, {', '.join(entry['node'] for entry in joints)}, {new}{planar}{pole}"
 
 
-_MORE = [
-    Option(
-        ["--up-axis"],
-        type=click.Choice(["y", "z"]),
-        default="y",
-        show_default=True,
-        help="Of a new USD file.",
-        group="output",
-        rare=True,
-    ),
-    Option(
-        ["--meters-per-unit"],
-        type=Number(min=0, min_open=True),
-        default=0.01,
-        show_default=True,
-        help="Of a new USD file.",
-        group="output",
-        rare=True,
-    ),
-]
 command = command_of(
     "make-limb",
     MakeLimbOptions,
     __doc__,
     _run,
-    more=_MORE,
+    more=click_options(NewFileOptions),
     source=click.argument("source", metavar="[IN]", required=False, type=FilePath(allow_dash=True)),
     output=output_option(
         "The file to write, in the format of IN, or a new file; - for standard output. Required unless "

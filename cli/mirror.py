@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import made
+from rigtri.model.options import made
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.report import Report
 
@@ -27,7 +27,7 @@ from .edit_command import command_of, step_of
 from .editing import run_edit
 from .help_format import Option
 from .option_types import Number
-from .options import allow_rename_option, optional_target_option
+from .options import optional_target_option, shared_option
 from .parameters import given, given_options, read_options
 from .printing import print_json
 from .terminal_text import counted, plain
@@ -137,6 +137,6 @@ _MORE = [
         help="With --check: largest axis difference that passes.",
         rare=True,
     ),
-    allow_rename_option,
+    shared_option("allow_rename"),
 ]
 command = command_of("mirror", MirrorOptions, __doc__, _run, more=_MORE, output=optional_target_option)

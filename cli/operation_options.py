@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 import click
 
-from rigtri.operations.declaration import Kind, options_of
-from rigtri.operations.declaration import Option as Declared
+from rigtri.model.options import Kind, options_of
+from rigtri.model.options import Option as Declared
 
 from .help_format import Option
 from .option_types import FilePath, Number, Parsed, Tolerance
@@ -17,34 +17,36 @@ from .option_types import FilePath, Number, Parsed, Tolerance
 
 def click_options(declared: type) -> list[Option]:
     """The options of an operation for its command, in the order of their declaration."""
-    return [_click_option(one) for one in options_of(declared).values() if one.where == "all"]
+    return [click_option(one) for one in options_of(declared).values() if one.where == "all"]
 
 
-def _click_option(one: Declared) -> Option:
-    about: dict[str, Any] = {"required": one.required, "metavar": one.metavar or None}
+def click_option(one: Declared, *flags: str, **about: Any) -> Option:
+    """An option for a command; flags: shorter names, about: as click takes it."""
+    flags = (*flags, one.flag, one.name)
+    about |= {"required": one.required, "metavar": one.metavar or None}
     about |= {"help": one.help, "group": one.group, "rare": one.rare, "values": dict(one.values)}
     if one.hint is bool:
-        return _flag(one, about)
+        return _flag(one, flags, about)
     item, several = one.hint, typing.get_origin(one.hint) is collections.abc.Mapping
     if typing.get_origin(item) is tuple and typing.get_args(item)[-1] is Ellipsis:
         item, several = typing.get_args(item)[0], True
     if one.one_word:
         about["type"] = str
-        return Option([one.flag, one.name], **about)
+        return Option(flags, **about)
     if several:
         about["multiple"] = True
     elif not one.required:
         about["default"] = one.default
         about["show_default"] = one.default not in (None, "") and not isinstance(one.default, tuple)
     about |= _value(item, one)
-    return Option([one.flag, one.name], **about)
+    return Option(flags, **about)
 
 
-def _flag(one: Declared, about: dict[str, Any]) -> Option:
+def _flag(one: Declared, flags: tuple[str, ...], about: dict[str, Any]) -> Option:
     """A flag; with its contrary where it is on, or as stored, unless said otherwise."""
     about |= {"required": False, "metavar": None}
     if one.default is False:
-        return Option([one.flag, one.name], is_flag=True, **about)
+        return Option(flags, is_flag=True, **about)
     both = f"{one.flag}/--no-{one.key}"
     return Option([both, one.name], default=one.default, show_default=bool(one.default), **about)
 

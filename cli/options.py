@@ -11,16 +11,19 @@ output_options      every command: --json, -q, -v
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from rigtri.limits import TOLERANCE
+from rigtri.model.edit_options import EditOptions
+from rigtri.model.options import options_of
 
 from . import failures
 from .help_format import Option, option
-from .option_types import FilePath, Tolerance
+from .operation_options import click_option
+from .option_types import FilePath
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -45,26 +48,30 @@ target_option = output_option(f"{_IN_FORMAT} Required unless --dry-run.", callba
 optional_target_option = output_option(_IN_FORMAT)
 
 
-def verify_option(
-    words: str = "Compare source and result in every pose before OUT appears.",
-) -> Callable[[F], F]:
-    """Whether a result is measured."""
-    return option(
-        "--verify/--no-verify", default=True, show_default=True, help=words, group="safety", rare=True
-    )
+def shared_option(name: str, *flags: str, more: str = "", **changes: Any) -> Option:
+    """An option that all edits have (`EditOptions`), for a command.
+
+    flags: shorter names. more: what its help says besides. changes: another default or help for the command;
+    or, such as ``is_eager``, how click takes it.
+    """
+    one = options_of(EditOptions)[name]
+    one = replace(one, **{word: changes.pop(word) for word in ("default", "help") if word in changes})
+    return click_option(replace(one, help=f"{one.help} {more}".strip()), *flags, **changes)
 
 
-def tolerance_option(
-    words: str = "Refuse a result that differs by more than this share of the bounding-box diagonal.",
-) -> Callable[[F], F]:
-    """How far a result may be off."""
-    about: dict[str, Any] = {"type": Tolerance(), "default": TOLERANCE, "show_default": True, "help": words}
-    return option("--tolerance", group="safety", rare=True, **about)
+def shared(name: str, *flags: str, **changes: Any) -> Callable[[F], F]:
+    """The same as a decorator."""
+
+    def added(command: Any) -> Any:
+        add_option(command, shared_option(name, *flags, **changes))
+        return command
+
+    return added
 
 
-def strict_option(words: str = "Make any warning an error (5).") -> Callable[[F], F]:
-    """Whether warnings are errors."""
-    return option("--strict", is_flag=True, help=words, group="safety")
+def add_option(command: Any, option: click.Parameter) -> None:
+    """As the decorators of click add an option: in front of those that are there."""
+    command.__click_params__ = [*getattr(command, "__click_params__", []), option]
 
 
 def report_option(words: str) -> Callable[[F], F]:
@@ -79,11 +86,6 @@ def report_option(words: str) -> Callable[[F], F]:
     )
 
 
-def overwrite_option(what: str = "OUT") -> Callable[[F], F]:
-    """Whether a file that is there may be lost."""
-    return option("--overwrite", is_flag=True, help=f"Replace {what} where it exists.", group="safety")
-
-
 def preset_option(words: str) -> Callable[[F], F]:
     """The axes of another program."""
     from rigtri.operations.axis_presets import PRESETS
@@ -92,64 +94,18 @@ def preset_option(words: str) -> Callable[[F], F]:
     return option("--preset", type=click.Choice(list(PRESETS)), help=words, group="what", values=values)
 
 
-dry_run_option = option(
-    "-n",
-    "--dry-run",
-    is_flag=True,
-    is_eager=True,
-    group="safety",
-    help="Do everything except write the output.",
-)
+dry_run_option = shared("dry_run", "-n", is_eager=True)
 
 
 def reading_options(command: F) -> F:
     """How a difficult file is read."""
-    for add in (
-        option(
-            "--root",
-            metavar="NODE",
-            help="Use this node and all below it as the rig, in a file without a skeleton.",
-            group="joints",
-            rare=True,
-        ),
-        option(
-            "--lenient",
-            is_flag=True,
-            help="Read nodes that glTF forbids where the meaning is clear (matrix beside TRS).",
-            group="safety",
-            rare=True,
-        ),
-        option(
-            "--allow-external-paths",
-            is_flag=True,
-            help="Read buffers and USD layers outside the folder of IN. Nothing is ever fetched.",
-            group="safety",
-            rare=True,
-        ),
-        option(
-            "--allow-missing",
-            is_flag=True,
-            help="USD: leave out layers that are damaged. Missing ones always are, with a warning.",
-            group="safety",
-            rare=True,
-        ),
-    ):
-        command = add(command)
+    for name in ("root", "lenient", "allow_external_paths", "allow_missing"):
+        command = shared(name)(command)
     return command
-
-
-allow_rename_option = Option(
-    ["--allow-rename"],
-    is_flag=True,
-    help="USD: allow a split to rename joints, whose names are paths.",
-    group="safety",
-    rare=True,
-)
 
 
 scheme_option = option(
     "--scheme",
-    "own",
     metavar="FILE",
     type=FilePath(path_type=Path),
     multiple=True,
@@ -195,40 +151,15 @@ def extend_help(name: str, text: str) -> Callable[[click.Command], click.Command
 def edit_options(command: F) -> F:
     """What every edit of a file has in common."""
     for add in (
-        option(
-            "--resources",
-            type=click.Choice(["copy", "relink"]),
-            default="copy",
-            show_default=True,
-            help="For a .gltf that is written to another folder: copy its files, or link to them (what then "
-            "lies outside its folder is read only with --allow-external-paths).",
-            group="output",
-            rare=True,
-        ),
-        option(
-            "--edit-target",
-            metavar="root|new|bare|LAYER",
-            default="root",
-            show_default=True,
-            help="USD: the layer that gets the opinions and becomes OUT: the root layer, a new one over IN, "
-            "which is its sublayer, the bare opinions alone, or a sublayer by its file name.",
-            group="output",
-            rare=True,
-        ),
-        tolerance_option(),
-        verify_option(),
-        strict_option(),
+        shared("resources"),
+        shared("edit_target"),
+        shared("tolerance"),
+        shared("verify"),
+        shared("strict"),
         report_option("Write what was done, per joint and limb"),
-        option(
-            "--sidecar",
-            is_flag=True,
-            help="Also write rigtri's metadata of OUT to a file beside it, OUT's name with .rig.json, "
-            "for engines and exporters that drop extras.",
-            group="output",
-            rare=True,
-        ),
+        shared("sidecar"),
         dry_run_option,
-        overwrite_option(),
+        shared("overwrite"),
     ):
         command = add(command)
     return command

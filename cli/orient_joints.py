@@ -24,8 +24,8 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.report import Report
 
 from .edit_command import SavedFile, edit_command
-from .help_format import Command, Option
-from .options import allow_rename_option
+from .help_format import Command
+from .options import shared_option
 from .terminal_text import counted
 
 _STYLED = ("aim", "up", "up_from")
@@ -86,26 +86,12 @@ def _splits(report: Report) -> list[str]:
 
 
 _MORE = [
-    allow_rename_option,
-    Option(
-        ["--unknown-node-ext"],
-        type=click.Choice(["freeze", "ignore", "error"]),
-        default="freeze",
-        show_default=True,
-        help="What becomes of a glTF node with an extension that may hold directions in the node's axes.",
-        values={"freeze": "stays as it is", "ignore": "is re-oriented", "error": "nothing is written"},
-        rare=True,
-    ),
+    shared_option("allow_rename"),
+    shared_option("unknown_node_ext"),
     SavedFile(
         "--save-frames", "FILE.json", _frames, help="Write the change of frame of each joint.", rare=True
     ),
-    Option(
-        ["--bake-xform"],
-        is_flag=True,
-        help="USD plain hierarchies: rewrite to translate, orient, scale instead of adding two ops.",
-        group="output",
-        rare=True,
-    ),
+    shared_option("bake_xform"),
 ]
 command = edit_command("orient-joints", OrientJointsOptions, summary, __doc__, more=_MORE, cls=InOrder)
 for _option in command.params:

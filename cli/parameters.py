@@ -44,7 +44,7 @@ def read_options(values: dict[str, Any]) -> ReadOptions:
     from rigtri.formats import ReadOptions
 
     named = {field.name: values[field.name] for field in fields(ReadOptions) if field.name in values}
-    return ReadOptions(**named | {"relink": values.get("resources") == "relink"})
+    return ReadOptions(**named)
 
 
 def destination(values: dict[str, Any]) -> str:

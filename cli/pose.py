@@ -19,7 +19,7 @@ from typing import Any
 import click
 
 from rigtri.errors import UsageError
-from rigtri.operations.declaration import made
+from rigtri.model.options import made
 from rigtri.operations.options.pose import PoseOptions
 from rigtri.report import Report
 from rigtri.text import columns

@@ -40,17 +40,15 @@ _PAINTS = (
 @reading_options
 @no_warnings_option
 @json_option
-def command(source: str, own: tuple[Path, ...], joints: bool, **values: Any) -> None:
+def command(source: str, scheme: tuple[Path, ...], joints: bool, **values: Any) -> None:
     from rigtri.files.input_stream import opened
     from rigtri.formats import read
     from rigtri.recognition.layout_output import as_json, text
-    from rigtri.recognition.naming_schemes import own_schemes
     from rigtri.recognition.recognise import recognise
 
-    schemes = own_schemes(own)
     with opened(source) as path:
         document = read(path, read_options({**values, "empty": True}))
-        layout = recognise(document.rig, own=schemes)
+        layout = recognise(document.rig, scheme=scheme)
         if values["as_json"]:
             warnings = [notice.as_json() for notice in document.warnings]
             found = {"file": source} | as_json(document.rig, layout) | {"warnings": warnings}

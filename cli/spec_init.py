@@ -22,7 +22,7 @@ from rigtri.errors import UsageError
 from . import output_file
 from .help_format import Command
 from .option_types import FilePath
-from .options import json_option, output_option, overwrite_option, reading_options, source_argument
+from .options import json_option, output_option, reading_options, shared, source_argument
 from .parameters import read_options
 from .terminal_text import plain
 
@@ -36,7 +36,7 @@ from .terminal_text import plain
     show_default=True,
     type=FilePath(allow_dash=True, dir_okay=False),
 )
-@overwrite_option("FILE.yaml")
+@shared("overwrite")
 @reading_options
 @json_option
 def command(source: str, output: str, **values: Any) -> None:

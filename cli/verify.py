@@ -22,7 +22,7 @@ from rigtri.errors import DeviationError
 from . import failures
 from .help_format import Command
 from .option_types import FilePath
-from .options import output_options, reading_options, tolerance_option
+from .options import output_options, reading_options, shared
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .progress import Progress
@@ -44,7 +44,7 @@ _PAINTS = (
 @click.command("verify", cls=Command, help=__doc__)
 @click.argument("before", metavar="BEFORE", type=FilePath(allow_dash=True))
 @click.argument("after", metavar="AFTER", type=FilePath(allow_dash=True))
-@tolerance_option("Largest difference that passes, as a share of the bounding-box diagonal.")
+@shared("tolerance", help="Largest difference that passes, as a share of the bounding-box diagonal.")
 @reading_options
 @output_options
 def command(before: str, after: str, tolerance: float, **values: Any) -> None:

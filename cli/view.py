@@ -26,9 +26,9 @@ from .option_types import FilePath, Number
 from .options import (
     json_option,
     output_option,
-    overwrite_option,
     quiet_option,
     reading_options,
+    shared,
     source_argument,
 )
 from .parameters import read_options
@@ -73,7 +73,7 @@ if TYPE_CHECKING:
 )
 @option("--open", "opens", is_flag=True, help="Open the page in the browser.", group="output")
 @reading_options
-@overwrite_option("the page")
+@shared("overwrite")
 @quiet_option
 @json_option
 def command(source: str, output: str, **values: Any) -> None:

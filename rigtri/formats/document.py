@@ -8,7 +8,9 @@ from typing import Literal, Protocol
 
 from rigtri.files.staged_output import Companion as Companion
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import FileOptions
 from rigtri.model.mesh import Mesh
+from rigtri.model.options import described
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
@@ -20,43 +22,30 @@ USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
 @dataclass(frozen=True)
-class ReadOptions:
-    """How to read and write. Each field names the format it is for; the other ignores it.
+class ReadOptions(FileOptions):
+    """How to read and write a file.
 
-    lenient: repair what the format forbids where the meaning is clear (glTF).
-    allow_external_paths: read what a file refers to outside its own folder (both).
-    allow_missing: leave layers out that USD cannot read (USD).
-    unknown_node_ext: what becomes of a node with an extension that may name its axes (glTF):
-        ``freeze`` it, ``ignore`` the extension, or ``error``.
-    root: the node whose hierarchy is the rig where there is no skin (both).
-    relink: point a moved .gltf at its old resources instead of copying them (glTF).
-    edit_target: where opinions go (USD): into a copy of the ``root`` layer; into a ``new`` layer, which has
-        the source as its sublayer; into a ``bare`` one, for any layer stack above the source; or into a
-        sublayer, by its file name. What gets them becomes the output.
-    allow_rename: let joints of skeletons get other paths, which a split gives them (USD).
-    bake_xform: rewrite plain Xform joints to translate, orient, scale (USD).
     from_stream: the source was a stream and has no folder; its relative paths stay as they are (USD).
     to_stream: the output goes to a stream, and stands where the source stood (USD).
     empty: read also a file without a skeleton (USD).
     """
 
-    lenient: bool = False
-    allow_external_paths: bool = False
-    allow_missing: bool = False
-    unknown_node_ext: str = "freeze"
-    root: str | None = None
-    relink: bool = False
-    edit_target: str = "root"
-    allow_rename: bool = False
-    bake_xform: bool = False
     from_stream: bool = False
     to_stream: bool = False
     empty: bool = False
 
     @property
+    def relinks(self) -> bool:
+        """Whether a .gltf in another folder refers to its files where they are."""
+        return self.resources == "relink"
+
+    @property
     def is_override(self) -> bool:
         """Whether the output is a layer above the source, and not the source edited."""
         return self.edit_target in ("new", "bare")
+
+
+ReadOptions.__doc__ = f"{ReadOptions.__doc__}\nOptions:\n{described(FileOptions)}"
 
 
 @dataclass(frozen=True)

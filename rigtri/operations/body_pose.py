@@ -22,7 +22,7 @@ from rigtri.maths.quaternions import IDENTITY, between, conjugate, from_axes, mu
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import StandardPose
+from rigtri.operations.option_kinds import StandardPose
 from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
 
 # Shoulders and hips that lie along an axis of the world but for this (a sine, 1.1°) are meant to: hand-made

@@ -8,7 +8,7 @@ from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton
 from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import EYES, chain_child
-from rigtri.operations.declaration import Selection
+from rigtri.operations.option_kinds import Selection
 from rigtri.recognition.limbs import along
 
 EXCLUDED = "excluded"

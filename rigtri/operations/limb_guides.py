@@ -8,9 +8,10 @@ from dataclasses import replace
 from typing import Any
 
 from rigtri.errors import UsageError
+from rigtri.model.options import check, options_of
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import check, options_of, point
 from rigtri.operations.operation import from_keywords
+from rigtri.operations.option_kinds import point
 from rigtri.operations.options.make_limb import MakeLimbOptions
 
 _COORDINATES = ("x", "y", "z")

@@ -22,12 +22,13 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, distance, dot, length, normalise, perpendicular, project, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import LimbRecord
+from rigtri.model.options import check
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import SHAKY, add_polevector, posed
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.declaration import check, vector
 from rigtri.operations.limb_guides import guided, in_guides, natural
 from rigtri.operations.operation import operation
+from rigtri.operations.option_kinds import vector
 from rigtri.operations.options.make_limb import MakeLimbOptions as MakeLimbOptions
 from rigtri.operations.options.make_limb import is_pattern
 from rigtri.operations.orient_joints.up_direction import crossing

@@ -22,18 +22,9 @@ import numpy as np
 from rigtri.errors import UsageError, in_keywords
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
+from rigtri.model.options import Option, check, default_of, described, hints_of, keywords_of, options_of
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import (
-    Option,
-    Vector,
-    check,
-    default_of,
-    described,
-    direction,
-    hints_of,
-    keywords_of,
-    options_of,
-)
+from rigtri.operations.option_kinds import Vector, direction
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)

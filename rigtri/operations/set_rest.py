@@ -19,9 +19,9 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import posed
-from rigtri.operations.declaration import StandardPose
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
+from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.pose import PoseOptions
 from rigtri.operations.options.set_rest import SetRestOptions as SetRestOptions
 from rigtri.operations.pose import at_rest, pose_of

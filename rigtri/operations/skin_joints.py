@@ -18,7 +18,7 @@ from rigtri.model.animation import Track
 from rigtri.model.metadata import Record
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
-from rigtri.operations.declaration import EndKind
+from rigtri.operations.option_kinds import EndKind
 from rigtri.operations.rigtri_nodes import add, stand
 
 # Inverse binds that differ by less, as a share of the largest number, differ by float32 rounding.

@@ -19,10 +19,10 @@ from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened, path_of
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination, recover
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
-from rigtri.limits import TOLERANCE
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
@@ -65,11 +65,10 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class EditRequest:
+class EditRequest(RunOptions):
     """What is to be done to one file, and how.
 
-    target: ``-`` is standard output. tolerance: the largest vertex movement, as a share of the bounding-box
-    diagonal. strict: any warning is an error. side_files: what the caller will write besides. document: the
+    target: ``-`` is standard output. side_files: what the caller will write besides. document: the
     source, where it was read already, with the same ``options``. ahead: copies that the caller has begun
     (`files.background_copy`). ready: is called when the output has passed and is about to take its name.
     shared: others write beside it at the same time (`files.staged_output`).
@@ -78,11 +77,6 @@ class EditRequest:
     source: Path | str
     target: Path | str
     options: ReadOptions = field(default_factory=ReadOptions)
-    overwrite: bool = False
-    verify: bool = True
-    tolerance: float = TOLERANCE
-    dry_run: bool = False
-    strict: bool = False
     side_files: Sequence[Path] = ()
     document: Document | None = None
     ahead: BackgroundCopies | None = None

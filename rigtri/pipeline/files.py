@@ -106,7 +106,16 @@ def write(
         return first if same else replace(rig, source=None)
 
     with in_keywords(KEYWORDS), _file(origin) as path:
-        request = EditRequest(path, target, origin.reading, overwrite, verify, tolerance, dry_run, strict)
+        request = EditRequest(
+            path,
+            target,
+            origin.reading,
+            overwrite=overwrite,
+            verify=verify,
+            tolerance=tolerance,
+            dry_run=dry_run,
+            strict=strict,
+        )
         return edit_file(replace(request, document=origin.document), step, Report())
 
 

@@ -12,8 +12,8 @@ from rigtri.errors import LIST_NAMES, NameNotFoundError, RigtriError
 from rigtri.files.input_stream import opened
 from rigtri.files.text_files import check_plain, json_of, rows_of
 from rigtri.formats import Document, ReadOptions, read
+from rigtri.model.options import Option, options_of
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Option, options_of
 from rigtri.operations.registry import operation
 from rigtri.report import Report
 

@@ -171,12 +171,12 @@ def _found(folders: str) -> tuple[Scheme, ...]:
     return own_schemes([path for folder in named for path in sorted(folder.glob("*.toml"))])
 
 
-def own_schemes(paths: Sequence[Path]) -> tuple[Scheme, ...]:
+def own_schemes(paths: Sequence[Path | str | Scheme]) -> tuple[Scheme, ...]:
     """`own_scheme` of each file. Raises FileError with all that is wrong in any of them."""
     found, wrong = [], []
     for path in paths:
         try:
-            found.append(own_scheme(path))
+            found.append(path if isinstance(path, Scheme) else own_scheme(Path(path)))
         except FileError as error:
             wrong.append(str(error))
     if wrong:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from weakref import WeakKeyDictionary
 
 from rigtri.maths.scalar_vector import Vector
@@ -25,7 +26,14 @@ from rigtri.recognition.layout import (
     Role,
 )
 from rigtri.recognition.name_readings import limb_names, read_names
-from rigtri.recognition.naming_schemes import Scheme, deforming, parse_name, roles_in_name, schemes
+from rigtri.recognition.naming_schemes import (
+    Scheme,
+    deforming,
+    own_schemes,
+    parse_name,
+    roles_in_name,
+    schemes,
+)
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.shape_alone import agreed
 from rigtri.recognition.shape_analysis import shape_of, tree_of
@@ -38,15 +46,15 @@ _NAMED_ROLES: tuple[Role, ...] = ("control", "end", "twist", "attachment", "help
 _ALONG = 0.05
 
 
-def recognise(rig: Rig, *, own: Sequence[Scheme] = ()) -> Layout:
+def recognise(rig: Rig, *, scheme: Sequence[Path | str | Scheme] = ()) -> Layout:
     """The characters of a rig, with chains, joints and words of evidence; and remarks.
 
-    own: naming schemes to be asked before rigtri's own. Evidence in order of trust: a VRM humanoid map;
+    scheme: naming schemes (.toml) to try before rigtri's own. Evidence in order of trust: a VRM humanoid map;
     names; shape: hierarchy, symmetry, lengths, places; weights; motion. Never raises for a strange rig.
     """
-    if own or rig not in _layouts:
-        layout = _recognised(rig, own)
-        if own:
+    if scheme or rig not in _layouts:
+        layout = _recognised(rig, own_schemes(scheme))
+        if scheme:
             return layout
         _layouts[rig] = layout
     return _layouts[rig]

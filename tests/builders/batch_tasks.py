@@ -64,7 +64,7 @@ class Turn:
                 os.replace(written.part, request.target)
                 os.kill(os.getpid(), signal.SIGKILL)
 
-        options = ReadOptions(relink=self.relink)
+        options = ReadOptions(resources="relink" if self.relink else "copy")
         return edit_file(replace(request, options=options, verify=self.verify, ready=at_last), step, report)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.declaration import Selection
+from rigtri.operations.option_kinds import Selection
 
 
 def axes_of(style: AxisStyle) -> dict[str, Any]:

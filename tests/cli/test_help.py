@@ -13,7 +13,7 @@ from program import cli
 
 import rigtri
 from rigtri.cli.catalogue import COMMANDS, GROUPS, page_of
-from rigtri.operations.declaration import options_of
+from rigtri.model.options import options_of
 from rigtri.operations.registry import OPERATIONS, options_class
 
 run = partial(cli, code=0)

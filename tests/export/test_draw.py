@@ -35,8 +35,8 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import chosen
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.report import Report
 

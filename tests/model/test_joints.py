@@ -25,7 +25,7 @@ from rigtri.model.metadata import LimbRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.declaration import EndKind
+from rigtri.operations.option_kinds import EndKind
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin
 from rigtri.pipeline.edit import Outcome, edit

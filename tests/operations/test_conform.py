@@ -18,7 +18,7 @@ from rigtri.maths.quaternions import angle_between, from_axis_angle, normalise
 from rigtri.maths.vectors import cross, dot, length
 from rigtri.operations.add_socket import with_joint
 from rigtri.operations.body_pose import Directions
-from rigtri.operations.declaration import StandardPose
+from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report

@@ -26,7 +26,7 @@ from rigtri.maths.quaternions import from_axis_angle, multiply
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
-from rigtri.operations.declaration import Selection
+from rigtri.operations.option_kinds import Selection
 from rigtri.pipeline.edit import edit
 from rigtri.recognition.limbs import Limb
 from rigtri.report import Report

@@ -26,7 +26,7 @@ from rigtri.model.format_rules import FormatRules
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.operations.axis_presets import PRESETS, AxisStyle
-from rigtri.operations.declaration import Selection
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.recognition.limbs import given

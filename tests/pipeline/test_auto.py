@@ -50,8 +50,8 @@ def kinds(rig: Rig) -> list[str]:
 def unsure(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Recognition that doubts every right arm, or whatever its parameter is part of the name of."""
 
-    def doubting(rig: Rig, own: Sequence[Scheme] = ()) -> Layout:
-        layout = recognise(rig, own=own)
+    def doubting(rig: Rig, scheme: Sequence[Scheme] = ()) -> Layout:
+        layout = recognise(rig, scheme=scheme)
         return replace(layout, characters=tuple(_doubted(one, request.param) for one in layout.characters))
 
     for module in ("auto", "spec_init"):

@@ -223,7 +223,9 @@ def test_a_resource_that_is_another_file_is_not_replaced_unasked(samples: Path, 
 
 
 def test_a_relinked_gltf_points_back_at_its_old_buffer(samples: Path, tmp_path: Path) -> None:
-    outcome = edit(samples / "biped.gltf", tmp_path / "out.gltf", orient, options=ReadOptions(relink=True))
+    outcome = edit(
+        samples / "biped.gltf", tmp_path / "out.gltf", orient, options=ReadOptions(resources="relink")
+    )
     assert outcome.verification is not None
     assert not (tmp_path / "biped.bin").exists()
     assert len(read(tmp_path / "out.gltf", ReadOptions(allow_external_paths=True)).meshes())

@@ -326,7 +326,7 @@ def test_what_a_spec_extends_holds_until_it_overrides_it(tmp_path: Path) -> None
         True,
         "hero_{joint}_${side}",
     )
-    assert spec.model.tolerance == 1e-6
+    assert spec.model.edits.tolerance == 1e-6
     assert {path.name for path in spec.files()} == {"rig.yaml", "studio.yaml"}
     assert load(write(tmp_path, "extends: studio.yaml\n", "b.yaml")).steps[0].do == "orient-joints"
     assert load(tmp_path / "rig.yaml", variables={"size": "3"}).steps[0].options.size == 3.0

@@ -20,7 +20,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import IDENTITY, unit
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Selection
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 
 # Keys and inverse binds are float32; what swings adds up over 40 steps. The figure is about 1.6 high.

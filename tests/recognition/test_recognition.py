@@ -482,9 +482,7 @@ def test_a_scheme_of_ones_own_comes_first(tmp_path: Path, monkeypatch: pytest.Mo
         ("gamma_L", "beta_L", (2, 0, 0)),
     ]
     assert bends(joints, recognise(rig_with(joints))) == {}
-    assert bends(joints, recognise(rig_with(joints), own=[own_scheme(path)])) == {
-        "left arm": "alpha_L beta_L gamma_L"
-    }
+    assert bends(joints, recognise(rig_with(joints), scheme=[path])) == {"left arm": "alpha_L beta_L gamma_L"}
     monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path))
     assert bends(joints, recognise(rig_with(joints))) == {"left arm": "alpha_L beta_L gamma_L"}
 

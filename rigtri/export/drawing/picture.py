@@ -18,8 +18,8 @@ from rigtri.export.drawing.svg import arrow, heading, number, panel, path, sheet
 from rigtri.export.drawing.view import View, Window, view_of
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
+from rigtri.model.options import check
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import check
 from rigtri.operations.operation import takes_keywords
 from rigtri.operations.options.draw import VIEWS, DrawOptions
 from rigtri.operations.pose import PoseOptions, pose_of

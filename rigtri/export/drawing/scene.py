@@ -25,8 +25,8 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import without_prefix
 from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import chosen
+from rigtri.operations.option_kinds import Selection
 from rigtri.recognition.limbs import recognise
 
 _DEGREES = 180.0 / np.pi

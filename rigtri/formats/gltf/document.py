@@ -161,7 +161,7 @@ class GltfDocument:
     def reopen(self, part: Path) -> GltfDocument:
         """Read what `write` wrote."""
         # A relinked output may point anywhere that the source's data already came from.
-        trusted = self.options.allow_external_paths or self.options.relink
+        trusted = self.options.allow_external_paths or self.options.relinks
         return GltfDocument.read(part, replace(self.options, allow_external_paths=trusted), like=self)
 
     def write(self, rig: Rig, part: Path, target: Path) -> Sequence[Companion]:
@@ -175,7 +175,7 @@ class GltfDocument:
         draft = CopyOnWrite(container.gltf)
         storage = Storage(draft, self.accessors, container)
         moves = not same_file(target.parent, container.path.parent)
-        if moves and self.options.relink:
+        if moves and self.options.relinks:
             relink(draft, container.path, target)
         if rig is not self._rig:
             try:
@@ -190,7 +190,7 @@ class GltfDocument:
             _write(part, container.pieces(draft.gltf, binary))
         if moves:
             self._add_notices(missing(container.gltf, container.path))
-        if moves and not self.options.relink:
+        if moves and not self.options.relinks:
             new = {companion.name for companion in companions}
             copies = accompany(draft.gltf, container.path, target)
             companions += [copy for copy in copies if copy.name not in new]

@@ -23,13 +23,13 @@ from rigtri.model.metadata import (
     PoseWeightRecord,
     TargetRecord,
 )
+from rigtri.model.options import check
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import corrective_joints, replaced_keys
 from rigtri.operations.add_posereader.reader_keys import STILL, ReaderMotion, reader_keys, value_tracks
 from rigtri.operations.add_posereader.targets import ReaderFrame, morph_drives, named_goals
 from rigtri.operations.add_rivet.rebind import rebind_rivets
 from rigtri.operations.aim_targets import Rules, aim_targets, limb_children
-from rigtri.operations.declaration import check
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_posereader import ONLY_OF
 from rigtri.operations.options.add_posereader import AddPosereaderOptions as AddPosereaderOptions

@@ -16,7 +16,6 @@ from rigtri.maths.vectors import triple
 from rigtri.model.joint_names import twin
 from rigtri.model.metadata import LimbRecord, Triple
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import vector
 from rigtri.operations.mirror.counterparts import (
     SUFFIX,
     NotMirroredError,
@@ -27,6 +26,7 @@ from rigtri.operations.mirror.counterparts import (
     twin_address,
     twin_name,
 )
+from rigtri.operations.option_kinds import vector
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import free_name, group, with_record
 from rigtri.operations.skin_joints import add_joint, move_joint, new_skin

@@ -21,7 +21,6 @@ from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import NOT_VRM
-from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, chosen, select
 from rigtri.operations.mirror.constraints import mirror_constraints
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
@@ -32,6 +31,7 @@ from rigtri.operations.mirror.rivets import mirror_rivets
 from rigtri.operations.mirror.twists import mirror_twists
 from rigtri.operations.mirror_plane import parting, warn_plane
 from rigtri.operations.operation import operation
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.mirror import WHAT, What
 from rigtri.operations.options.mirror import MirrorOptions as MirrorOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints

@@ -12,8 +12,9 @@ from typing import Annotated, Any, Literal
 from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.control_shapes import KINDS
 from rigtri.model.dataclass import dataclass
+from rigtri.model.options import Kind, option, refuse
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
-from rigtri.operations.declaration import (
+from rigtri.operations.option_kinds import (
     Above,
     Auto,
     Axis,
@@ -21,7 +22,6 @@ from rigtri.operations.declaration import (
     Chains,
     EndKind,
     Facing,
-    Kind,
     Limbs,
     Nodes,
     OneCharacter,
@@ -29,8 +29,6 @@ from rigtri.operations.declaration import (
     SoftIk,
     Vector,
     check_tokens,
-    option,
-    refuse,
     three,
 )
 from rigtri.operations.options import axes

@@ -8,7 +8,8 @@ from typing import Literal
 from rigtri.errors import UsageError
 from rigtri.maths import PoleMethod, PoleOrigin, ReachOf
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import (
+from rigtri.model.options import option, refuse
+from rigtri.operations.option_kinds import (
     Above,
     Auto,
     Bends,
@@ -18,8 +19,6 @@ from rigtri.operations.declaration import (
     Limbs,
     Node,
     OneCharacter,
-    option,
-    refuse,
 )
 
 

@@ -7,19 +7,10 @@ from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import Tolerance
 from rigtri.model.metadata import Kernel, ReaderKind, ReaderMode
-from rigtri.operations.declaration import (
-    Above,
-    Direction,
-    Kind,
-    Node,
-    Number,
-    OneCharacter,
-    Tolerance,
-    Vector,
-    option,
-    refuse,
-)
+from rigtri.model.options import Kind, option, refuse
+from rigtri.operations.option_kinds import Above, Direction, Node, Number, OneCharacter, Vector
 
 # Options that only one kind of reader has.
 ONLY_OF = {"dot": ("signed",), "cone": ("inner", "outer"), "rbf": ("kernel", "mode")}

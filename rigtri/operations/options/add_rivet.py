@@ -6,16 +6,9 @@ from collections.abc import Collection
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import (
-    Above,
-    Integers,
-    Name,
-    Names,
-    OneCharacter,
-    Points,
-    Tolerance,
-    option,
-)
+from rigtri.model.edit_options import Tolerance
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import Above, Integers, Name, Names, OneCharacter, Points
 
 
 @dataclass(frozen=True)

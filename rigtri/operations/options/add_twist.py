@@ -7,16 +7,8 @@ from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import (
-    Auto,
-    Direction,
-    Kind,
-    Limbs,
-    Nodes,
-    OneCharacter,
-    check_tokens,
-    option,
-)
+from rigtri.model.options import Kind, option
+from rigtri.operations.option_kinds import Auto, Direction, Limbs, Nodes, OneCharacter, check_tokens
 
 MOST = 64
 NAME = "{joint}_twist_{number}"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rigtri.model.options import option
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.declaration import option
 
 # The option of the plane that axes are mirrored about.
 BETWEEN_SIDES = "The plane between the sides, of the space of the joints.  [that about which most pairs lie]"

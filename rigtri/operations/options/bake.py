@@ -5,18 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Literal
 
+from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import (
-    Above,
-    ClipNames,
-    Names,
-    OneCharacter,
-    RigFile,
-    SoftIk,
-    Tolerance,
-    option,
-    refuse,
-)
+from rigtri.model.edit_options import Tolerance
+from rigtri.model.options import option, refuse
+from rigtri.operations.option_kinds import Above, ClipNames, Names, OneCharacter, RigFile, SoftIk
 
 Direction = Literal["joints", "controls"]
 # How far what lies between samples may be off unless another share of the size is given: less than what
@@ -72,7 +65,7 @@ class BakeOptions(OneCharacter):
         group="what",
         rare=True,
     )
-    tolerance: Tolerance = option(1e-5, where="shared")
+    tolerance: Tolerance = option(TOLERANCE, where="shared")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Facing, OneCharacter, option
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import Facing, OneCharacter
 
 
 @dataclass(frozen=True)

@@ -11,18 +11,8 @@ from rigtri.limits import refuse_unworkable
 from rigtri.maths import RotateOrder
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION, ConstraintKind, WorldUp
-from rigtri.operations.declaration import (
-    Direction,
-    JsonFile,
-    Kind,
-    LimbNames,
-    Node,
-    OneCharacter,
-    Vector,
-    option,
-    refuse,
-    three,
-)
+from rigtri.model.options import Kind, option, refuse
+from rigtri.operations.option_kinds import Direction, JsonFile, LimbNames, Node, OneCharacter, Vector, three
 
 OrientWord = Literal["rest", "none"]
 _THREE = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}

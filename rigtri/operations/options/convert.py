@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Above, Names, UpAxis, option, options_of
+from rigtri.model.options import option, options_of
+from rigtri.operations.option_kinds import Above, MetersPerUnit, Names, StageUpAxis
 
 
 @dataclass(frozen=True)
@@ -18,10 +19,8 @@ class ConvertOptions:
         "keys on whole frames, else 24]",
         group="what",
     )
-    up_axis: UpAxis = option("y", help="To USD: the stage's up axis.", group="what")
-    meters_per_unit: Above = option(
-        1.0, metavar="METRES", help="To USD: how many metres the stage's unit is.", group="what"
-    )
+    up_axis: StageUpAxis = option("y", group="what")
+    meters_per_unit: MetersPerUnit = option(1.0, group="what")
 
     def refuse_usd_only(self) -> None:
         """UsageError for what a glTF cannot have: its times are seconds, y is up, and lengths are metres."""

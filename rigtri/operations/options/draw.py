@@ -7,7 +7,8 @@ from typing import Annotated, Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Chains, Kind, Nodes, Selection, option
+from rigtri.model.options import Kind, option
+from rigtri.operations.option_kinds import Chains, Nodes, Selection
 from rigtri.text import is_number
 
 ViewName = Literal["front", "back", "side", "top", "three-quarter"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Kind, option
+from rigtri.model.options import Kind, option
 
 Influences = Annotated[int, Kind("number", "N", low=1, high=64)]
 

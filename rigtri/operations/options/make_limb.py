@@ -8,21 +8,20 @@ from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
+from rigtri.model.options import Kind, key_of, option, refuse
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
-from rigtri.operations.declaration import (
+from rigtri.operations.option_kinds import (
     Axis,
     BodySide,
     EndKind,
     JsonFile,
-    Kind,
+    MetersPerUnit,
     Names,
     Node,
     Nodes,
     Point,
+    StageUpAxis,
     Vector,
-    key_of,
-    option,
-    refuse,
     three,
 )
 from rigtri.operations.options import axes
@@ -183,3 +182,11 @@ class MakeLimbOptions(PlacementOptions):
         """How the pole vector is placed."""
         place = {name: getattr(self, name) for name in _PLACEMENT}
         return AddPolevectorOptions(**place, name=self.pole_name, as_=self.as_)
+
+
+@dataclass(frozen=True)
+class NewFileOptions:
+    """Options of the command where it writes a new file, without IN."""
+
+    up_axis: StageUpAxis = option("y", group="output", rare=True)
+    meters_per_unit: MetersPerUnit = option(0.01, group="output", rare=True)

@@ -7,7 +7,8 @@ from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Kind, Nodes, option
+from rigtri.model.options import Kind, option
+from rigtri.operations.option_kinds import Nodes
 
 Count = Annotated[int, Kind("number", "N", low=1)]
 

@@ -8,8 +8,11 @@ from typing import Any, Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.frames import Mirror, Plane
+from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import (
+from rigtri.model.edit_options import Root, Tolerance
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import (
     BodySide,
     Nodes,
     Number,
@@ -17,8 +20,6 @@ from rigtri.operations.declaration import (
     OneCharacter,
     OnNonuniformScale,
     Selection,
-    Tolerance,
-    option,
 )
 from rigtri.operations.options import axes
 
@@ -60,8 +61,8 @@ class MirrorOptions(OneCharacter):
     )
     on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
     on_constraint: OnConstraint = option("freeze", rare=True)
-    root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
-    tolerance: Tolerance = option(1e-5, where="shared")
+    root: Root | None = option(None, where="shared")
+    tolerance: Tolerance = option(TOLERANCE, where="shared")
     across: Any = option(None, where="python", help="The plane in the world, instead of `plane`.")
 
     def check(self, given: Collection[str]) -> None:

@@ -10,14 +10,16 @@ from typing import Annotated, Any, Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.frames import Mirror, Plane
+from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import Root, Tolerance
+from rigtri.model.options import Kind, option, refuse
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
-from rigtri.operations.declaration import (
+from rigtri.operations.option_kinds import (
     Axis,
     BodySide,
     Facing,
     JsonFile,
-    Kind,
     Limbs,
     Names,
     Node,
@@ -29,10 +31,7 @@ from rigtri.operations.declaration import (
     Selection,
     SignedAxis,
     StandardPose,
-    Tolerance,
     Vector,
-    option,
-    refuse,
     three,
 )
 from rigtri.operations.options import axes
@@ -183,8 +182,8 @@ class OrientJointsOptions(OneCharacter):
         None, help="Apply the changes of a --save-frames file.", group="what", rare=True
     )
     inverse: bool = option(False, help="With --frames: undo them.", group="what", rare=True)
-    root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
-    tolerance: Tolerance = option(1e-5, where="shared")
+    root: Root | None = option(None, where="shared")
+    tolerance: Tolerance = option(TOLERANCE, where="shared")
     keep: bool = option(False, where="python", help="Only `mirror` re-orients, from axes as they are.")
     across: Any = option(None, where="python", help="The plane in the world, instead of `plane`.")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import option
+from rigtri.model.options import option
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Nodes, option
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import Nodes
 
 
 @dataclass(frozen=True)

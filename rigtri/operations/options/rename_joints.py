@@ -7,7 +7,8 @@ from typing import Literal
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import JointNames, JsonFile, Node, Nodes, OneCharacter, option
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import JointNames, JsonFile, Node, Nodes, OneCharacter
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Names, Node, option
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import Names, Node
 
 
 @dataclass(frozen=True)

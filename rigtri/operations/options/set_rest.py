@@ -6,7 +6,8 @@ from collections.abc import Collection
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Facing, RigFile, option
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import Facing, RigFile
 
 
 @dataclass(frozen=True)

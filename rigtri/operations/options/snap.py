@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import Kind, Names, OneCharacter, option
+from rigtri.model.options import Kind, option
+from rigtri.operations.option_kinds import Names, OneCharacter
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.
 Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import OneCharacter, option
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import OneCharacter
 
 
 @dataclass(frozen=True)

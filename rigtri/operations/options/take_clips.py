@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import ClipNames, EditedFile, Names, Tolerance, option
+from rigtri.model.edit_options import Tolerance
+from rigtri.model.options import option
+from rigtri.operations.option_kinds import ClipNames, EditedFile, Names
 
 
 @dataclass(frozen=True)
@@ -26,4 +29,4 @@ class TakeClipsOptions:
         "number, and NAME= the one without a name. Repeatable.",
         group="what",
     )
-    tolerance: Tolerance = option(1e-5, where="shared")
+    tolerance: Tolerance = option(TOLERANCE, where="shared")

@@ -21,8 +21,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import ConstraintPolicy
 from rigtri.operations.joint_selection import STEADFAST
+from rigtri.operations.option_kinds import ConstraintPolicy
 from rigtri.operations.orient_joints.joint_frames import UNCHANGED, DeadBand
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report

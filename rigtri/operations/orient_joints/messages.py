@@ -18,8 +18,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_records import joint_record
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven, first_uneven

@@ -34,7 +34,7 @@ from rigtri.maths.vectors import angle, cross, dot, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.declaration import NonuniformScale
+from rigtri.operations.option_kinds import NonuniformScale
 from rigtri.report import Report
 
 # A delta and its nearest exact one are the same below this (radians).

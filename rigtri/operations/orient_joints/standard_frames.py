@@ -19,7 +19,7 @@ from rigtri.maths.vectors import cross, dot
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.body_pose import THUMB, Directions, directions, sure_bones
-from rigtri.operations.declaration import StandardPose
+from rigtri.operations.option_kinds import StandardPose
 from rigtri.recognition.layout import CONFIDENT, FINGERS, PHALANGES, Character
 from rigtri.report import Report
 

@@ -27,8 +27,8 @@ from rigtri.operations.aim_targets import (
 )
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.body_pose import FACE, sure_bones
-from rigtri.operations.declaration import Selection
 from rigtri.operations.joint_selection import select
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.recognition import body_hinges
 from rigtri.recognition.layout import Chain, Character

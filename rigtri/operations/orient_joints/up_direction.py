@@ -23,7 +23,7 @@ from rigtri.maths.quaternions import between, rotate
 from rigtri.maths.triangle import STRAIGHT_SINE, axis_of
 from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import cross, length, normalise
-from rigtri.operations.declaration import vector
+from rigtri.operations.option_kinds import vector
 from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report

@@ -46,12 +46,12 @@ class SpecTask:
     @property
     def beside(self) -> str:
         """The suffix of a file that goes with each output, "" for none."""
-        return SUFFIX if self.spec.model.sidecar else ""
+        return SUFFIX if self.spec.model.edits.sidecar else ""
 
     @property
     def relink(self) -> bool:
         """Whether outputs refer to the files of their inputs where these are."""
-        return self.spec.reading.relink
+        return self.spec.reading.relinks
 
     @property
     def sources(self) -> Sequence[Path]:
@@ -75,7 +75,7 @@ class SpecTask:
 
     def run(self, request: EditRequest, report: Report) -> Outcome:
         """As `rigtri.pipeline.edit.edit_file`, whose RigtriErrors it raises."""
-        side = Path(request.target).with_suffix(SUFFIX) if self.spec.model.sidecar else None
+        side = Path(request.target).with_suffix(SUFFIX) if self.spec.model.edits.sidecar else None
         if side is not None and side.exists() and not request.overwrite:
             raise UsageError(f"{side} exists; it is replaced only with --overwrite")
 

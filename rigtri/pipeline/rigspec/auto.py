@@ -85,10 +85,12 @@ class Proposal:
         )
 
 
-def _proposal(at: Path, source: Path, preset: str, own: Sequence[Scheme], options: ReadOptions) -> Proposal:
+def _proposal(
+    at: Path, source: Path, preset: str, scheme: Sequence[Path | str | Scheme], options: ReadOptions
+) -> Proposal:
     need_libraries()
     rig = read(at, options).rig
-    layout = recognise(rig, own=own)
+    layout = recognise(rig, scheme=scheme)
     found = Proposal(source, rig, layout, "", options.root)
     if not found.is_character:
         return found
@@ -101,7 +103,7 @@ def auto(
     target: Path | str,
     *,
     preset: str = "",
-    own: Sequence[Scheme] = (),
+    scheme: Sequence[Path | str | Scheme] = (),
     spec_out: Path | str | None = None,
     report: Report | None = None,
     **request: Any,
@@ -112,7 +114,7 @@ def auto(
     """
     whole = EditRequest(source, target, **request)
     report = Report() if report is None else report
-    return auto_file(whole, report, preset=preset, own=own, spec_out=spec_out)
+    return auto_file(whole, report, preset=preset, scheme=scheme, spec_out=spec_out)
 
 
 def auto_file(
@@ -120,13 +122,13 @@ def auto_file(
     report: Report,
     *,
     preset: str = "",
-    own: Sequence[Scheme] = (),
+    scheme: Sequence[Path | str | Scheme] = (),
     spec_out: Path | str | None = None,
     seen: Callable[[Proposal], None] = lambda proposal: None,
 ) -> Built:
     """Give a character the rig that was recognised to belong to it; the output appears whole or not at all.
 
-    own: naming schemes that are tried first. spec_out: where the spec goes by which it was built, None for
+    scheme: naming schemes that are tried first. spec_out: where the spec goes by which it was built, None for
     nowhere. seen: is called with what is proposed, before anything is built.
     Raises GeometryError for what is no character, and for a limb that is not sure, whose joints are open
     places in the spec then; else as `build_file`, with the last step for controls that do not do what they
@@ -135,7 +137,7 @@ def auto_file(
     place = None if spec_out is None or request.dry_run else Path(spec_out)
     with opened(request.source) as at, temp_dirs.folder() as folder:
         begin_stage("recognise")
-        found = _proposal(at, Path(request.source), preset, own, request.options)
+        found = _proposal(at, Path(request.source), preset, scheme, request.options)
         seen(found)
         if not found.is_character:
             raise GeometryError(found.missing())

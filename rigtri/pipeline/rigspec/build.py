@@ -162,7 +162,7 @@ class _Work:
     def _leave_out(self, one: PlannedStep, error: RigtriError) -> bool:
         report = Report()
         report.warn("step-left-out", f"{where_of(self.spec.tree, ('steps', one.index))} is left out: {error}")
-        if self.spec.model.strict:
+        if self.spec.model.edits.strict:
             try:
                 report.refuse_warnings()
             except GeometryError as refused:
@@ -195,7 +195,7 @@ class _Work:
         elif whole.options.from_stream or str(whole.source) == "-":
             options = replace(options, from_stream=True)
         if place is not None:
-            options = replace(options, edit_target="root", relink=False)
+            options = replace(options, edit_target="root", resources="copy")
             side_files = () if self.outcomes else self.spared
             whole = EditRequest(self.at, place, verify=whole.verify, side_files=side_files)
         elif whole.ready is not None:
@@ -205,8 +205,8 @@ class _Work:
             whole,
             source=self.at,
             options=options,
-            tolerance=model.tolerance,
-            strict=model.strict,
+            tolerance=model.edits.tolerance,
+            strict=model.edits.strict,
             dry_run=whole.dry_run or (place is None and bool(self.lost)),
         )
 

@@ -14,7 +14,7 @@ from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
 from rigtri.model.dataclass import dataclass
-from rigtri.operations.declaration import options_of
+from rigtri.model.options import options_of
 from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed

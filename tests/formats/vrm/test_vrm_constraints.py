@@ -26,7 +26,7 @@ from rigtri.frames.reoriented_constraints import broken
 from rigtri.maths.quaternions import IDENTITY, from_axis_angle, multiply, rotates
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import PRESETS
-from rigtri.operations.declaration import Selection
+from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.constraint_policy import bonds
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.operations.orient_joints.scale_policy import cardinal_rotations

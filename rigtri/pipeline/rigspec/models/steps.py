@@ -20,7 +20,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
-from rigtri.operations.declaration import Kind, Option, made, options_of
+from rigtri.model.options import Kind, Option, made, options_of
 from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.registry import OPERATIONS, options_class
 from rigtri.pipeline.rigspec.models import values
@@ -79,7 +79,7 @@ class StepModel(BaseModel):
 def step_model(name: str) -> type[StepModel]:
     """The model of an operation's steps."""
     declared: Any = options_class(name)
-    fields = {"do": (Literal[name], ...), **_fields(declared)}
+    fields = {"do": (Literal[name], ...), **fields_of(declared)}
     return create_model(_model_name(name), __base__=StepModel, __doc__=OPERATIONS[name].summary, **fields)
 
 
@@ -95,7 +95,7 @@ def _model_name(operation: str) -> str:
     return operation.title().replace("-", "")
 
 
-def _fields(declared: Any) -> dict[str, Any]:
+def fields_of(declared: Any) -> dict[str, Any]:
     """What pydantic makes fields of, by their names."""
     found = {}
     for option in options_of(declared).values():
@@ -181,7 +181,7 @@ _StyledChain: Any = create_model(
     "StyledChain",
     __config__=ConfigDict(extra="forbid"),
     __doc__=str(StyledChain.__doc__),
-    **_fields(StyledChain),
+    **fields_of(StyledChain),
 )
 _KINDS["styled chains"] = Annotated[
     tuple[Annotated[_StyledChain, _Chain()], ...], values.OneOrMany(_one_chain)

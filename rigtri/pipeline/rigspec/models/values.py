@@ -20,7 +20,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
-from rigtri.operations.declaration import SignedAxis, direction
+from rigtri.operations.option_kinds import SignedAxis, direction
 from rigtri.operations.options.constrain import OrientWord
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.

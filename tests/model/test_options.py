@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Annotated, Any, Literal
 
 import click
@@ -13,14 +13,18 @@ from click.testing import CliRunner
 from pydantic import ValidationError
 from rigs import chain
 
-from rigtri.cli import catalogue
+from rigtri.cli import catalogue, orient_joints
 from rigtri.cli.edit_command import command_of
 from rigtri.errors import UsageError
+from rigtri.formats import ReadOptions
+from rigtri.model.edit_options import EditOptions, FileOptions
+from rigtri.model.options import Kind, made, option, options_of, refuse
 from rigtri.model.rig import Rig
-from rigtri.operations.declaration import Direction, Kind, Limbs, Node, made, option, refuse
 from rigtri.operations.operation import operation
+from rigtri.operations.option_kinds import Direction, Limbs, Node
 from rigtri.operations.registry import OPERATIONS, Registered
 from rigtri.pipeline.rigspec.models import steps
+from rigtri.pipeline.rigspec.models.spec import SpecModel
 from rigtri.report import Report
 
 
@@ -116,3 +120,18 @@ def test_options_that_contradict_each_other_are_refused_wherever_they_are_given(
         wave(chain((0, 0, 0), (1, 0, 0)), hand="h", as_="queen", still=True)
     with pytest.raises(UsageError, match="--times says how often"):
         made(WaveOptions, {"hand": "h", "times": 3, "still": True}, ["times", "still"])
+
+
+def test_options_of_all_edits_are_declared_once() -> None:
+    """Commands, specs and `ReadOptions` have their names, defaults and help from one place."""
+    flags = {flag: option for option in orient_joints.command.params for flag in option.opts}
+    spec, keywords = SpecModel.model_json_schema(by_alias=True)["properties"], fields(ReadOptions)
+    for one in options_of(EditOptions).values():
+        option = flags[one.flag]
+        assert isinstance(option, click.Option)
+        assert option.help == one.help
+        if one.key in spec:
+            assert spec[one.key].get("default") == one.default
+            assert one.help in str(spec[one.key]), one.flag
+    reading = {field.name: field.default for field in keywords}
+    assert reading.items() >= {name: one.default for name, one in options_of(FileOptions).items()}.items()

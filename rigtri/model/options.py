@@ -1,4 +1,4 @@
-"""Options of an operation: the fields of a frozen dataclass, each with its kind, help and default.
+"""Options: the fields of a frozen dataclass, each with its kind, help and default.
 
 Commands (`cli/operation_options.py`), rig specs (`rigtri.pipeline.rigspec.models.steps`) and the keywords
 of the library (`rigtri.operations.operation`) are derived from them. The field's name is the
@@ -9,20 +9,17 @@ option's everywhere: ``max_influences`` is ``--max-influences`` and the key ``ma
 from __future__ import annotations
 
 import inspect
-import math
 import types
 import typing
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, field, fields
 from functools import cache
 from numbers import Real
-from typing import Annotated, Any, Literal, TypeVar, Union
+from typing import Any, Literal, TypeVar, Union
 
 from rigtri.errors import UsageError
 from rigtri.limits import refuse_unworkable
 from rigtri.model.dataclass import dataclass
-from rigtri.model.limb import Limb
 
 T = TypeVar("T")
 _META = "rigtri"
@@ -33,7 +30,6 @@ Where = Literal["all", "shared", "python"]
 # Under which heading an option stands in a command's help: what is made, how, for which joints or files of
 # other places, what is written, and what protects from a result that nobody wants.
 Group = Literal["what", "how", "joints", "output", "safety"]
-Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -324,202 +320,8 @@ def _numbers(value: Any) -> Iterator[float]:
         yield from _numbers(each)
 
 
-def check_tokens(name: str, tokens: Collection[str]) -> None:
-    """UsageError for a rule for names that has other tokens."""
-    try:
-        name.format(**dict.fromkeys(tokens, "x"))
-    except (KeyError, IndexError, ValueError, AttributeError) as error:
-        known = ", ".join(f"{{{token}}}" for token in tokens)
-        raise UsageError(f"--name {name}: the tokens of a name are {known}") from error
-
-
 def refuse(given: Collection[str], names: Collection[str], why: str) -> None:
     """UsageError for the first of these options that the user gave."""
     for name in names:
         if name in given:
             raise UsageError(f"--{key_of(name)} {why}")
-
-
-@dataclass(frozen=True)
-class Selection:
-    """Joints as the user names them; empty means all that turn unnamed.
-
-    joints: names or globs. chains: (start, end) pairs. below: joints with all
-    under them. skin: only joints of this skin. exclude: names or globs.
-    """
-
-    joints: tuple[str, ...] = ()
-    chains: tuple[tuple[str, str], ...] = ()
-    below: tuple[str, ...] = ()
-    skin: str | None = None
-    exclude: tuple[str, ...] = ()
-
-    @property
-    def named(self) -> bool:
-        return bool(self.joints or self.chains or self.below)
-
-
-def direction(text: str) -> Vector:
-    """A direction from words: an axis as ``-z``, or x,y,z. ValueError for anything else."""
-    letter = text[-1:].lower()
-    if text[:-1] in ("", "+", "-") and letter in ("x", "y", "z"):
-        sign = -1.0 if text[0] == "-" else 1.0
-        x, y, z = (sign if k == letter else 0.0 for k in "xyz")
-        return x, y, z
-    return vector(text)
-
-
-def vector(text: str) -> Vector:
-    """Three numbers with commas between. ValueError for anything else, and for all zeros."""
-    with suppress(ValueError):
-        found = three(text)
-        if any(found) and all(map(math.isfinite, found)):
-            return found
-    raise ValueError(f"'{text}' is not a valid direction: use three numbers, e.g. 0,0,1")
-
-
-def three(text: str) -> Vector:
-    """Three numbers with commas between. ValueError, in Python's words, for anything else."""
-    x, y, z = (float(part) for part in text.split(","))
-    return x, y, z
-
-
-def point(text: str) -> Vector:
-    """The same; ValueError in the user's words."""
-    try:
-        return three(text)
-    except ValueError:
-        raise ValueError(f"'{text}' is not a valid point: use x,y,z") from None
-
-
-def _assignment(flag: str, text: str, usage: str) -> tuple[str, str]:
-    """What stands before and after the last ``=`` of a text; a name may hold others."""
-    name, mark, value = text.rpartition("=")
-    if not mark or not name:
-        raise UsageError(f"{flag} {text}: give {usage}")
-    return name, value
-
-
-def _bends(flag: str, texts: Iterable[str]) -> dict[str, Vector]:
-    """By the name of a joint its direction: ``JOINT=X,Y,Z``, where the name may hold ``=`` itself."""
-    found = {}
-    for text in texts:
-        joint, towards = _assignment(flag, text, "JOINT=X,Y,Z")
-        try:
-            found[joint] = vector(towards)
-        except ValueError as error:
-            raise UsageError(f"{flag} {text}: {error}") from error
-    return found
-
-
-def _clip_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
-    """By the name of a clip, or its glob, the clip of the rig: ``NAME=CLIP``."""
-    usage = "NAME=CLIP, a clip and what it is called in the rig"
-    return dict(_assignment(flag, text, usage) for text in texts)
-
-
-def _joint_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
-    """By the name of a joint its new one: ``JOINT=NAME``, where the first may hold ``=`` itself."""
-    pairs = [_assignment(flag, text, "JOINT=NAME, a joint and its new name") for text in texts]
-    found = dict(pairs)
-    if twice := [joint for joint, name in pairs if found[joint] != name]:
-        raise UsageError(f"{flag} {twice[0]}: two names are given for it")
-    if empty := [joint for joint, name in found.items() if not name]:
-        raise UsageError(f"{flag} {empty[0]}=: give JOINT=NAME, a joint and its new name")
-    return found
-
-
-# Names of nodes, joints mostly: specs look for them in the rig.
-Node = Annotated[str, Kind("node", "NODE", group="joints")]
-Nodes = Annotated[tuple[str, ...], Kind("nodes", "GLOB", group="joints")]
-Chains = Annotated[tuple[tuple[str, str], ...], Kind("chains", "START END", group="joints")]
-LimbNames = Annotated[tuple[str, str, str], Kind("limb", "ROOT MIDDLE END", group="joints")]
-Limbs = Annotated[tuple[Limb | tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
-# Any other names.
-Name = Annotated[str, Kind("name", "NAME")]
-Names = Annotated[tuple[str, ...], Kind("names", "NAME")]
-Auto = Literal["auto"]
-EndKind = Literal["locator", "joint"]
-BodySide = Literal["left", "right"]
-StandardPose = Literal["tpose", "apose", "godot"]
-SignedAxis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
-UpAxis = Literal["y", "z"]
-NonuniformScale = Literal["snap", "skip", "split", "error"]
-ConstraintPolicy = Literal["freeze", "error"]
-Axis = Annotated[str, Kind("axis", "AXIS")]
-Number = Annotated[float, Kind("number")]
-Above = Annotated[float, Kind("number", low=0, low_open=True)]
-Tolerance = Annotated[
-    float,
-    Kind("tolerance", low=0, help="Movement of a vertex, as a share of the size, that counts as none."),
-]
-SoftIk = Annotated[
-    float,
-    Kind(
-        "number",
-        "SHARE",
-        low=0,
-        high=1,
-        high_open=True,
-        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
-        "[as stored, or 0]",
-    ),
-]
-Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
-Facing = Annotated[
-    Vector,
-    Kind(
-        "direction",
-        "AXIS|X,Y,Z",
-        parse=direction,
-        help="Direction the character faces: knees bend forward, elbows back. glTF defines +z, USD none.",
-    ),
-]
-OnNonuniformScale = Annotated[
-    NonuniformScale,
-    Kind(
-        "choice",
-        help="What becomes of a joint whose scale would shear.",
-        values=(
-            ("snap", "gets the nearest axes that are exact"),
-            ("skip", "stays as it is"),
-            ("split", "a new parent node holds its axes (USD: with --allow-rename)"),
-            ("error", "nothing is written"),
-        ),
-    ),
-]
-OnConstraint = Annotated[
-    ConstraintPolicy,
-    Kind(
-        "choice",
-        help="What becomes of a joint whose new axes would change what a VRM node constraint does.",
-        values=(
-            ("freeze", "is rotated as the constraint allows or not at all, with a warning"),
-            ("error", "nothing is written"),
-        ),
-    ),
-]
-Point = Annotated[Vector, Kind("point", "X,Y,Z", parse=point)]
-Points = Annotated[tuple[Vector, ...], Kind("points", "X,Y,Z", parse=point)]
-Integers = Annotated[tuple[int, ...], Kind("integers", "N")]
-Bends = Annotated[Mapping[str, Direction], Kind("of nodes", "JOINT=X,Y,Z", read=_bends)]
-ClipNames = Annotated[Mapping[str, str], Kind("assignments", "NAME=CLIP", read=_clip_names)]
-
-JointNames = Annotated[Mapping[str, str], Kind("assignments", "JOINT=NAME", read=_joint_names)]
-
-# Other files, which Python may have as rigs or values already. The last is edited outside: it may have a
-# stream for its source, and need no skeleton.
-RigFile = Annotated[Any, Kind("rig file", "FILE")]
-EditedFile = Annotated[Any, Kind("edited file", "FILE")]
-JsonFile = Annotated[Any, Kind("json file", "FILE.json")]
-
-
-@dataclass(frozen=True, kw_only=True)
-class OneCharacter:
-    """Options of operations that can edit one character of a file with several."""
-
-    character: Node | None = option(
-        None,
-        help="Only the character at or below this node, where the file has several; names mean its joints.",
-        rare=True,
-    )
