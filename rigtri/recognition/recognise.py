@@ -12,8 +12,9 @@ from rigtri.model.rig import Rig
 from rigtri.recognition.arms_legs import Found, find_limbs
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.evidence_against import doubted
+from rigtri.recognition.groups import groups_of
 from rigtri.recognition.hands_feet import lay_ends, lay_hand, lay_others, why_none
-from rigtri.recognition.joint_tree import Tree, groups_of, joints_of, segments_of
+from rigtri.recognition.joint_tree import Tree, joints_of, segments_of
 from rigtri.recognition.layout import (
     BENDS,
     UNLIKELY,

@@ -601,3 +601,19 @@ def test_real_characters_without_names_are_recognised_as_with_them(name: str, as
     without = limbs(replace(rig, names=("",) * len(rig), humanoid={}))
     assert {(limb.kind, limb.side, limb.triple) for limb in without} == with_names
     assert len(without) == NAMELESS[name]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_bodies_that_one_skin_moves_are_several_where_each_has_limbs_of_its_own(named: bool) -> None:
+    """Before, a man and another's legs beside him were one creature, with a plane between both of them."""
+    legs = [*TRUNK[:1], *both(LEG)]
+    beside = [(f"{name}.001", f"{above}.001", (x + 2.0, y, z)) for name, above, (x, y, z) in legs]
+    layout = recognise(rig_with([*MAN, *beside], named=named))
+    assert [len(character.parts) for character in layout.characters] == [len(MAN), len(beside)]
+    assert len([chain for chain in layout.characters[0].limbs if chain.is_sure]) == 4
+
+
+def test_hands_that_hang_at_nothing_are_of_the_body_whose_skin_they_have() -> None:
+    """Their fingers are in pairs, too, and the planes of those lie elsewhere than the body's."""
+    floating: list[Joint] = [("hand.L", "", (0.7, 1.45, 0.0)), ("hand.R", "", (-0.7, 1.45, 0.0)), *FINGERS]
+    assert len(recognise(rig_with([*TRUNK, *both(LEG), *floating])).characters) == 1

@@ -66,6 +66,8 @@ def population(which: int) -> Iterator[Case]:
             yield _case(name, random, [make(random)], 2 * k + which)
     for k in range(10):
         yield crowd(which, k, number)
+    for k in range(10):
+        yield company(which, k, number + 10)
 
 
 def crowd(which: int, k: int, first: int) -> Case:
@@ -75,8 +77,19 @@ def crowd(which: int, k: int, first: int) -> Case:
     return _case(f"crowd {k}", random, bodies, 2 * k + which)
 
 
-def _case(name: str, random: Random, bodies: list[Skeleton], style: int) -> Case:
-    """A file of bodies side by side. style: which of their words they take."""
+def company(which: int, k: int, first: int) -> Case:
+    """People, animals and parts of people that one skin moves, their names as Blender makes them differ.
+
+    first: as of `crowd`.
+    """
+    random = np.random.default_rng([which, first + k])
+    makes = (person, person, quadruped, legs_alone)
+    bodies = [makes[int(random.integers(4))](random) for _ in range(int(random.integers(2, 4)))]
+    return _case(f"company {k}", random, bodies, 2 * k + which, one_skin=True)
+
+
+def _case(name: str, random: Random, bodies: list[Skeleton], style: int, *, one_skin: bool = False) -> Case:
+    """A file of bodies side by side. style: which of their words they take. one_skin: that moves them all."""
     turn, size, up = _stance(random)
     names: list[str] = []
     parents: list[int] = []
@@ -104,6 +117,10 @@ def _case(name: str, random: Random, bodies: list[Skeleton], style: int) -> Case
         skins.append(list(range(first + root, len(names))))
         characters.append(_true(body, row, turn, words))
         moved.append((body, row))
+    if one_skin:
+        skins = [[node for skin in skins for node in skin]]
+        before = [names[:k].count(name) for k, name in enumerate(names)]
+        names = [f"{name}.{count:03}" if count else name for name, count in zip(names, before, strict=True)]
     rig = _rig(names, parents, np.array(places), np.array(still), skins, up)
     if bodies[0].limbs and random.random() < 0.5:
         rig = replace(rig, clips=(_walk(rig, moved, turn, size, random.random() < 0.5),))

@@ -1,0 +1,106 @@
+"""Which joints make one character: what hangs together, and what one skin moves, unless it is a crowd."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from rigtri.model.rig import Rig
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.symmetry import Plane, pairs_of, plane_of
+
+# So many joints of the same names in two branches make two characters of one skin.
+_SAME_NAMES = 3
+# What makes a name of Blender's, which no two may have, another.
+_COUNTED = re.compile(r"\.\d{3}$")
+# A body has at least so many joints, and legs alone so many.
+_BODY, _PART = 12, 7
+# A container with more branches than this is a crowd or no container: it stays whole.
+_MANY = 64
+# Branches are two bodies side by side where the smaller one is so long a part of the other, both have limbs
+# that are so long a part of them, as fingers are not of an arm, and their planes are so far apart.
+_LIKE, _LIMB, _APART = 0.3, 0.3, 0.15
+# Planes of one body lie alike up to this (a cosine, 20°).
+_TURNED = 0.94
+
+
+def groups_of(tree: Tree) -> list[list[int]]:
+    """The joints of each character, largest first; what one skin moves is one, unless names repeat."""
+    tops = _tops(tree)
+    branches = {top: tree.branch(top) for top in tops}
+    group = {top: top for top in tops}
+
+    def first(top: int) -> int:
+        while group[top] != top:
+            top = group[top]
+        return top
+
+    owner = {node: top for top, branch in branches.items() for node in branch}
+    shared = [sorted({owner[k] for k in skin.joints.tolist() if k in owner}) for skin in tree.rig.skins]
+    shared = shared or [tops]
+    for together in shared:
+        for top in together[1:]:
+            a, b = first(together[0]), first(top)
+            if a != b and not _are_two(tree, branches, a, top):
+                group[b] = a
+    found: dict[int, list[int]] = {}
+    for top in tops:
+        found.setdefault(first(top), []).extend(branches[top])
+    if len(found) == 1:
+        return [list(tree.nodes)]
+    return sorted((sorted(nodes) for nodes in found.values()), key=len, reverse=True)
+
+
+def _tops(tree: Tree) -> list[int]:
+    """The nodes that skeletons begin at: roots, or what hangs below containers that are no joints."""
+    joint, tops, left = tree.rig.is_joint, [], list(tree.below[-1])
+    for node in left:  # it grows as it is walked
+        below = tree.below[node]
+        if not joint.any() or joint[node] or len(below) < 2 or len(below) > _MANY:
+            tops.append(node)
+        else:
+            left += below
+    return sorted(tops)
+
+
+def _are_two(tree: Tree, branches: Mapping[int, Sequence[int]], a: int, b: int) -> bool:
+    """Whether two branches that one skin moves are bodies of a crowd: by names, size, or where they stand."""
+    return (
+        _repeats(tree.rig, branches[a], branches[b])
+        or _alike_bodies(tree, a, b)
+        or _stand_apart(tree, branches[a], branches[b])
+    )
+
+
+def _alike_bodies(tree: Tree, a: int, b: int) -> bool:
+    """Whether two branches are as large as whole bodies, and alike: two of a crowd."""
+    if min(tree.size[a], tree.size[b]) < _BODY:
+        return False
+    far, size = (tree.reach[a], tree.reach[b]), (tree.size[a], tree.size[b])
+    return min(far) > 0.9 * max(far) and min(size) > 0.9 * max(size)
+
+
+def _repeats(rig: Rig, one: Sequence[int], other: Sequence[int]) -> bool:
+    mine, others = ({_COUNTED.sub("", rig.names[k]) for k in nodes} - {""} for nodes in (one, other))
+    return len(mine & others) >= _SAME_NAMES
+
+
+def _stand_apart(tree: Tree, one: Sequence[int], other: Sequence[int]) -> bool:
+    """Whether each branch has limbs in pairs and a plane of its own between left and right."""
+    if min(len(one), len(other)) < _PART:
+        return False
+    small, large = sorted(
+        (Tree(tree.rig, nodes, tree.places) for nodes in (one, other)), key=lambda k: k.span
+    )
+    if small.span < _LIKE * large.span:
+        return False
+    mine, its = _plane_of(small), _plane_of(large)
+    if mine is None or its is None:
+        return False
+    turned = abs(mine.normal.dot(its.normal)) < _TURNED
+    return turned or abs(its.side_of(mine.point)) > _APART * small.span
+
+
+def _plane_of(tree: Tree) -> Plane | None:
+    pairs = [pair for pair in pairs_of(tree) if pair.reach > _LIMB * tree.span and len(pair.paths[0]) > 2]
+    return plane_of(tree, pairs)
