@@ -139,6 +139,22 @@ def test_what_is_refused_for_a_nearly_uniform_scale_names_its_joint(tmp_path: Pa
     assert why_near(rig, rig, verify(read(source), read(source)), 1e-5).startswith(" Numbers in the file are")
 
 
+@pytest.mark.parametrize(("path", "raw"), [("scale", False), ("translation", False), ("rotation", True)])
+def test_a_number_whose_rounding_is_what_differs_is_named(path: Any, raw: bool, tmp_path: Path) -> None:
+    document = read(gltf(tmp_path / "in.glb", Limb()))
+    rig, size = document.rig, 2.0
+    values = np.full((1, 4 if path == "rotation" else 3), 1e9 * (size if path == "translation" else 1.0))
+    track = Track(rig.find("elbow"), path, "STEP", np.zeros(1), values)
+    rig = replace(rig, clips=(Clip("wave", (track,)),), rules=replace(rig.rules, raw_quaternions=raw))
+    rounding = 1e9 * (1e9 if path == "rotation" else 1.0) * 2.0**-23
+    known = verify(document, document)
+    for share, named in ((0.1, True), (10.0, True), (1e4, False)):
+        found = replace(known, deviation=share * rounding, raw_deviation=share * rounding, diagonal=size)
+        words = why_near(rig, rig, found, 1e-5)
+        assert words.startswith(f" The {path} of 'elbow' in clip 'wave' is ") is named, words
+        assert named or words == ""
+
+
 @pytest.mark.parametrize("path", ["scale", "translation"])
 def test_what_a_clip_stretches_reaches_further(path: Any, tmp_path: Path) -> None:
     """A scale of two doubles what hangs at a joint; a bone of twice the length adds its length once more."""

@@ -16,9 +16,11 @@ from program import cli
 from second_opinions import khronos_errors, validator
 
 from rigtri import verify
-from rigtri.errors import FileError
+from rigtri.errors import FileError, GeometryError
 from rigtri.formats import Document, read
 from rigtri.limits import TOLERANCE
+from rigtri.model.animation import Clip, Track
+from rigtri.model.animation import Path as Channel
 from rigtri.model.rig import Rig
 from rigtri.model.skin import WeightRedistribution
 from rigtri.model.skin_weights import folded, shared
@@ -301,6 +303,24 @@ def test_weights_that_cannot_be_read_are_refused_where_they_are_stored(key: str,
         owner[key] = wrong
         with pytest.raises(FileError, match=r"in\.glb: (meshes|nodes)\["):
             result(builder, tmp_path)
+
+
+@pytest.mark.parametrize("path", ["translation", "scale"])
+@pytest.mark.parametrize("way", ["STEP", "CUBICSPLINE"])
+def test_no_weight_goes_to_a_twist_joint_that_a_clip_moves(path: Channel, way: Any, tmp_path: Path) -> None:
+    rig = read(bone([[1, 0, 0, 0]] * 3).glb(tmp_path / "in.glb")).rig
+    rig = add_twist(rig, options=replace(SPLIT, split_weights=False), report=Report())
+    (node, *_) = rig.nodes_of("twist")
+    rest = {"translation": rig.translation, "scale": rig.scale}[path][node]
+    for off in (1.0, 1.001):
+        values = rest[np.newaxis] * off if way == "STEP" else np.stack([0 * rest, rest * off, 0 * rest])[None]
+        track = Track(node, path, way, np.zeros(1), values)
+        moved = replace(rig, clips=(Clip("wave", (track,)),))
+        if off == 1.0:
+            assert split(moved, Report()).pending.weight_redistributions
+        else:
+            with pytest.raises(GeometryError, match=f"another {path} in clip 'wave'"):
+                split(moved, Report())
 
 
 def test_sets_of_other_lengths_are_refused(tmp_path: Path) -> None:

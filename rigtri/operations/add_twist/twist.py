@@ -14,9 +14,11 @@ import numpy as np
 from rigtri.errors import GeometryError, NoLimbError, UsageError
 from rigtri.evaluation.twist_joints import bone, driver_path, twist_of
 from rigtri.frames.skeleton import ZERO_LENGTH
+from rigtri.limits import TOLERANCE
 from rigtri.maths.matrices import inverse, nearest_rotation, transform_points
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
+from rigtri.model.animation import key_values
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import InfluenceRecord, TwistRecord
@@ -156,12 +158,29 @@ def _build(rig: Rig, of: _Bone, options: AddTwistOptions, report: Report) -> Rig
         made.append(node)
     if options.split_weights:
         for node in made:  # they are about to get weight
+            _refuse_moved(rig, node)
             rig = bind_joint(rig, node, rig.skins)
         found = _spreads(rig, of, line, options, report)
         every = (*rig.pending.weight_redistributions, *found)
         pending = replace(rig.pending, weight_redistributions=every)
         rig = _with_influences(replace(rig, pending=pending), made[0], found)
     return rig
+
+
+def _refuse_moved(rig: Rig, node: int) -> None:
+    """GeometryError for a joint that a clip moves or scales: what is bound to it would not stay in place."""
+    rest = {"translation": rig.local[node, 3, :3], "scale": length(rig.local[node, :3, :3])}
+    for clip in rig.clips:
+        for track in clip.tracks:
+            if track.node != node or track.path not in rest:
+                continue
+            off = float(np.abs(key_values(track) - rest[track.path]).max(initial=0.0))
+            if not off <= TOLERANCE * float(length(rest[track.path])):
+                raise GeometryError(
+                    f"'{rig.title(node)}' has another {track.path} in clip '{clip.name}' than at rest, so "
+                    "weight that it gets would move vertices. Take out what was added with rigtri strip, "
+                    "then add the twist joints again"
+                )
 
 
 def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution]) -> Rig:

@@ -13,6 +13,9 @@ from rigtri.verification.compare.compare import Comparison
 
 # A joint of which less than this share of the tolerance can come is not to blame.
 _BLAME = 0.1
+# Rounding is what differs where it comes to this share of that: keys of several joints, and of one in several
+# places, add up.
+_NEAR = 0.01
 # Clips that scale joints may hold what hangs there up to so many times as large as it is at rest.
 _GROWN = 2.0
 
@@ -36,7 +39,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
             f"or {allow}"
         )
     if not result.shown < 10 * tolerance:
-        return ""
+        return _why_far(before, result)
     noisy = nearly_uniform(before, after, tolerance)
     if noisy:
         scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
@@ -53,6 +56,28 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         f" Numbers in the file are float32: with {depth} nodes below each other, up to {far:.3g} sizes from "
         f"the origin, their rounding alone may reach {floor:.1g} per turned joint. Leave out what is "
         f"named with --exclude, or {allow}"
+    )
+
+
+def _why_far(rig: Rig, result: Comparison) -> str:
+    """The number of a clip whose rounding alone comes near what was found; "" where none does."""
+    largest, found = 0.0, ""
+    for clip in rig.clips:
+        for track in clip.tracks:
+            value = float(np.abs(key_values(track)).max(initial=0.0))
+            moves = {
+                "translation": value / (result.diagonal or 1.0),
+                "scale": value,
+                "rotation": value * value if rig.rules.raw_quaternions else 0.0,
+            }.get(track.path, 0.0) * float(np.finfo(np.float32).eps)
+            if moves > largest and track.node >= 0:
+                largest = moves
+                found = f" The {track.path} of '{rig.title(track.node)}' in clip '{clip.name}' is {value:.2g}"
+    if not largest >= _NEAR * result.shown:
+        return ""
+    return (
+        f"{found}: the float32 of the file rounds what hangs there by {largest:.1g} sizes. Remove those "
+        "keys, or export the clip anew with the program that wrote it"
     )
 
 
