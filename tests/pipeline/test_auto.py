@@ -9,6 +9,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from tempfile import gettempdir
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from second_opinions import validator
 from rigtri import auto, read
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
+from rigtri.formats.gltf import document as gltf
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
@@ -143,6 +146,21 @@ def test_a_picture_or_spec_that_cannot_be_written_leaves_no_output_either(
     result = run("auto", SAMPLES / "biped.glb", *places, code=3)
     assert f"{name} cannot be written: No space left on device" in result.stderr.splitlines()[-1]
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.ci
+def test_a_full_disk_is_told_of_the_output_and_the_temporary_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, only of a name of a file within the latter."""
+
+    def full(*args: Any) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(gltf, "pour", full)
+    result = run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", code=3)
+    where = f"a file for {tmp_path / 'out.glb'} in the temporary folder {gettempdir()}"
+    assert f"{where}: cannot be written: No space left on device" in result.stderr
 
 
 @pytest.mark.ci

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
@@ -12,6 +13,7 @@ from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.external_paths import lies_outside
+from rigtri.formats.usd.composition.stage import quiet
 
 
 def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:
@@ -29,7 +31,9 @@ def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:
     for prim in whole.Traverse():
         if prim.IsA(UsdShade.Shader):
             _textures(prim, flat, files, lacking, None if allow_external else path)
-    return Embedded("usd", layers.to_bytes(flat.GetRootLayer(), "usdc"), files, tuple(lacking))
+    with quiet(f"{path} as one layer in the temporary folder {gettempdir()}: USD cannot write it"):
+        content = layers.to_bytes(flat.GetRootLayer(), "usdc")
+    return Embedded("usd", content, files, tuple(lacking))
 
 
 def _bind(whole: Any, flat: Any) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import field, replace
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
 from rigtri.errors import (
@@ -179,8 +180,11 @@ class _Work:
     def edit(self, step: Step, place: Path | None) -> Report:
         """Apply a step to the character as it is, and note what came of it. place: None for the last step."""
         report = Report(records=self.report.records)
+        names = {str(self.at): str(self.source)}
+        if place is not None:
+            names[str(place)] = f"a file for {self.request.target} in the temporary folder {gettempdir()}"
         try:
-            with called({str(self.at): str(self.source)}):
+            with called(names):
                 outcome = edit_file(self._request(place), step, report)
         finally:
             self._call(report)
