@@ -29,6 +29,7 @@ from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
 T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
 _WORDS: dict[Any, tuple[type, str]] = {
     bool: (bool, "True or False"),
     str: (str, "a text"),
@@ -82,10 +83,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 check(options, given)
                 return _run(function, rig, others, report, {"options": options})
 
-        called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
-        if kind is not None:
-            called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{described(kind)}"
-        return called
+        return called if kind is None else _shown(called, function, kind)
 
     return decorated
 
@@ -122,9 +120,22 @@ def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]
                 options = options or from_keywords(kind, chosen, function.__name__)
                 return function(*values, options=options, **keywords)
 
-        called.__signature__ = _signature(function, kind)  # type: ignore[attr-defined]
-        called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{described(kind)}"
-        return called
+        return _shown(called, function, kind)
+
+    return decorated
+
+
+def with_keywords(*kinds: type) -> Callable[[F], F]:
+    """Let help and editors show the fields of ``kinds``, which a function takes as keywords among others."""
+    known = {flag: word for kind in kinds for flag, word in keywords_of(kind).items()}
+
+    def decorated(function: F) -> F:
+        @functools.wraps(function)
+        def called(*values: Any, **keywords: Any) -> Any:
+            with in_keywords(known):
+                return function(*values, **keywords)
+
+        return typing.cast(F, _shown(called, function, *kinds))
 
     return decorated
 
@@ -152,19 +163,22 @@ def _check_rigs(options: Any) -> None:
             raise UsageError(f"{one.name}={value!r}: give a rig")
 
 
-def _signature(function: Callable[..., Any], kind: type | None) -> inspect.Signature:
-    """For help and for editors that complete: all keywords with their defaults."""
-    own = inspect.signature(function)
-    if kind is None:
-        return own
-    only = inspect.Parameter.KEYWORD_ONLY
-    first = [p for p in own.parameters.values() if p.name not in ("options", "report")]
-    both = [inspect.Parameter(name, only, default=None) for name in ("options", "report")]
-    words = [
-        inspect.Parameter(word, only, default=inspect.Parameter.empty if default is MISSING else default)
-        for word, default in defaults(kind).items()
+def _shown(called: Callable[..., T], function: Callable[..., Any], *kinds: type) -> Callable[..., T]:
+    """A function with all keywords, their defaults and help, for `help` and for editors that complete."""
+    own, only, none = inspect.signature(function), inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.empty
+    named = [p for p in own.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+    both = [p.replace(default=None) for p in named if p.name in ("options", "report")]
+    words = {word: default for kind in kinds for word, default in defaults(kind).items()}
+    more = [
+        inspect.Parameter(word, only, default=none if default is MISSING else default)
+        for word, default in words.items()
+        if word not in own.parameters
     ]
-    return own.replace(parameters=[*first, *both, *words])
+    first = [p for p in named if p.name not in ("options", "report")]
+    called.__signature__ = own.replace(parameters=[*first, *both, *more])  # type: ignore[attr-defined]
+    lines = "\n".join(map(described, kinds))
+    called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{lines}"
+    return called
 
 
 def defaults(kind: type) -> dict[str, Any]:

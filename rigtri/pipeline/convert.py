@@ -9,21 +9,24 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.errors import DeviationError, FileError, NameNotFoundError, UsageError, in_keywords
+from rigtri.errors import DeviationError, FileError, NameNotFoundError, UsageError
 from rigtri.evaluation.timelines import matching_clips
 from rigtri.files.input_stream import opened
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input
-from rigtri.formats import read
+from rigtri.formats import ReadOptions, read
 from rigtri.formats.document import GLTF_SUFFIXES, USD_SUFFIXES
 from rigtri.formats.registry import need_usd, unknown_format
+from rigtri.model.edit_options import RunOptions
+from rigtri.model.options import check
 from rigtri.model.rig import Rig
+from rigtri.operations.operation import defaults, from_keywords, with_keywords
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.pipeline.edit import (
-    KEYWORDS,
     Clock,
     EditRequest,
     Outcome,
     allowed_target,
+    requested,
     target_of,
     working_folder,
 )
@@ -36,18 +39,25 @@ from rigtri.verification.compare.compare import Comparison, Source
 LOST = "lost"
 
 
-@in_keywords(KEYWORDS)
-def convert(source: Path | str, target: Path | str, *, report: Report | None = None, **given: Any) -> Outcome:
+@with_keywords(ConvertOptions, RunOptions)
+def convert(
+    source: Path | str,
+    target: Path | str,
+    *,
+    options: ReadOptions | None = None,
+    report: Report | None = None,
+    **given: Any,
+) -> Outcome:
     """Write a glTF, GLB or VRM file as USD, or a USD as glTF; ``target`` appears complete or not at all.
 
-    given: fields of `ConvertOptions`, and those of `rigtri.pipeline.edit.EditRequest`, such as
-    ``overwrite``. The warnings of the report whose code is ``lost`` say what the other format cannot.
-    Raises as `convert_file`.
+    options: how the source is read. Warnings of the report whose code is ``lost`` say what the other format
+    cannot. Raises as `convert_file`.
     """
-    names = ConvertOptions.__dataclass_fields__
-    options = ConvertOptions(**{name: value for name, value in given.items() if name in names})
-    request = EditRequest(source, target, **{n: value for n, value in given.items() if n not in names})
-    return convert_file(request, options, Report() if report is None else report)
+    how = {name: given.pop(name) for name in defaults(ConvertOptions) if name in given}
+    chosen = from_keywords(ConvertOptions, how, "convert")
+    check(chosen, tuple(how))
+    request = requested("convert", source, target, options=options, **given)
+    return convert_file(request, chosen, Report() if report is None else report)
 
 
 def convert_file(request: EditRequest, options: ConvertOptions, report: Report) -> Outcome:

@@ -11,19 +11,17 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from rigtri.errors import DeviationError, FileError, GeometryError, UsageError, in_keywords
+from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files.atomic_write import same_file
 from rigtri.files.background_copy import BackgroundCopies
 from rigtri.files.input_stream import called, opened, path_of
 from rigtri.files.staged_output import StagedOutput, as_file_error, check_not_an_input, destination, recover
 from rigtri.formats import Document, ReadOptions, output_suffixes, read
-from rigtri.maths.arrays import Booleans
-from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
+from rigtri.operations.operation import from_keywords, with_keywords
+from rigtri.pipeline.rig_checks import check_numbers, check_order
 from rigtri.progress import begin_stage
 from rigtri.report import Notice, Report
 from rigtri.verification.compare.compare import Comparison, self_check
@@ -33,12 +31,6 @@ Step = Callable[[Rig, Report], Rig]
 
 # From this size on, reading all of a file and waiting for the disk are worth avoiding.
 _LARGE = 1 << 24
-# Files hold positions and keys as float32, some as half.
-_LARGEST, _LARGEST_HALF = float(np.finfo(np.float32).max), float(np.finfo(np.float16).max)
-
-
-# What the library says for options that every command has.
-KEYWORDS = {"overwrite": "overwrite=True"}
 
 
 @dataclass(frozen=True)
@@ -99,16 +91,29 @@ class EditRequest(RunOptions):
         return not (self.to_stdout or self.dry_run)
 
 
-@in_keywords(KEYWORDS)
+def requested(name: str, source: Path | str, target: Path | str, **given: Any) -> EditRequest:
+    """What a function of the library is to do to a file; TypeError for keywords that it does not have."""
+    given = {word: value for word, value in given.items() if word != "options" or value is not None}
+    return from_keywords(EditRequest, {"source": source, "target": target, **given}, name)
+
+
+@with_keywords(RunOptions)
 def edit(
-    source: Path | str, target: Path | str, step: Step, *, report: Report | None = None, **request: Any
+    source: Path | str,
+    target: Path | str,
+    step: Step,
+    *,
+    options: ReadOptions | None = None,
+    report: Report | None = None,
+    **given: Any,
 ) -> Outcome:
     """Apply ``step`` to the rig in ``source``; ``target`` appears complete or not at all.
 
-    ``-`` is standard input or output. request: further fields of `EditRequest`, such as ``overwrite``. Raises
-    as `edit_file`.
+    ``-`` is standard input or output. step: a function of the rig and the report, which returns a rig.
+    options: how the source is read. Raises as `edit_file`.
     """
-    return edit_file(EditRequest(source, target, **request), step, Report() if report is None else report)
+    request = requested("edit", source, target, options=options, **given)
+    return edit_file(request, step, Report() if report is None else report)
 
 
 def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
@@ -133,8 +138,8 @@ def edit_file(request: EditRequest, step: Step, report: Report) -> Outcome:
         clock.lap("read")
         begin_stage("edit")
         rig = step(document.rig, report)
-        _check_numbers(document.rig, rig)
-        _check_order(rig)
+        check_numbers(document.rig, rig)
+        check_order(rig)
         _take_warnings(document, report, request.strict)
         clock.lap("edit")
         with working_folder(final, request) as folder:
@@ -188,62 +193,6 @@ def _checked_target(path: Path, request: EditRequest) -> Path:
             what = f"{path.name} is {fits[0]} inside, and {what}"
         raise UsageError(f"{final.name}: {what}; give it the suffix {' or '.join(fits)}")
     return final
-
-
-def _check_numbers(before: Rig, after: Rig) -> None:
-    """GeometryError for a node or clip whose numbers an edit made too large, infinite or NaN.
-
-    What was so may stay so.
-    """
-    if after is before:
-        return
-    least = _LARGEST_HALF if after.rules.raw_quaternions else _LARGEST
-    doubtful = [clip for clip in after.clips if any(_unfit(c.values, least).any() for c in clip.columns)]
-    known_tracks = {id(track) for clip in before.clips if doubtful for track in clip.tracks}
-    for clip in doubtful:
-        for track in clip.tracks:
-            # A SkelAnimation holds scales as half3.
-            half = track.path == "scale" and after.rules.raw_quaternions and after.is_joint[track.node]
-            largest = _LARGEST_HALF if half else _LARGEST
-            if id(track) not in known_tracks and _unfit(track.values, largest).any():
-                raise GeometryError(
-                    f"The {track.path} of '{after.title(track.node)}' in clip '{clip.name}' gets values that "
-                    f"are not numbers, or larger than {largest:.3g}, the most that the file can hold: a bone "
-                    "or a scale there is zero, or numbers are too large. Leave the joint or the clip out"
-                )
-    lost = np.zeros(len(after), dtype=bool)
-    for name in ("translation", "rotation", "scale", "matrix"):
-        wrong, known = _unfit(getattr(after, name)), _unfit(getattr(before, name))
-        wrong[: len(before)] &= ~known
-        lost |= wrong.any(axis=tuple(range(1, wrong.ndim)))
-    for number, new in enumerate(after.skins):
-        worse = _unfit(new.inverse_bind)
-        if number < len(before.skins):
-            old = before.skins[number].inverse_bind[: len(worse)]
-            worse[: len(old)] &= ~_unfit(old)
-        lost[new.joints[worse.any(axis=(1, 2))]] = True
-    if lost.any():
-        node = int(lost.argmax())
-        raise GeometryError(
-            f"'{after.names[node] or after.labels[node]}' gets no place that is a number: a scale at or "
-            "above it is zero, or numbers there are too large. Leave it out with --exclude"
-        )
-
-
-def _unfit(numbers: Floats, largest: float = _LARGEST) -> Booleans:
-    """Which numbers are none, or larger than ``largest``."""
-    return np.asarray(~(np.abs(numbers) <= largest))
-
-
-def _check_order(rig: Rig) -> None:
-    """UsageError where nodes were taken out of the file and others added: no writer does both at once."""
-    if rig.pending.removed and any(
-        key is None and node not in rig.pending.removed for node, key in enumerate(rig.keys)
-    ):
-        raise UsageError(
-            "Nodes were taken out of the file, and others added in the same edit: write the file after each "
-            "of the two"
-        )
 
 
 def _deliver(

@@ -6,16 +6,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 from rigtri import formats
-from rigtri.errors import UsageError, in_keywords
+from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
 from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, edit_file
+from rigtri.operations.operation import with_keywords
+from rigtri.pipeline.edit import EditRequest, Outcome, edit_file
 from rigtri.report import Report
 from rigtri.verification.compare import compare
 from rigtri.verification.compare.compare import Comparison, Source
@@ -80,6 +83,7 @@ def _protect(rig: Rig) -> None:
         each.flags.writeable = False
 
 
+@with_keywords(RunOptions)
 def write(
     rig: Rig,
     target: Path | str,
@@ -105,17 +109,9 @@ def write(
         same = all(getattr(rig, f.name) is getattr(first, f.name) for f in fields(Rig) if f.name != "source")
         return first if same else replace(rig, source=None)
 
-    with in_keywords(KEYWORDS), _file(origin) as path:
-        request = EditRequest(
-            path,
-            target,
-            origin.reading,
-            overwrite=overwrite,
-            verify=verify,
-            tolerance=tolerance,
-            dry_run=dry_run,
-            strict=strict,
-        )
+    how: dict[str, Any] = {"verify": verify, "tolerance": tolerance, "dry_run": dry_run, "strict": strict}
+    with _file(origin) as path:
+        request = EditRequest(path, target, origin.reading, overwrite=overwrite, **how)
         return edit_file(replace(request, document=origin.document), step, Report())
 
 
@@ -131,12 +127,15 @@ def _file(origin: Origin) -> Iterator[Path]:
         yield path
 
 
-def verify(before: Path | str | Source, after: Path | str | Source) -> Comparison:
+def verify(
+    before: Path | str | Source, after: Path | str | Source, *, options: ReadOptions | None = None
+) -> Comparison:
     """How far two files, or two documents, look apart, in every pose; see `compare.verify`.
 
+    options: how files are read.
     Of a glTF and a USD that `rigtri.convert` has made of one another, nodes are known by what it calls them.
     """
-    with _source(before) as one, _source(after) as other:
+    with _source(before, options) as one, _source(after, options) as other:
         if type(one) is not type(other):
             from rigtri.pipeline.convert import verify_converted
 
@@ -147,9 +146,9 @@ def verify(before: Path | str | Source, after: Path | str | Source) -> Compariso
 
 
 @contextmanager
-def _source(file: Path | str | Source) -> Iterator[Source]:
+def _source(file: Path | str | Source, options: ReadOptions | None) -> Iterator[Source]:
     if isinstance(file, Path | str):
         with opened(file) as place:
-            yield formats.read(place)
+            yield formats.read(place, options or ReadOptions())
     else:
         yield file

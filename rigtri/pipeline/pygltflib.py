@@ -7,7 +7,7 @@ what it would save is what is read, and what is written it reads again.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from rigtri.files import temp_dirs
 from rigtri.formats import ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
+from rigtri.limits import TOLERANCE
 from rigtri.model.rig import Rig
 from rigtri.pipeline.files import Origin, known, write
 
@@ -39,10 +40,13 @@ def from_pygltflib(gltf: GLTF2, options: ReadOptions | None = None) -> Rig:
         return known(GltfDocument.read(path, options, content), path, options, content)
 
 
-def to_pygltflib(rig: Rig, **keywords: Any) -> GLTF2:
+def to_pygltflib(
+    rig: Rig, *, verify: bool = True, tolerance: float = TOLERANCE, strict: bool = False
+) -> GLTF2:
     """A new pygltflib.GLTF2 of a rig, from `from_pygltflib` or read from a .glb.
 
-    Compared with what was read, and refused, as `rigtri.write` does, whose keywords are those here.
+    Compared with what was read, and refused, as `rigtri.write` does, whose ``verify``, ``tolerance`` and
+    ``strict`` are those here.
     """
     from pygltflib import GLTF2
 
@@ -51,7 +55,7 @@ def to_pygltflib(rig: Rig, **keywords: Any) -> GLTF2:
         raise UsageError("to_pygltflib takes rigs of from_pygltflib, and those that were read from a .glb")
     with temp_dirs.folder() as folder:
         target = Path(folder, origin.path.name)
-        write(rig, target, **keywords)
+        write(rig, target, verify=verify, tolerance=tolerance, strict=strict)
         made = GLTF2.load_binary(target)
     # What it refers to lies where it lay.
     made._path, made._name = origin.path.parent, origin.path.name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import re
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -20,6 +21,9 @@ from program import cli
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.model.edit_options import RunOptions
+from rigtri.model.options import options_of
+from rigtri.operations.options.convert import ConvertOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions
 from rigtri.operations.registry import OPERATIONS, operation
 from rigtri.pipeline.edit import edit
@@ -403,6 +407,40 @@ def test_help_shows_all_keywords() -> None:
     known = inspect.signature(rigtri.orient_joints).parameters
     assert {"aim", "up", "preset", "joints", "branch", "report"} <= set(known)
     assert known["end"].default == "tip"
+
+
+FUNCTIONS = [name for name in rigtri.__all__ if inspect.isfunction(getattr(rigtri, name))]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_help_of_every_function_says_what_each_of_its_keywords_does(name: str) -> None:
+    function = getattr(rigtri, name)
+    for one in inspect.signature(function).parameters.values():
+        assert one.kind is not one.VAR_KEYWORD
+        if one.kind is one.KEYWORD_ONLY and one.name not in ("options", "report"):
+            assert re.search(rf"\b{one.name}\b", inspect.getdoc(function) or "")
+
+
+@pytest.mark.parametrize("name", ["convert", "edit", "build", "auto", "write"])
+def test_functions_of_files_have_the_keywords_of_their_commands(name: str) -> None:
+    known = inspect.signature(getattr(rigtri, name)).parameters
+    kinds = [ConvertOptions, RunOptions] if name == "convert" else [RunOptions]
+    declared = {word: one.help for kind in kinds for word, one in options_of(kind).items()}
+    assert set(declared) <= set(known)
+    told = inspect.getdoc(getattr(rigtri, name)) or ""
+    assert [word for word, words in declared.items() if f"{word}: {words}" not in told] == []
+
+
+def test_a_wrong_keyword_of_a_function_of_files_is_reported_as_of_operations(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=r"convert\(\) has no option 'overwrit'; did you mean 'overwrite'"):
+        rigtri.convert(BIPED, tmp_path / "out.usda", overwrit=True)
+    with pytest.raises(UsageError, match="fps= -1: give a number above 0"):
+        rigtri.convert(BIPED, tmp_path / "out.usda", fps=-1)
+    with pytest.raises(UsageError, match="dry_run='yes': give True or False"):
+        rigtri.edit(BIPED, tmp_path / "out.glb", lambda rig, _: rig, dry_run="yes")
+    with pytest.raises(TypeError, match="the spec says how files are read"):
+        rigtri.build(BIPED, tmp_path / "out.glb", "rig.yaml", options=rigtri.ReadOptions())
+    assert not list(tmp_path.iterdir())
 
 
 ALONE = """

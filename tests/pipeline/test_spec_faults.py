@@ -468,14 +468,15 @@ def test_an_optional_step_is_left_out_where_no_limb_is_known(tmp_path: Path) -> 
     assert caught.value.exit_code == 5
 
 
-@pytest.mark.parametrize("first", [True, False])
-def test_a_strict_build_leaves_no_step_out(first: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("first", "own"), [(True, True), (False, True), (False, False)])
+def test_a_strict_build_leaves_no_step_out(first: bool, own: bool, tmp_path: Path) -> None:
     steps = ["{do: orient-joints}", "{do: add-controls, chain: [tail_1, tial_4], optional: true}"]
-    spec = write(tmp_path, f"strict: true\nsteps: [{', '.join(reversed(steps) if first else steps)}]")
+    ordered = ", ".join(reversed(steps) if first else steps)
+    spec = write(tmp_path, f"{'strict: true' if own else ''}\nsteps: [{ordered}]")
     with pytest.raises(
-        SpecError, match=r"rig\.yaml:\d+:\d+ .*--strict: step . \(add-controls\) is left out"
+        SpecError, match=r"rig\.yaml:\d+:\d+ .*strict=True: step . \(add-controls\) is left out"
     ) as error:
-        build(SAMPLES / "tail.glb", tmp_path / "out.glb", spec)
+        build(SAMPLES / "tail.glb", tmp_path / "out.glb", spec, strict=not own)
     assert error.value.exit_code == 5
     assert not (tmp_path / "out.glb").exists()
 

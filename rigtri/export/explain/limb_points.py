@@ -32,8 +32,8 @@ def explain(
 
     Of a rig, ``explain(rig, limb="forearm_L")``: of the limb that has this joint, or of three joints, root,
     middle and end, where they stand ``at`` a moment, CLIP@TIME. Points that are equal or lie on one line
-    have steps without value, and ``trouble`` is why. Raises GeometryError for points that are no numbers;
-    NameNotFoundError and UsageError of rigs.
+    have steps without value, and ``trouble`` is why. names: what points are called. Raises GeometryError for
+    points that are no numbers; NameNotFoundError and UsageError of rigs.
 
     >>> found = explain([0, 0, 0], [3, 4, 0], [6, 0, 0])
     >>> [step.value for step in found.steps if step.talk == "P"]

@@ -16,8 +16,10 @@ from rigtri.files.staged_output import StagedOutput, encoded, write_text
 from rigtri.files.text_files import text_of
 from rigtri.formats import ReadOptions, read
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import EditRequest, Outcome
+from rigtri.operations.operation import with_keywords
+from rigtri.pipeline.edit import EditRequest, Outcome, requested
 from rigtri.pipeline.rigspec.build import Built, build_file
 from rigtri.pipeline.rigspec.control_check import CheckedControl, check_controls, refuse_idle_controls
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
@@ -98,6 +100,7 @@ def _proposal(
     return replace(found, text=make(), without_twist=lambda why: make(fixed_weights=why))
 
 
+@with_keywords(RunOptions)
 def auto(
     source: Path | str,
     target: Path | str,
@@ -105,16 +108,19 @@ def auto(
     preset: str = "",
     scheme: Sequence[Path | str | Scheme] = (),
     spec_out: Path | str | None = None,
+    options: ReadOptions | None = None,
     report: Report | None = None,
-    **request: Any,
+    **given: Any,
 ) -> Built:
     """Give a character the rig that was recognised to belong to it; ``target`` appears whole or not at all.
 
-    request: further fields of `EditRequest`, such as ``overwrite``. All else as `auto_file`.
+    preset: the axes of its joints, as `orient_joints` has them. scheme: naming schemes that are tried first.
+    spec_out: where the spec goes by which it was built, None for nowhere. options: how the source is read.
+    Raises as `auto_file`.
     """
-    whole = EditRequest(source, target, **request)
+    request = requested("auto", source, target, options=options, **given)
     report = Report() if report is None else report
-    return auto_file(whole, report, preset=preset, scheme=scheme, spec_out=spec_out)
+    return auto_file(request, report, preset=preset, scheme=scheme, spec_out=spec_out)
 
 
 def auto_file(

@@ -15,15 +15,16 @@ from rigtri.errors import (
     NameNotFoundError,
     NoLimbError,
     RigtriError,
-    in_keywords,
 )
 from rigtri.files import temp_dirs
 from rigtri.files.atomic_write import same_file
 from rigtri.files.input_stream import called, opened
 from rigtri.files.staged_output import check_not_an_input
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
-from rigtri.pipeline.edit import KEYWORDS, EditRequest, Outcome, Step, check_target, edit_file
+from rigtri.operations.operation import with_keywords
+from rigtri.pipeline.edit import EditRequest, Outcome, Step, check_target, edit_file, requested
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
 from rigtri.pipeline.rigspec.load import PlannedStep, Spec, load
 from rigtri.pipeline.rigspec.missing_names import fault_of, named
@@ -50,21 +51,26 @@ class Built:
     outcome: Outcome
 
 
-@in_keywords(KEYWORDS)
+@with_keywords(RunOptions)
 def build(
     source: Path | str,
     target: Path | str,
     spec: Spec | Path | str,
     *,
     report: Report | None = None,
-    **request: Any,
+    **given: Any,
 ) -> Built:
     """Give the character in ``source`` the rig that a spec describes; ``target`` appears whole or not at all.
 
-    request: further fields of `EditRequest`, such as ``overwrite``. Raises as `build_file`.
+    spec: its file, or what `rigspec.load` made of it. It says how files are read; ``strict`` and
+    ``tolerance`` are instead of its own. Raises as `build_file`.
     """
+    if "options" in given:
+        raise TypeError("build: the spec says how files are read, not options")
+    request = requested("build", source, target, **given)
     spec = spec if isinstance(spec, Spec) else load(spec, source=source)
-    return build_file(EditRequest(source, target, **request), spec, Report() if report is None else report)
+    spec = spec.limited(strict=request.strict, tolerance=given.get("tolerance"))
+    return build_file(request, spec, Report() if report is None else report)
 
 
 def build_file(
