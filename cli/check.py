@@ -113,16 +113,18 @@ def _check(name: str, values: dict[str, Any], child: WorkerProcess) -> list[Find
 
     options = {key: values[key] for key in ("allow_external_paths", "external", "profile")}
     if name != "-":
-        return _apart(child, Path(name), options) if _may_crash(Path(name)) else check(name, **options)
+        return (
+            _check_in_worker(child, Path(name), options) if _may_crash(Path(name)) else check(name, **options)
+        )
     with opened(name) as path:
-        return _apart(child, path, options) if _may_crash(path) else check(path, **options)
+        return _check_in_worker(child, path, options) if _may_crash(path) else check(path, **options)
 
 
 def _may_crash(path: Path) -> bool:
     return path.suffix.lower() in BINARY_USD and path.is_file()
 
 
-def _apart(child: WorkerProcess, path: Path, options: dict[str, Any]) -> list[Finding]:
+def _check_in_worker(child: WorkerProcess, path: Path, options: dict[str, Any]) -> list[Finding]:
     """The findings of a file that may end the process that reads it: OpenUSD crashes on some."""
     from rigtri.files.worker_process import CrashError
     from rigtri.verification.checks import check, unreadable

@@ -11,7 +11,7 @@ from typing import Self
 
 import click
 
-from rigtri.progress import watched
+from rigtri.progress import report_progress
 
 from .terminal_text import colored, counted, plain
 
@@ -41,7 +41,7 @@ class Progress:
 
     def __enter__(self) -> Self:
         if self._shows and not self._files:
-            self._within.enter_context(watched(self))
+            self._within.enter_context(report_progress(self))
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -1,6 +1,6 @@
-"""How far long work is, told to whoever watches: the stage, and how many of its things are done.
+"""How far long work is, reported to whoever watches: the stage, and how many of its things are done.
 
-Work says it where it happens, and knows nobody who reads it; `watched` is for the one who does.
+Work says it where it happens, and knows nobody who reads it; `report_progress` is for the one who does.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ _part: ContextVar[str] = ContextVar("part", default="")
 
 
 @contextmanager
-def watched(watcher: Watcher) -> Iterator[None]:
-    """Tell ``watcher`` how far what happens here is."""
+def report_progress(watcher: Watcher) -> Iterator[None]:
+    """Report to ``watcher`` how far what happens here is."""
     token = _watcher.set(watcher)
     try:
         yield

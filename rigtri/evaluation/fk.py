@@ -118,7 +118,7 @@ class Fk:
         sizes = length(self._moves[:3, :3])[:, np.newaxis]
         return from_frame(to_axes(turn) * sizes, np.zeros(3))
 
-    def _carried(self, posed: PoseCache) -> tuple[Parts, Floats]:
+    def _rest_and_moves(self, posed: PoseCache) -> tuple[Parts, Floats]:
         """The joint's local parts while its channels are zero; what takes moves into its parent's space."""
         if self._direct:
             return self.rest, self._moves
@@ -135,7 +135,7 @@ class Fk:
 
     def run(self, posed: PoseCache) -> None:
         """Move the joint by the control's channels."""
-        rest, moves = self._carried(posed)
+        rest, moves = self._rest_and_moves(posed)
         posed.set(self.joint, self.moved(rest, posed.part(self.own.control), moves))
 
     def moved(self, rest: Parts, channels: Parts, moves: Floats | None = None) -> Parts:
@@ -179,7 +179,7 @@ class Fk:
 
     def channels(self, posed: PoseCache, target: Parts) -> Parts:
         """The channels that give the joint its local parts ``target``."""
-        rest, moves = self._carried(posed)
+        rest, moves = self._rest_and_moves(posed)
         return self.needed(rest, target, moves)
 
     def needed(self, rest: Parts, target: Parts, moves: Floats | None = None) -> Parts:

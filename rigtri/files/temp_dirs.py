@@ -23,7 +23,7 @@ PREFIX = "rigtri-tmp-"
 _guard = threading.Lock()
 
 
-class _Own:
+class _ProcessFolders:
     """What is of this process."""
 
     root = ""
@@ -37,15 +37,15 @@ def folder() -> tempfile.TemporaryDirectory[str]:
 def root() -> str:
     """The folder that holds all others of this process."""
     with _guard:
-        if not os.path.isdir(_Own.root):  # the first, or what somebody has tidied away
+        if not os.path.isdir(_ProcessFolders.root):  # the first, or what somebody has tidied away
             remove_stale()
-            _Own.root = _made()
-        return _Own.root
+            _ProcessFolders.root = _made()
+        return _ProcessFolders.root
 
 
 def adopt(place: str) -> None:
     """Let a folder of somebody who lives longer hold all temporary files of this process."""
-    _Own.root = tempfile.tempdir = place
+    _ProcessFolders.root = tempfile.tempdir = place
 
 
 def _made() -> str:

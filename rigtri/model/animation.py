@@ -74,7 +74,7 @@ class Column:
 
     times: (k,). nodes: (t,). keys, own_times: `Track.key` and `Track.times` of each; the latter may be other
     arrays with the same numbers. places: where each stands among the tracks of the clip. tracks: those that
-    were asked for, by their row.
+    were read, by their row.
     """
 
     path: Path
@@ -140,7 +140,7 @@ class Column:
 
 
 class Tracks(Sequence[Track]):
-    """The tracks of columns in the order of their places, made when one is asked for."""
+    """The tracks of columns in the order of their places, made when one is read."""
 
     def __init__(self, columns: Iterable[Column]) -> None:
         self.columns = tuple(columns)

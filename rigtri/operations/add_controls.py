@@ -57,7 +57,7 @@ from rigtri.operations.rigtri_nodes import (
     unposed,
     with_record,
 )
-from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
+from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
 from rigtri.progress import count_done
 from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.recognition.one_character import bodies, within
@@ -297,7 +297,7 @@ class _Builder:
         """A joint beside a limb, in the frame of its end; nothing is drawn, engines show bones themselves."""
         place, axes = self.world[limb.end, 3, :3], self.axes.of_joint(limb.end)
         if known is None:
-            parent, like = beside(self.rig, limb.start)
+            parent, like = skin_sibling_parent(self.rig, limb.start)
             record = ControlRecord(kind="ik", **about, side=self._side(limb.end))
             name = self._name(limb.end, "ik")
             self.rig, node = add_joint(self.rig, name, parent, record, place, axes, like=like)
@@ -338,7 +338,7 @@ class _Builder:
         joint: int,
         drawing: Drawing,
     ) -> None:
-        """A control that is there already gets what was asked for; drawn anew where its axes are others."""
+        """A control that is there already gets what was requested; drawn again where its axes are others."""
         requested, offset = self._requested(kind, joint), int(self.rig.parents[control])
         record = self.rig.records(OffsetRecord).get(offset)
         turned = record is not None and stored_style(record) != self.axes.styles.get((joint, kind))

@@ -33,7 +33,7 @@ from rigtri.operations.rigtri_nodes import (
     stand,
     with_record,
 )
-from rigtri.operations.skin_joints import add_joint, beside, is_joint_kind, move_joint
+from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
 from rigtri.recognition.bend_direction import CLEAR, SOURCE_TEXT, Bend, crossings
 from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.layout import CONFIDENT
@@ -284,7 +284,7 @@ def _placed(
         rig = with_record(rig, node, record)
         return (move_joint if joint else stand)(rig, node, position, axes), node
     if options.as_ == "joint":
-        parent, like = beside(rig, limb.start)
+        parent, like = skin_sibling_parent(rig, limb.start)
         return add_joint(rig, name, parent, record, position, axes, like=like)
     rig, parent = home(rig)
     rig, node = add(rig, name, parent, record)

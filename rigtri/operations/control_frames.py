@@ -142,7 +142,7 @@ class ControlAxes:
 
     @cached_property
     def _steady(self) -> dict[int, str]:
-        """Why joints give their controls their own axes, where nothing else is asked for.
+        """Why joints give their controls their own axes, where nothing else is requested.
 
         What moves no vertex itself at the root is the motion of the whole character; eyes look.
         """

@@ -100,7 +100,7 @@ class SkinSections:
         """How wide a ring around a place, (3,), must be in the plane square to ``normal``, (3,) unit.
 
         The joint's own skin lies inside it, where the plane cuts that; else all of it, seen along the normal.
-        The other leg, or the trunk below a clavicle, is not asked for; but where half of the ring would be
+        The other leg, or the trunk below a clavicle, is not looked at; but where half of the ring would be
         hidden in them it is up to `_WIDER` as wide. 0 without any skin. File units, in the world.
         """
         own = whole = 0.0

@@ -45,14 +45,14 @@ def rests(track: Track, rig: Rig) -> bool:
     """Whether a track holds its node where it rests, as exporters write for every joint."""
     rest = np.asarray(getattr(rig, track.path)[track.node])
     either = (rest, -rest) if track.path == "rotation" else (rest,)
-    off = [np.abs(_moves(track, less(track, one))).max(axis=-1) for one in either]
+    off = [np.abs(_moves(track, values_minus(track, one))).max(axis=-1) for one in either]
     most = float(np.min(off, axis=0).max(initial=0.0))
     if track.path == "rotation":
         return most <= 0.5 * _NO_YAW  # a quaternion has half of an angle
     return most <= NONE * max(1.0, float(np.abs(rest).max()))
 
 
-def less(track: Track, origin: Floats) -> Floats:
+def values_minus(track: Track, origin: Floats) -> Floats:
     """The values of a track less ``origin``, (3,) or (4,); tangents have no place."""
     moved = np.array(track.values)
     (moved if track.interpolation != "CUBICSPLINE" else moved[:, 1])[:] -= origin

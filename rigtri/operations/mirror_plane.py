@@ -62,7 +62,7 @@ def parting(
     from_side: Side,
     at: float | None = None,
 ) -> Parting:
-    """The plane between the sides of some joints; ``plane`` and ``at`` as asked for, or where most pairs lie.
+    """The plane between the sides of some joints; ``plane`` and ``at`` as requested, or where most pairs lie.
 
     The world's plane is taken where most pairs lie about that, and not about the character's own. Where they
     lie about none it is that between the sides of the recognised body. Raises GeometryError for a body

@@ -49,9 +49,9 @@ def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
         needed[node] |= any(needed[child] for child in rig.children[node])
     gone = set[int]()
     for node in np.flatnonzero(~needed).tolist():
-        # A bare node goes with the joint above it, or where it is asked for.
-        asked = options.ends and (options.sockets or _is_end(rig, node))
-        if rig.is_joint[node] or asked or int(rig.parents[node]) in gone:
+        # A bare node goes with the joint above it, or where options request it.
+        requested = options.ends and (options.sockets or _is_end(rig, node))
+        if rig.is_joint[node] or requested or int(rig.parents[node]) in gone:
             gone.add(node)
     return {node for node in gone if all(child in gone for child in rig.below(node))}
 

@@ -185,7 +185,7 @@ def stand_local(rig: Rig, node: int, place: Floats, *, noise: float = 0.0) -> Ri
 class NewNodes:
     """Nodes that are added to a rig at once, parents first: one by one would cost their number squared.
 
-    zero: where nodes of both stand while controls are zero, (4, 4), once asked for.
+    zero: where nodes of both stand while controls are zero, (4, 4), once needed.
     """
 
     def __init__(self, rig: Rig) -> None:

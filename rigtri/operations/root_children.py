@@ -39,7 +39,7 @@ def besides(rig: Rig, hips: int, root: int) -> tuple[list[int], list[int]]:
     return going, [child for child in found if child != hips]
 
 
-def held(rig: Rig, clip: Clip, made: Clip, hips: int, nodes: list[int]) -> Clip:
+def keeping_children(rig: Rig, clip: Clip, made: Clip, hips: int, nodes: list[int]) -> Clip:
     """``made``, in which the hips moved as in ``clip``, with nodes that stand to them as they did.
 
     What the hips lost over the ground, the nodes lose, too. Where a node has the keys of the hips, or none,

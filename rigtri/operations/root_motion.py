@@ -12,10 +12,10 @@ from rigtri.maths.quaternions import conjugate, rotate
 from rigtri.maths.quaternions import multiply as product
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.operations.ground_motion import is_none, less, over_ground, rests, turned, twist, up_of
+from rigtri.operations.ground_motion import is_none, over_ground, rests, turned, twist, up_of, values_minus
 from rigtri.operations.operation import operation
 from rigtri.operations.options.root_motion import RootMotionOptions as RootMotionOptions
-from rigtri.operations.root_children import besides, held
+from rigtri.operations.root_children import besides, keeping_children
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
@@ -37,17 +37,17 @@ def root_motion(rig: Rig, *, options: RootMotionOptions, report: Report) -> Rig:
     chosen = {k for each in chosen_timelines(rig, options.clip) for k in each.members}
     clips = []
     for k, clip in enumerate(rig.clips):
-        asked = k in chosen and not clip.idle
-        if asked:
+        requested = k in chosen and not clip.idle
+        if requested:
             _warn_still_moving(rig, clip, root, report)
         move = turned if options.yaw else _moved
-        if not asked:
+        if not requested:
             clips.append(clip)
             continue
         still = _without_roots_own(rig, clip, root, options) if options.mode == "remove" else clip
         made = move(rig, still, hips, root, options, report)
         if made is not still:
-            made = held(rig, still, made, hips, others)
+            made = keeping_children(rig, still, made, hips, others)
         if made is still and still is not clip:
             report.added.append({"type": "moved", "clip": clip.name, "mode": options.mode})
         clips.append(made)
@@ -80,7 +80,7 @@ def _without_roots_own(rig: Rig, clip: Clip, root: int, options: RootMotionOptio
         if track.node != root or rests(track, rig):
             return track
         if track.path == "translation":
-            away = less(track, rig.translation[root])
+            away = values_minus(track, rig.translation[root])
             along = rotate(rest, over_ground(rig, root, rotate(conjugate(rest), away), options.axis))
             return track if is_none(track, along) else track.having(track.values - along)
         if track.path == "rotation" and options.yaw and plain:
@@ -119,7 +119,7 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         return clip
     (track,) = mine
     theirs = {t.path: t for t in clip.tracks if t.node == root}
-    along = over_ground(rig, root, less(track, rig.translation[hips]), options.axis)
+    along = over_ground(rig, root, values_minus(track, rig.translation[hips]), options.axis)
     if is_none(track, along):
         return clip
     if any(not rests(theirs[path], rig) for path in ("rotation", "scale") if path in theirs):
@@ -135,7 +135,7 @@ def _moved(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
         if old is None or rests(old, rig):
             key = None if old is None else old.key
             made = Track(root, "translation", track.interpolation, track.times, shift, key)
-            made = made.having(less(made, -rig.translation[root]))
+            made = made.having(values_minus(made, -rig.translation[root]))
             tracks = [made if t is old else t for t in tracks] + ([made] if old is None else [])
         elif old.interpolation == track.interpolation and np.array_equal(old.times, track.times):
             tracks[tracks.index(old)] = old.having(old.values + shift)

@@ -52,7 +52,7 @@ def add_joint(
     return replace(rig, skins=skins), node
 
 
-def beside(rig: Rig, joint: int) -> tuple[int, int]:
+def skin_sibling_parent(rig: Rig, joint: int) -> tuple[int, int]:
     """The parent of a joint that is in the skins of ``joint`` but does not follow it; and what it is like.
 
     Below the topmost joint above it; beside it where it is the topmost itself. UsageError where

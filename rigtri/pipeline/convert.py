@@ -94,8 +94,8 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                     try:
                         found = compare_converted(conversion.compared(written.part))
                     except FileError as error:  # of what was written, which has no other name yet
-                        told = str(error).replace(written.part.name, final.name)
-                        raise FileError(told) from error
+                        text = str(error).replace(written.part.name, final.name)
+                        raise FileError(text) from error
                     clock.lap("verify")
                 report.extend(document.warnings)
                 report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)
@@ -170,7 +170,7 @@ def _checked(path: Path, request: EditRequest) -> Path:
 
 
 def _chosen(rig: Rig, globs: Sequence[str]) -> Rig:
-    """The rig with the clips that were asked for."""
+    """The rig with the requested clips."""
     if not globs:
         return rig
     chosen: set[int] = set()

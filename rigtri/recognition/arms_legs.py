@@ -119,10 +119,10 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
         kind = "arm"
     named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
-        told = 1.0 - (1.0 - sure) * (1.0 - _WORDS * _told(limbs))
+        by_name = 1.0 - (1.0 - sure) * (1.0 - _WORDS * _name_evidence(limbs))
         # The front legs of an animal are often called arms, and are legs.
         four = body is not None and body.form == "quadruped" and limbs is body.arms and not body.doubt
-        sure = told if kind in ("", limbs.kind) or four or not _has_both(body) else _CONTRADICTED * told
+        sure = by_name if kind in ("", limbs.kind) or four or not _has_both(body) else _CONTRADICTED * by_name
         kind = kind if four else limbs.kind
     elif kind:
         # A table has four of two joints each.
@@ -159,7 +159,7 @@ def _shape_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
     return min(sure, _HALF) if draft.shape.legs or len(limbs.at) < 3 else sure
 
 
-def _told(limbs: Limbs) -> float:
+def _name_evidence(limbs: Limbs) -> float:
     """How much names add: joints that are only numbered are of a limb, and do not say which three bend."""
     if len(limbs.at) < 3:
         return 1.0
@@ -224,8 +224,8 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
     body = draft.shape.body
     up = body.up if body is not None and _is_clear(body) else Vector(*draft.tree.rig.rules.up)
     at, across = draft.tree.at, Vector()
-    told = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
-    sided = [*named, *(replace(each, side=_side_in_names(draft, each.joints)) for each in told)]
+    paired = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
+    sided = [*named, *(replace(each, side=_side_in_names(draft, each.joints)) for each in paired)]
     for one in sided:
         for other in sided:
             if one.side == "left" and other.side == "right" and _are_twins(one, other):

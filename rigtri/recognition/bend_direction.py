@@ -117,7 +117,7 @@ def in_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) ->
     mean = normals[heard].cumsum(axis=0)[-1] / len(normals[heard])
     if not length(mean) >= AGREEMENT:
         return None
-    normal = normalise(_carried(mean, world[limb.start]))
+    normal = normalise(_in_space(mean, world[limb.start]))
     a, _, c = world[list(limb.triple), 3, :3]
     source: Source = "clips" if heard[len(shown[0][1]) :].any() else "other pose"
     return towards(limb, world, cross(c - a, normal), source, float(sines[heard].min()))
@@ -141,12 +141,12 @@ def _bent_hinges(limb: Limb, world: Floats) -> tuple[Floats, Floats]:
     sines = bend_sine(points[:, 0], points[:, 1], points[:, 2])
     bent = sines >= BENT
     points, root = points[bent], world[bent, limb.start]
-    n = normalise(_carried(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root)))
+    n = normalise(_in_space(hinge(points[:, 0], points[:, 1], points[:, 2]), inverse(root)))
     finite = np.isfinite(n).all(axis=1)
     return n[finite], sines[bent][finite]
 
 
-def _carried(normals: Floats, m: Floats) -> Floats:
+def _in_space(normals: Floats, m: Floats) -> Floats:
     """Hinges, (..., 3), in another space, m: (..., 4, 4). In a mirror the same turn goes the other way."""
     return transform_directions(normals, m) * np.where(determinant(m) < 0, -1.0, 1.0)[..., np.newaxis]
 
@@ -188,7 +188,7 @@ def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple
     points = world[:, [a, b, c], 3, :3]
     sine = bend_sine(points[:, 0], points[:, 1], points[:, 2])
     normal = hinge(points[:, 0], points[:, 1], points[:, 2])
-    seen = _carried(np.nan_to_num(normal), inverse(world[:, a]))
+    seen = _in_space(np.nan_to_num(normal), inverse(world[:, a]))
     found: list[tuple[float, str]] = []
     last: Floats | None = None
     for k, time in enumerate(times.tolist()):

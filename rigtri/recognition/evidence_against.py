@@ -200,8 +200,8 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 
 def _no_trunk(draft: Draft, each: Found) -> str:
     """A limb by its words alone where no head, tail or trunk is named: chairs have arms and legs, too."""
-    told = each.pair is not None and each.pair.kind == each.kind and not _is_named(draft, each)
-    if not told or _has_fingers(draft, each):
+    by_twin = each.pair is not None and each.pair.kind == each.kind and not _is_named(draft, each)
+    if not by_twin or _has_fingers(draft, each):
         return ""
     names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
     known = any(_TRUNK.intersection(roles_in_name(name)) for name in names if name)

@@ -144,7 +144,7 @@ def joints_of(rig: Rig) -> list[int]:
     for node, count in over.items():
         if count > 1 and node not in rig.holders:
             inside.add(node)
-    lost = _nowhere(rig)
+    lost = _unplaced_joints(rig)
     return sorted(inside - lost if len(lost) < len(inside) // 2 else inside)
 
 
@@ -168,7 +168,7 @@ def _branches(rig: Rig, joints: Sequence[int]) -> dict[int, int]:
     return count
 
 
-def _nowhere(rig: Rig) -> frozenset[int]:
+def _unplaced_joints(rig: Rig) -> frozenset[int]:
     """Joints that nobody has placed: three or more without children, of different parents, at the origin."""
     places = rig.world[:, 3, :3]
     still = np.flatnonzero(np.abs(places).max(axis=1) < 1e-9).tolist()

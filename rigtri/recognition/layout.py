@@ -36,7 +36,7 @@ REQUIRED = (
     *("hips", "spine", "head"),
     *(side + bone for side in ("left", "right") for limb in ("leg", "arm") for bone in BENDS[limb]),
 )
-# Below this nothing is acted upon: the limb is shown, and asked for by name.
+# Below this nothing is acted upon: the limb is shown, and must be named.
 CONFIDENT = 0.75
 # What is less sure than this, and not named, is not even shown.
 UNLIKELY = 0.5

@@ -30,7 +30,7 @@ from rigtri.text import is_number
 FOLDERS = "RIGTRI_SCHEMES"
 # Names that are kept, read: those of a few characters, not of all files of a batch.
 _NAMES = 1 << 15
-# Ours that fit anything are asked last.
+# Ours that fit anything are tried last.
 _LAST = ("bones", "joints")
 # Words that only say whose convention it is, or that a joint is one.
 _CONVENTION = """
@@ -141,7 +141,7 @@ def _apart(name: str) -> str:
 
 
 def schemes(own: Sequence[Scheme] = ()) -> tuple[Scheme, ...]:
-    """All schemes, in the order they are asked: given ones, those of `FOLDERS`, ours."""
+    """All schemes, in the order in which they are tried: given ones, those of `FOLDERS`, ours."""
     return (*own, *_found(os.environ.get(FOLDERS, "")), *_ours())
 
 

@@ -26,7 +26,7 @@ PARTS = (0.0, 0.25, 0.5, 0.75)
 
 @dataclass(eq=False)
 class Poses:
-    """The poses of a rig, each where its nodes stand, (n, 3), made when asked for."""
+    """The poses of a rig, each where its nodes stand, (n, 3), made when needed."""
 
     rig: Rig
 
@@ -91,7 +91,7 @@ class Poses:
         return frozenset(k for skin in self.rig.skins for k in skin.joints[skin.weighted].tolist())
 
     def moves_points(self, node: int) -> bool:
-        """Whether a joint has weight of any point. It reads the weights of all meshes when first asked."""
+        """Whether a joint has weight of any point. It reads the weights of all meshes when first called."""
         return node in self._movers
 
     @cached_property
@@ -118,7 +118,7 @@ class Poses:
     def box_of(self, nodes: Sequence[int], places: Floats) -> list[Vector]:
         """The corners of boxes of what joints move, where all nodes stand at ``places``: `rest` or `bind`.
 
-        It reads all meshes when first asked.
+        It reads all meshes when first called.
         """
         bind = bind_pose(self.rig) if places is self.bind else None
         world = self.rig.world if bind is None else bind

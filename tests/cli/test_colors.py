@@ -26,7 +26,7 @@ LINES = [
 @pytest.mark.parametrize(
     ("line", "painted"), LINES, ids=lambda each: str(each[0]) if isinstance(each, list) else ""
 )
-def test_what_matters_has_a_colour_where_colours_are_asked_for(line: list[object], painted: str) -> None:
+def test_what_matters_has_a_colour_where_colours_are_requested(line: list[object], painted: str) -> None:
     whole = cli(*line, env={"FORCE_COLOR": "1", "NO_COLOR": None})
     assert painted in whole.stdout + whole.stderr
     for environment in ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, {"FORCE_COLOR": None, "NO_COLOR": None}):

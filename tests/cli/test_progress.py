@@ -15,7 +15,7 @@ from rigtri.formats import read
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.snap import SnapOptions, snap
-from rigtri.progress import as_part, begin_stage, count_done, watched
+from rigtri.progress import as_part, begin_stage, count_done, report_progress
 from rigtri.report import Report
 
 
@@ -92,7 +92,7 @@ class Steps:
 def test_work_on_many_things_tells_how_many_are_done() -> None:
     """Before, 76 clips and 5,000 controls took minutes without a sign."""
     steps = Steps()
-    with watched(steps):
+    with report_progress(steps):
         rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
         assert steps.counts == [(k, 23, "controls") for k in range(23)]
         steps.counts.clear()
@@ -106,7 +106,7 @@ def test_work_on_many_things_tells_how_many_are_done() -> None:
 def test_an_edit_tells_its_stages_and_a_build_its_steps(tmp_path: Path) -> None:
     steps, spec = Steps(), tmp_path / "rig.yaml"
     spec.write_text("steps: [{do: orient-joints}, {do: strip}]")
-    with watched(steps):
+    with report_progress(steps):
         rigtri.build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
     parts = ("step 1 of 2, orient-joints: ", "step 2 of 2, strip: ")
     assert steps.stages == [f"{one}{stage}" for one in parts for stage in ("read", "edit", "write", "verify")]

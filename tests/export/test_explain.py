@@ -191,7 +191,7 @@ def test_a_gets_the_aimed_matrix_seen_from_its_parent() -> None:
     assert value(explain([0, 0, 0], [1, 0, 0], [2, 0, 0]), "local(M, P) = M · P⁻¹") is None
 
 
-def test_the_article_on_arms_is_told_variable_by_variable() -> None:
+def test_the_article_on_arms_is_reported_variable_by_variable() -> None:
     found = explain([0, 0, 0], [3, 4, 0], [3, 14, 0])  # bones of 5 and 10
     arm = partial(named, found, ARTICLE)
     plane = np.array([3, 14, 0]) / 3

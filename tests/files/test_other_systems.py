@@ -126,7 +126,7 @@ def test_folders_that_cannot_be_locked_stay_while_they_are_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(temp_dirs, "fcntl", None)
-    monkeypatch.setattr(temp_dirs._Own, "root", "")
+    monkeypatch.setattr(temp_dirs._ProcessFolders, "root", "")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with temp_dirs.folder() as folder:
         temp_dirs.remove_stale()

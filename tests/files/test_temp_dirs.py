@@ -54,7 +54,7 @@ def test_a_file_system_without_locks_is_used_all_the_same(
     monkeypatch.setattr(temp_dirs, "fcntl", None)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     (tmp_path / "rigtri-tmp-of-another").mkdir()
-    monkeypatch.setattr(temp_dirs._Own, "root", "")
+    monkeypatch.setattr(temp_dirs._ProcessFolders, "root", "")
     with temp_dirs.folder() as name:
         assert Path(name).parent.parent == tmp_path
     assert len(list(tmp_path.iterdir())) == 2

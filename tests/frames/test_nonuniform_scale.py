@@ -183,7 +183,7 @@ def test_the_policy_error_names_joint_scale_and_time(suffix: str, tmp_path: Path
     assert not (tmp_path / f"out{suffix}").exists()
 
 
-def test_a_tangent_that_is_not_uniform_is_told_as_one() -> None:
+def test_a_tangent_that_is_not_uniform_is_reported_as_one() -> None:
     rig = chain((0, 0, 0), (0, 1, 0), (0, 2, 0))
     values = np.array([[[0, 0, 0], [1, 1, 1], [1, 2, 1]], [[0, 0, 0], [1.4, 1.4, 1.4], [0, 0, 0]]])
     track = Track(1, "scale", "CUBICSPLINE", np.array([0.0, 1.0]), values)

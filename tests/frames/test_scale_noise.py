@@ -202,7 +202,7 @@ def noisy(folder: Path, **limb: Any) -> Path:
 
 
 @pytest.mark.parametrize("style", SOME_STYLES, ids=lambda s: f"{s.aim} {s.up}")
-def test_joints_whose_scale_is_noise_are_re_oriented_as_asked(style: AxisStyle, tmp_path: Path) -> None:
+def test_joints_whose_scale_is_noise_are_re_oriented_as_requested(style: AxisStyle, tmp_path: Path) -> None:
     source, out, again = noisy(tmp_path), tmp_path / "out.glb", tmp_path / "again.glb"
     outcome = oriented(source, out, "snap", style)
     rig = read(out).rig

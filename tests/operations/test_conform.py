@@ -244,7 +244,7 @@ def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:
         rigtri.conform(replace(locked, rotation=down), to="unity")
 
 
-def test_a_leg_below_another_joint_is_told() -> None:
+def test_a_leg_below_another_joint_is_reported() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     parents = rig.parents.copy()
     foot, hips = rig.find("foot_L"), recognise(rig).characters[0].hips
@@ -258,7 +258,7 @@ def test_a_leg_below_another_joint_is_told() -> None:
     assert np.allclose(out.world[out.find("LeftFoot"), :3, :3], np.eye(3), atol=1e-5)
 
 
-def test_what_stands_against_the_axes_of_the_skeleton_is_told() -> None:
+def test_what_stands_against_the_axes_of_the_skeleton_is_reported() -> None:
     """A scale that is not uniform, and names that call left what is on the right."""
     rig = rigtri.read(SAMPLES / "biped.glb")
     scale, report = rig.scale.copy(), Report()
@@ -303,7 +303,7 @@ def test_a_root_of_another_name_is_the_root(suffix: str) -> None:
 
 
 @pytest.mark.ci
-def test_a_body_that_is_bound_facing_aside_is_told() -> None:
+def test_a_body_that_is_bound_facing_aside_is_reported() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, report = int(rig.levels[0][0]), Report()
     aside = compose(np.zeros(3), from_axis_angle(np.array([0.0, 1.0, 0.0]), np.radians(40.0)), np.ones(3))

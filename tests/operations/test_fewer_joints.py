@@ -88,7 +88,7 @@ def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_pa
     assert upper in after.skins[0].joints
 
 
-def test_a_clip_of_merged_joints_alone_is_measured_and_its_loss_is_told(tmp_path: Path) -> None:
+def test_a_clip_of_merged_joints_alone_is_measured_and_its_loss_is_reported(tmp_path: Path) -> None:
     """A glTF has no clip without channels, so what remains stands still where it moved."""
     source, out = tmp_path / "in.glb", tmp_path / "out.glb"
     rig = rigtri.read(SAMPLES / "biped.glb")

@@ -506,7 +506,7 @@ def test_nodes_that_are_no_guides_are_refused_by_name(rig: Rig, words: str) -> N
         rigtri.make_limb(rig, guide_nodes="*_loc")
 
 
-def test_a_straight_limb_among_guides_is_told_where_its_bend_goes(tmp_path: Path) -> None:
+def test_a_straight_limb_among_guides_is_reported_where_its_bend_goes(tmp_path: Path) -> None:
     points = [[0, 1, 0], [1, 1, 0], [2, 1, 0]]
     with pytest.raises(GeometryError, match=r"lie on a line.*key of 'arm', \"bend\": \[0, 0, 1\]"):
         rigtri.make_limb(EMPTY, guides={"arm": points})

@@ -327,7 +327,7 @@ def rigtri_with(rig: Rig, tracks: tuple[object, ...]) -> Rig:
     return replace(rig, clips=(replace(rig.clips[0], tracks=tracks), *rig.clips[1:]))
 
 
-def test_hips_without_a_root_are_told_what_to_do() -> None:
+def test_hips_without_a_root_are_reported_what_to_do() -> None:
     with pytest.raises(GeometryError, match="add one with rigtri add-root"):
         rigtri.root_motion(rigtri.read(SAMPLES / "biped.glb"))
 

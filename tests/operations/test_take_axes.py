@@ -119,7 +119,7 @@ def test_axes_are_carried_or_refused_or_warned_of(
         assert "unsure-axes" not in notices(report)
 
 
-def test_rolled_joints_are_told_with_what_is_edited_of_them_and_poses_are_not() -> None:
+def test_rolled_joints_are_reported_with_what_is_edited_of_them_and_poses_are_not() -> None:
     rig = rig_of()
     edited = turned_key(rig, "thigh_L")
     posed = edited.rotation.copy()

@@ -289,7 +289,7 @@ def test_edited_may_be_bound_and_rest_in_the_frame_that_was_shown(degrees: float
     assert take_clips(rig, from_=edited) is rig
 
 
-def test_bones_that_only_point_elsewhere_are_told_with_the_largest_angle() -> None:
+def test_bones_that_only_point_elsewhere_are_reported_with_the_largest_angle() -> None:
     """Before, they were said to have other lengths."""
     rig, translation = rig_of(), rig_of().translation.copy()
     for name, degrees in {"shin_L": 2.0, "shin_R": 4.0}.items():

@@ -19,7 +19,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import take_clips
-from rigtri.operations.take_clips.time_ranges import cut, held
+from rigtri.operations.take_clips.time_ranges import cut, with_end_keys
 from rigtri.report import Report
 
 # Of the rig's size; key times become float32.
@@ -155,7 +155,7 @@ def test_a_track_that_was_cut_goes_the_same_way_inside_and_one_that_was_held_eve
     short = cut(track, 0.25, 1.9)
     assert short.times.tolist() == [0.25, 1.0, 1.5, 1.9]
     np.testing.assert_allclose(sample(short, times), sample(track, times), atol=1e-14)
-    long = held(track, -1.0, 4.0)
+    long = with_end_keys(track, -1.0, 4.0)
     assert long.times.tolist() == [-1.0, 0.0, 1.0, 1.5, 3.0, 4.0]
     times = np.linspace(-2.0, 5.0, 71)
     np.testing.assert_allclose(sample(long, times), sample(track, times), atol=1e-14)

@@ -78,7 +78,7 @@ def test_a_clip_that_would_play_otherwise_is_refused_whatever_rule_is_wrong(
 
 
 @pytest.mark.ci
-def test_joints_that_edited_poses_without_keys_are_told() -> None:
+def test_joints_that_edited_poses_without_keys_are_reported() -> None:
     """Before, RIG's pose was kept in silence."""
     rig, report = rig_of(), Report()
     rotation, shin = rig.rotation.copy(), rig.find("shin_L")
@@ -232,7 +232,7 @@ def test_a_file_that_lies_and_rests_in_a_frame_is_set_upright_as_its_clips_show(
     assert apart(home, turned_key(rig, "forearm_L"), "walk") < CLOSE
 
 
-def test_a_body_that_was_laid_down_stays_so_and_is_told() -> None:
+def test_a_body_that_was_laid_down_stays_so_and_is_reported() -> None:
     """RIG's bind pose and EDITED's are one, so its axes are, too."""
     rig, report = rig_of(), Report()
     walk, hips = rig.clip("walk"), rig.find("hips")

@@ -556,7 +556,7 @@ def test_a_pointer_of_git_lfs_is_named_as_such(name: str, tmp_path: Path) -> Non
         (lambda rig: rigtri.read(""), UsageError, "empty"),
     ],
 )
-def test_what_a_script_gets_wrong_is_said_and_never_taken_for_all(
+def test_what_a_script_gets_wrong_is_reported_and_never_taken_for_all(
     call: Any, error: type[Exception], words: str
 ) -> None:
     with pytest.raises(error, match=words):

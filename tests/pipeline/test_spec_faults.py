@@ -256,7 +256,7 @@ def test_what_is_of_another_kind_altogether_is_described_in_words_of_specs(tmp_p
     assert faults(write(tmp_path, "steps: x\n")) == {(1, 8): 'steps: input should be a list (it is "x")'}
 
 
-def test_what_is_null_is_said_with_its_name(tmp_path: Path) -> None:
+def test_what_is_null_is_reported_with_its_name(tmp_path: Path) -> None:
     """Before, "nameis null"."""
     text = "steps:\n- {do: add-socket, on: hips, name: null}\n- {do: add-controls, joints: null}\n"
     found = list(faults(write(tmp_path, text)).values())

@@ -20,7 +20,7 @@ from rigtri.verification.checks import check
         ("a.usda", b"glTF\2\0\0\0", "rename it to a.glb"),
     ],
 )
-def test_a_file_of_another_format_is_told_the_way(
+def test_a_file_of_another_format_is_reported_the_way(
     name: str, content: bytes, told: str, tmp_path: Path
 ) -> None:
     path = tmp_path / name

@@ -729,7 +729,7 @@ class Setup:
         """Let what hangs on the bones that solve IK stand in its place while controls are zero.
 
         Angles of a limb that is nearly straight are known to some ten-thousandths in float32, which would
-        show at rest. So what rides on them is told from where they are, once all else is set up, while limbs
+        show at rest. So what rides on them follows from where they are, once all else is set up, while limbs
         bend as they do at rest.
         """
         data = self.rig.animation_data_create()

@@ -35,7 +35,7 @@ class MaterialWriter:
         prim = UsdShade.Material.Define(self._stage, path)
         surface = self._shader(f"{path}/Surface", "UsdPreviewSurface")
         prim.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
-        self._say_unsayable(material, coloured=coloured)
+        self._report_unsupported(material, coloured=coloured)
         readers = {slot: self._texture(path, slot, material) for slot in material.textures}
         self._colour(surface, material, readers, path, coloured=coloured)
         self._channels(surface, material, readers)
@@ -43,7 +43,7 @@ class MaterialWriter:
             prim.GetPrim().SetCustomDataByKey("unlit", True)
         return prim
 
-    def _say_unsayable(self, material: Material, *, coloured: bool) -> None:
+    def _report_unsupported(self, material: Material, *, coloured: bool) -> None:
         if material.unlit:
             self._scene.lose(f"material '{material.name}' is unlit: shown as light that it emits")
         if coloured and ("base" in material.textures or material.base[:3] != (1.0, 1.0, 1.0)):

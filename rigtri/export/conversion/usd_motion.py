@@ -1,4 +1,4 @@
-"""How prims move between the samples of their ops, asked of USD itself.
+"""How prims move between the samples of their ops, computed by USD itself.
 
 USD interpolates ops: the three angles of an Euler rotation, the sixteen numbers of a matrix. glTF goes in
 straight lines and along arcs. So prims whose ops do otherwise get as many keys as follow them.

@@ -76,14 +76,14 @@ class _Reader:
         return scene
 
     def _unread(self) -> None:
-        """Tell what is authored and not read, but for what is told as a whole."""
+        """Report what is authored and not read, but for what is reported as a whole."""
         omitted = {self.scene.rig.labels[node] for node in self.scene.omitted}
         unread = Unread()
         unread.add(
             self.source.instances.prims(),
             lambda prim: any(str(path) in omitted for path in prim.GetPath().GetPrefixes()),
         )
-        for what in unread.told():
+        for what in unread.lines():
             self.scene.lose(what)
 
     def _omit(self) -> None:

@@ -43,7 +43,7 @@ _READ = {
     "SkelRoot": "",
     "Scope": "",
 }
-# What is converted with its samples, or told where it is read; nobody draws an extent.
+# What is converted with its samples, or reported where it is read; nobody draws an extent.
 _MOVES = ("xformOp:", "translations", "rotations", "scales", "blendShapeWeights", "points", "extent")
 _METADATA = ("assetInfo", "documentation", "comment")
 _OWN_DATA = ("extras", "unlit", "rigtri")
@@ -61,7 +61,7 @@ class Unread:
         self._found: dict[str, list[str]] = {}
 
     def add(self, prims: Iterable[Any], left_out: Callable[[Any], bool]) -> None:
-        """Look at all that is authored on prims; left_out: those that are told as a whole."""
+        """Look at all that is authored on prims; left_out: those that are reported as a whole."""
         for prim in prims:
             if prim.IsPseudoRoot() or not prim.IsDefined() or prim.IsAbstract() or left_out(prim):
                 continue
@@ -73,7 +73,7 @@ class Unread:
             self._properties(prim, kind)
             self._metadata(prim)
 
-    def told(self) -> list[str]:
+    def lines(self) -> list[str]:
         """One line for each of what is not read."""
         return [f"{what} ({and_more(paths, 3)})" for what, paths in sorted(self._found.items())]
 

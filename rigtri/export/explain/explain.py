@@ -35,7 +35,7 @@ from rigtri.model.dataclass import dataclass
 
 _DEGREES = 180.0 / np.pi
 AIM, ARM = "Aiming node A at node B", "Using Vector Math to Rig an Arm"
-# How far the article puts the pole vector off the shoulder unless told otherwise, in file units.
+# How far the article puts the pole vector off the shoulder unless options say otherwise, in file units.
 _DISTANCE = 5.0
 # Sides, in file units, whose fourth powers keep their digits.
 _SQUARED = (1e-70, 1e70)

@@ -179,7 +179,7 @@ class Storage:
             # Filled in below, when the buffer is known; all tails are multiples of 4 long.
             view |= {"buffer": 0, "byteOffset": len(tail), "byteLength": len(self._tails[role].content)}
             tail += bytes(self._tails[role].content)
-        home = self._home() if tail else -1
+        home = self._target_buffer() if tail else -1
         binary, companions = None, []
         buffers = range(len(self._draft.gltf.get("buffers", [])))
         for index in sorted({*self._patches, *self._gone, *([home] if tail else [])} & {*buffers}):
@@ -196,7 +196,7 @@ class Storage:
             return self._buffers.place(index)
         return str(self._draft.gltf["buffers"][index].get("uri", "bin"))
 
-    def _home(self) -> int:
+    def _target_buffer(self) -> int:
         """The buffer that takes new data: one of ours if there is one, else a new one."""
         places = [self._buffers.place(k) for k in range(len(self._buffers))]
         names = [self._buffers.raw(k).get("name") for k in range(len(places))]

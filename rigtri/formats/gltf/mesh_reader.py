@@ -52,7 +52,7 @@ class MeshReader:
     def __init__(self, gltf: Value, accessors: Accessors, tree: Tree, notices: list[Notice]) -> None:
         self._gltf, self._accessors, self._tree, self._notices = gltf, accessors, tree, notices
         self._numbers: dict[int, Floats] = {}
-        # Joints and weights of small primitives, of which it was asked who moves them, until they are read.
+        # Joints and weights of small primitives, whose joints were needed, until they are read.
         self._influenced: dict[int, tuple[Integers, Floats]] = {}
         self._nodes: Sequence[Any] = gltf.object().get("nodes", [])
         self._meshes: Sequence[Any] = gltf.object().get("meshes", [])

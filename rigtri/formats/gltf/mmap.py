@@ -46,7 +46,7 @@ class Mapped(mmap.mmap):
             os.close(self.file)
 
     def forget(self) -> None:
-        """Let go of the pages that were read; they are read again when they are asked for."""
+        """Let go of the pages that were read; they are read again when they are needed."""
         if hasattr(mmap, "MADV_DONTNEED"):
             self.madvise(mmap.MADV_DONTNEED)
 

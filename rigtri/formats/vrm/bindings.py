@@ -98,7 +98,7 @@ def read_constraint(extension: Value, node: int, above: Sequence[int], found: Bi
         found.constraints.append(Follows(kind, node, source, axis, pointer))
 
 
-def notice_circles(above: Sequence[int], found: Bindings) -> None:
+def report_cycles(above: Sequence[int], found: Bindings) -> None:
     """Say which constraints wait for each other, or for such: viewers refuse or ignore them."""
     if all(c.kind == "tail" for c in found.constraints):
         return

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rigtri.formats.json_values import Value
-from rigtri.formats.vrm.bindings import CONSTRAINT, Bindings, Pointer, notice_circles, read_constraint
+from rigtri.formats.vrm.bindings import CONSTRAINT, Bindings, Pointer, read_constraint, report_cycles
 from rigtri.formats.vrm.vrm0 import demand, read_vrm_0
 from rigtri.report import Notice
 
@@ -43,7 +43,7 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
                 read_constraint(constraint, node, above, found)
     if found.orient_locked:
         demand(gltf, above, found)
-    notice_circles(above, found)
+    report_cycles(above, found)
     _notice_dangling(extensions.raw if extensions is not None else {}, len(above), found)
     return found
 

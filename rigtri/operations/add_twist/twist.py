@@ -192,14 +192,15 @@ def _with_influences(rig: Rig, node: int, spreads: Sequence[WeightRedistribution
     if not rig.rules.raw_quaternions or record.influences:
         return rig
     skins = {spread.skin for spread in spreads}
-    widths = {mesh.node: mesh.joints.shape[1] for mesh in rig.meshes if mesh.skin in skins and _roomy(mesh)}
+    meshes = [mesh for mesh in rig.meshes if mesh.skin in skins and _has_free_influence(mesh)]
+    widths = {mesh.node: mesh.joints.shape[1] for mesh in meshes}
     if not widths:
         return rig
     found = (InfluenceRecord(mesh=rig.address(mesh), count=width) for mesh, width in widths.items())
     return with_record(rig, node, replace(record, influences=tuple(found)))
 
 
-def _roomy(mesh: Mesh) -> bool:
+def _has_free_influence(mesh: Mesh) -> bool:
     return bool(mesh.weights.shape[1] and not mesh.weights[:, -1].any())
 
 

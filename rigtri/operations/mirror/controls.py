@@ -36,7 +36,7 @@ from rigtri.operations.rigtri_nodes import (
     unposed,
     with_record,
 )
-from rigtri.operations.skin_joints import add_joint, beside, move_joint
+from rigtri.operations.skin_joints import add_joint, move_joint, skin_sibling_parent
 from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
@@ -150,7 +150,7 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
     if found is None:
         name = twin_name(rig.names[node], f"{rig.names[rig.find(there.chain[1])] or 'limb'}_pole")
         if rig.is_joint[node]:
-            parent, like = beside(rig, rig.find(there.chain[0]))
+            parent, like = skin_sibling_parent(rig, rig.find(there.chain[0]))
             rig, found = add_joint(rig, name, parent, there, place, axes, like=like)
         else:
             rig, parent = _home(rig, node)

@@ -31,7 +31,7 @@ class Goal:
     rotation: tuple[float, float, float, float] | None = None
 
 
-# Names of nodes may hold ``=``, ``,`` and ``@`` themselves, so that the rig must be asked.
+# Names of nodes may hold ``=``, ``,`` and ``@`` themselves, so only the rig can tell them apart.
 Goals = Annotated[tuple[Goal | str, ...], Kind("assignments", "[NAME=]X,Y,Z|CLIP@TIME|rest|NODE")]
 Morphs = Annotated[tuple[tuple[str, str, str], ...], Kind("triples", "TARGET MESH MORPH")]
 Attributes = Annotated[tuple[tuple[str, str, str], ...], Kind("driven", "TARGET NODE NAME")]

@@ -39,7 +39,7 @@ def joint_orient(text: str) -> OrientWord | Vector:
     return angles
 
 
-# NODE=WEIGHT, of which the name may hold ``=`` itself, so that the rig must be asked; Python may give pairs.
+# NODE=WEIGHT, where the name may hold ``=`` too: only the rig can tell them apart. Python may give pairs.
 Drivers = Annotated[tuple[tuple[str, float] | str, ...], Kind("of nodes", "NODE[=WEIGHT]", group="joints")]
 Spaces = Annotated[tuple[str, ...], Kind("names", "world|root|NODE", group="joints")]
 Switches = Annotated[tuple[str, ...], Kind("names", "CLIP@TIME=NODE")]

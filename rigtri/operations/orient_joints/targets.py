@@ -200,7 +200,7 @@ def _check_aims(
     for joint, target in aim_at.items():
         pair = f"--aim-at {tree.rig.title(joint)}={tree.rig.title(target)}"
         if styles[joint].world:
-            raise UsageError(f"{pair}: the axes of the world are asked for, and they aim at nothing")
+            raise UsageError(f"{pair}: axes of the world are requested, and these aim at nothing")
         if not length(ref.position(target) - ref.position(joint)) > ZERO_LENGTH * ref.extent:
             raise GeometryError(f"{pair}: both stand in the same place, so there is no direction to aim in")
 

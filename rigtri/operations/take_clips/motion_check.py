@@ -197,10 +197,10 @@ class MotionCheck:
         return any(line.values()) if above < 0 else path in line[joint]
 
 
-def refuse_other_motion(check: MotionCheck, told: Collection[str], report: Report) -> None:
+def refuse_other_motion(check: MotionCheck, reported: Collection[str], report: Report) -> None:
     """GeometryError where joints play otherwise than in EDITED; a warning where EDITED has no keys of it.
 
-    told: the names of nodes that a notice already says of that RIG's keys were kept.
+    reported: the names of nodes that a notice already says of that RIG's keys were kept.
     """
     wrong, unkeyed = check.found()
     name = check.seen.taken.name
@@ -211,7 +211,7 @@ def refuse_other_motion(check: MotionCheck, told: Collection[str], report: Repor
             f"(limits {MOST_OFF:g}°, {OTHER_SHAPE:g}). EDITED rests, or is built, in a way that take-clips "
             f"cannot map: key every joint in '{name}' in the DCC, or --clip without it"
         )
-    if held := [off.joint for off in unkeyed if check.rig.names[off.joint] not in told]:
+    if held := [off.joint for off in unkeyed if check.rig.names[off.joint] not in reported]:
         names = list_names(check.rig.title(joint) for joint in held)
         report.warn(
             "held-without-keys",

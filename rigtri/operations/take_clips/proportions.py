@@ -63,7 +63,7 @@ class Proportions:
         """What EDITED's place of a node in the axes of the node above becomes, (4, 4); None: it stays."""
         bone = self.bones.get(node)
         if bone is None:
-            return self._carried(node) if node in self._carriers else None
+            return self._carrier_place(node) if node in self._carriers else None
         far = float(length(bone.ours - bone.theirs)) * bone.unit
         if bone.slides and not bone.bound:
             return _scaled(self.body, np.zeros(3))
@@ -151,7 +151,7 @@ class Proportions:
     def _carriers(self) -> set[int]:
         return set(self.carriers)
 
-    def _carried(self, node: int) -> Floats | None:
+    def _carrier_place(self, node: int) -> Floats | None:
         """The place of what carries the body, scaled with the legs: beside where both stand at rest or bound.
 
         Where the two rest in other poses, nothing says which places correspond: about the origin. Legs of

@@ -63,7 +63,7 @@ def joined(
             continue
         title = homes[0].clip.name if homes else name
         whole = known.merged(name, parts)
-        tracks = _as_at_home(both, whole, between, report)
+        tracks = _with_original_keys(both, whole, between, report)
         if _is(parts, title) and tracks is whole.clip.tracks:
             continue
         if not _is(parts, title):
@@ -84,7 +84,7 @@ def _is(parts: Sequence[Timeline], title: str) -> bool:
     return len(parts) == 1 and title in (parts[0].clip.name, parts[0].name)
 
 
-def _as_at_home(both: Counterparts, whole: Taken, between: float, report: Report) -> Sequence[Track]:
+def _with_original_keys(both: Counterparts, whole: Taken, between: float, report: Report) -> Sequence[Track]:
     """The tracks of a clip in the time range of the other file's, with a warning about lost motion."""
     tracks = whole.clip.tracks
     if whole.home is None or not both.of:

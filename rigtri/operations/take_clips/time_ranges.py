@@ -111,7 +111,7 @@ class Ranges:
         """
         own = own if own is not None and own[0] < own[1] else None
         track = cut(track, *(own or self.taken))
-        return held(track, *own) if own is not None else track
+        return with_end_keys(track, *own) if own is not None else track
 
     def notice(self, name: str) -> str:
         """The warning about it."""
@@ -182,7 +182,7 @@ def cut(track: Track, start: float, end: float) -> Track:
     return replace(track, times=kept, values=_on_curve(track, kept))
 
 
-def held(track: Track, start: float, end: float) -> Track:
+def with_end_keys(track: Track, start: float, end: float) -> Track:
     """A track with several keys up to two times, with a key at each that it does not reach."""
     times = track.times
     ends = [

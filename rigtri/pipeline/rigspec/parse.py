@@ -161,7 +161,7 @@ class _Yaml:
             return list(found.values()), spot
         for key, at, item in self._members(node, {}):
             found[key], below = self.value(item, inner)
-            # A mapping or list is told at the word before it.
+            # A mapping or list is reported at the word before it.
             spot.below[key] = below if item.id == "scalar" else Spot(at, below.below)
         return found, spot
 

@@ -123,7 +123,7 @@ def unsure(layout: Layout) -> list[Chain]:
 
 
 def left_out(layout: Layout) -> list[Chain]:
-    """The limbs that are not sure beside arms and legs that are: nobody is asked for them."""
+    """The limbs that are not sure beside arms and legs that are: nobody needs to name them."""
     return [chain for one in layout.characters for chain in _doubtful(one) if _is_whole(one)]
 
 
@@ -195,7 +195,7 @@ class _Limbs:
         return f"      - [{names}]  # {words}"
 
     def _left_out(self) -> Iterator[str]:
-        """What is neither sure nor asked for, as comments."""
+        """What is neither sure nor to be named, as comments."""
         for chain in [*left_out(self.layout), *([] if self.open_places else unsure(self.layout))]:
             words = f"perhaps {a(chain.name)}, {chain.confidence:.2f}: left out"
             yield f"      # - [{self._names(chain)}]  # {words}"

@@ -125,7 +125,7 @@ def addresses(value: Any, form: Any) -> Iterator[str]:
 
 
 def _resolved(form: Any) -> dict[str, Any]:
-    """A description with what it refers to; of ``true`` nothing is asked."""
+    """A description with what it refers to; of ``true`` nothing is required."""
     if not isinstance(form, dict):
         return {}
     target = form.get("$ref", "").rpartition("/")[2]

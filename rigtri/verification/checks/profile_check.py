@@ -1,6 +1,6 @@
 """What engines ask of a character: bones, scale, pose, root, influences, names, by their own documents.
 
-Only what is asked for with ``--profile`` is looked at: a file may be right and not fit an engine. Each rule
+Only the engine that ``--profile`` names is looked at: a file may be right and not fit an engine. Each rule
 names its source, and the command that mends it.
 """
 

@@ -21,7 +21,7 @@ _GROWN = 2.0
 
 
 def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> str:
-    """What to do about a deviation that is asked for or near the tolerance, with a space before it; else "".
+    """What to do about a deviation that is requested or near the tolerance, with a space before it; else "".
 
     Turning a joint whose scale is nearly uniform moves what hangs there; else only the rounding
     of stored numbers can be what differs.

@@ -355,7 +355,7 @@ def _clip_differences(
             if now is None:
                 of = _named(title, track, before)
                 resting = target[0] in after.own and _is_rest(track, after, target[0])
-                yield ("changed", f"{of} is told by its rest") if resting else ("lost", of)
+                yield ("changed", f"{of} is at rest instead of in a track") if resting else ("lost", of)
             elif track is not now:
                 yield from _track_differences(track, now, partial(_named, title, track, before), times)
         for track in theirs.values():

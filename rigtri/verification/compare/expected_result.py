@@ -1,4 +1,4 @@
-"""The two questions about the result of an edit, asked before it takes its name.
+"""The two questions about the result of an edit, answered before it takes its name.
 
 1. `compare_written`: is the written file the rig in memory? What an operation does not declare to change
 must look as in the source; what it does declare is taken out of the comparison, or moved there, too.

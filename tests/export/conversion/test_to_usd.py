@@ -175,7 +175,9 @@ def test_cameras_and_lights_keep_their_lenses(stage: Any) -> None:
 
 
 @pytest.mark.parametrize("name", first(["biped.usda", "biped.glb"]))
-def test_what_rigtri_has_built_is_told_and_motion_that_only_controls_have(name: str, tmp_path: Path) -> None:
+def test_what_rigtri_has_built_and_motion_that_only_controls_have_is_reported(
+    name: str, tmp_path: Path
+) -> None:
     built, out = tmp_path / name, tmp_path / ("out.usda" if name.endswith("glb") else "out.glb")
     rig = rigtri.add_twist(rigtri.read(SAMPLES / name), limbs="auto")
     rig = rigtri.add_controls(rig, joints=("head",))

@@ -50,7 +50,7 @@ def test_prims_go_the_way_of_their_ops_between_samples(ops: str, tmp_path: Path)
 
 
 @pytest.mark.ci
-def test_shear_between_samples_is_told_and_measured(tmp_path: Path) -> None:
+def test_shear_between_samples_is_reported_and_measured(tmp_path: Path) -> None:
     stage, moved = _stage(tmp_path / "in.usda")
     op = moved.AddTransformOp()
     op.Set(Gf.Matrix4d(1.0), 0)

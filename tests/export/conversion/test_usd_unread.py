@@ -38,7 +38,7 @@ def _stage(path: Path) -> None:
     stage.Save()
 
 
-def test_what_is_not_read_is_told_and_samples_stand_in_for_defaults(tmp_path: Path) -> None:
+def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path: Path) -> None:
     _stage(tmp_path / "in.usda")
     outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
     told = {n.text.removeprefix("not converted: ") for n in outcome.report.warnings if n.code == "lost"}

@@ -45,7 +45,7 @@ def test_a_sublayer_is_edited_and_becomes_the_output(folder: str, shot: Path) ->
 
 
 @pytest.mark.ci
-def test_what_the_root_layer_comes_to_hide_is_told(shot: Path) -> None:
+def test_what_the_root_layer_comes_to_hide_is_reported(shot: Path) -> None:
     out = shot.parent / "turned.usda"
     told = cli("orient-joints", shot, "-o", out, "--report", shot.parent / "report.json", code=0).stderr
     assert "opinions hide those of layout.usda on </Root/Skel>, </Root/Anim>" in told

@@ -71,7 +71,7 @@ def test_an_animated_skeleton_without_rest_pose_stands_in_a_scene_of_another_axi
         np.testing.assert_allclose(_shown(out, time), np.stack([x, -z, y], axis=1), atol=1e-5)
 
 
-def test_an_animated_skeleton_gets_the_rest_pose_that_is_asked_for(tmp_path: Path) -> None:
+def test_an_animated_skeleton_gets_the_rest_pose_that_is_requested(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(rest=""), animation(), MESH))
     out = tmp_path / "out.usda"
     cli("set-rest", source, "-o", out, "--pose", "Anim@5", code=0)

@@ -41,7 +41,7 @@ def write_skeletons(edit: UsdEdit) -> None:
         posed = moved[old.joints]
         if posed.any() and (skeleton.has_rest or not _at_bind(rig, new, skeleton)):
             refuse(skeleton.locked)
-            refuse_unskinned(skeleton, "the rest pose that was asked for")
+            refuse_unskinned(skeleton, "the requested rest pose")
             rest = np.where(posed[:, np.newaxis, np.newaxis], rig.local[old.joints], skeleton.rest)
             edit.values.append(set_matrices(path, "restTransforms", rest))
 
