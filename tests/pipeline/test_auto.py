@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import gettempdir
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,9 +19,9 @@ from recognition_bodies.creatures import crane, two_characters, vehicle
 from second_opinions import validator
 
 from rigtri import auto, read
+from rigtri.files import temp_dirs
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
-from rigtri.formats.gltf import document as gltf
 from rigtri.model.rig import Rig
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
@@ -153,11 +152,14 @@ def test_a_full_disk_is_told_of_the_output_and_the_temporary_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Before, only of a name of a file within the latter."""
+    real = Path.write_bytes
 
-    def full(*args: Any) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    def full(path: Path, content: bytes) -> int:
+        if temp_dirs.PREFIX in str(path) and "biped" in path.name:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real(path, content)
 
-    monkeypatch.setattr(gltf, "pour", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     result = run("auto", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", code=3)
     where = f"a file for {tmp_path / 'out.glb'} in the temporary folder {gettempdir()}"
     assert f"{where}: cannot be written: No space left on device" in result.stderr
