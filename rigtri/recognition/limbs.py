@@ -12,8 +12,9 @@ from typing import Literal
 import numpy as np
 
 from rigtri.errors import UsageError
+from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import cross, dot
+from rigtri.maths.vectors import cross, dot, normalise
 from rigtri.model.joint_names import side
 from rigtri.model.limb import Limb as Limb
 from rigtri.model.limb import LimbKind
@@ -26,6 +27,8 @@ from rigtri.text import listed
 
 # Who looks less far from up or down than this (a sine) looks nowhere in a picture.
 _LEVEL = 0.1
+# Who looks within this of an axis (a cosine, 15°) is drawn from there.
+_ALONG = cosine_below(15)
 # Chains that hang at the end of a limb, wherever that hangs.
 _AT_ENDS = ("hand", "finger", "foot")
 
@@ -159,7 +162,7 @@ def facing(rig: Rig) -> Floats | None:
 
 
 def forward(rig: Rig) -> Floats:
-    """The axis of the world, (3,), nearest to where a character looks; else the left is at +x.
+    """Where a character looks, level, unit, (3,): an axis of the world where it is near one; else +x is left.
 
     Source: glTF 2.0 and UsdSkel, where a character of which nobody knows more has its left at +x.
     """
@@ -169,5 +172,7 @@ def forward(rig: Rig) -> Floats:
     level = usual if ahead is None else ahead - up * float(dot(ahead, up))
     if not np.abs(level).max() > _LEVEL:  # it looks up or down
         level = usual
+    level = normalise(level)
     axis = int(np.argmax(np.abs(level)))
-    return np.where(np.arange(3) == axis, np.sign(level[axis]), 0.0)
+    along = np.where(np.arange(3) == axis, np.sign(level[axis]), 0.0)
+    return along if float(dot(level, along)) > _ALONG else level

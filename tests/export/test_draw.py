@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from builds import _controls, _poles
 from places import SAMPLES
+from posed_bodies import Pose, posed_body
 from program import Ran, cli
 from rigs import chain, random_rig, rig_of
 from second_opinions import validator
@@ -35,6 +36,7 @@ from rigtri.maths.vectors import normalise
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
+from rigtri.operations.add_polevector import add_polevector
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -118,6 +120,18 @@ def test_a_straight_limb_has_its_root_to_end_line_alone() -> None:
     rig = named(chain((0, 0, 0), (1, 0, 0), (2, 0, 0)), "upper_arm_L", "forearm_L", "hand_L")
     assert not of_kind(seen(rig), "upright", "square", "foot", "pole")
     assert len(of_kind(seen(rig), "chord")) == 1
+
+
+@pytest.mark.parametrize("pose", [Pose(elbow=20.0, knee=20.0), Pose(), Pose(elbow=-4.0, knee=-4.0)])
+def test_limbs_bend_to_where_add_polevector_would_put_their_pole_vectors(pose: Pose) -> None:
+    """Bent, straight, and by noise to the wrong side."""
+    rig = posed_body(pose).rig
+    rigged = add_polevector(rig, limbs="auto")
+    arrows, poles = (of_kind(seen(each), "pole") for each in (rig, rigged))
+    assert len(arrows) == len(poles) == 4
+    for arrow in arrows:
+        start, end = next(pole.points for pole in poles if np.allclose(pole.points[0], arrow.points[0]))
+        assert np.allclose(arrow.points, [start, end], atol=1e-6)
 
 
 @pytest.mark.ci

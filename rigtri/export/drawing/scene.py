@@ -27,7 +27,12 @@ from rigtri.model.metadata import ConstraintRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.option_kinds import Selection
+from rigtri.recognition.body_hinges import bodies
+from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import recognise
+from rigtri.recognition.pose_samples import bind_pose
+from rigtri.recognition.recognise import recognise as characters_of
+from rigtri.report import Report
 
 _DEGREES = 180.0 / np.pi
 # A joint's dot and the corner of a right angle, as shares of the bone; no arrow is longer than the last
@@ -150,14 +155,26 @@ def _bones(scene: Scene) -> Iterator[Mark]:
 
 def _limbs(scene: Scene) -> Iterator[Mark]:
     """The triangles of the limbs that names or pole vectors describe."""
-    rig, seen = scene.rig, set(scene.joints)
-    for (root, middle, end), pole in limbs(rig).items():
+    rig, seen, bends = scene.rig, set(scene.joints), dict(_bends(scene))
+    for triple, pole in limbs(rig).items():
+        middle = triple[1]
         if middle in seen:
-            yield from triangle(*scene.places[[root, middle, end]], node=rig.address(middle))
-            if pole < 0:
-                yield from pole_arrow(*scene.places[[root, middle, end]], node=rig.address(middle))
-            else:
+            yield from triangle(*scene.places[[*triple]], node=rig.address(middle))
+            if pole >= 0:
                 yield from _located(scene, middle, pole)
+            elif triple in bends:
+                yield from pole_arrow(*scene.places[[*triple]], side=bends[triple], node=rig.address(middle))
+
+
+def _bends(scene: Scene) -> Iterator[tuple[tuple[int, int, int], Floats]]:
+    """Where recognised limbs bend to, unit, (3,), as add-polevector takes it."""
+    rig, found = scene.rig, recognise(scene.rig)
+    known = bodies(rig, characters_of(rig).characters, scene.world, None)
+    bends = LimbBends(rig, scene.world, bind_pose(rig), found, known)
+    for limb in found:
+        bend = bends.of(limb, Report())
+        if bend is not None:
+            yield limb.triple, bend.direction
 
 
 def _located(scene: Scene, middle: int, pole: int) -> Iterator[Mark]:
@@ -208,9 +225,14 @@ def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mar
     yield Mark("dot", "foot", foot[np.newaxis], node, description=text, size=0.2 * corner)
 
 
-def pole_arrow(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mark]:
-    """Where a limb's pole vector stands by the talk's rule, half the limb's length off the middle joint."""
-    ends = np.stack([b, pole_position(a, b, c)])
+def pole_arrow(
+    a: Floats, b: Floats, c: Floats, *, side: Floats | None = None, node: str = ""
+) -> Iterator[Mark]:
+    """Where a limb's pole vector stands by the talk's rule, half the limb's length off the middle joint.
+
+    side: to which it bends, (3,); None is where its triangle does.
+    """
+    ends = np.stack([b, pole_position(a, b, c, direction=side)])
     yield Mark("arrow", "pole", ends, node, size=float(length(ends[1] - ends[0])))
 
 
