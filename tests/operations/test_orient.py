@@ -356,6 +356,18 @@ def test_up_comes_from_where_the_user_chooses(source: str, expected: Any) -> Non
     assert_allclose(axes(out, "a")[1], wanted, atol=1e-12)
 
 
+@pytest.mark.parametrize("end", ["parent", "incoming"])
+def test_an_end_joint_keeps_its_own_up_axis_too(end: str) -> None:
+    rig = arm()
+    rig.rotation[:] = [from_axis_angle(normalise(np.array([1.0, 2.0, 3.0])), k + 0.3) for k in range(4)]
+    rig = rebound(rig)
+    out = oriented(rig, aim="x", up="y", up_from="keep", end=end)
+    aim, up = axes(out, "d")[0], axes(rig, "d")[1]
+    assert_allclose(aim, axes(out, "c")[0], atol=1e-9)
+    assert_allclose(axes(out, "d")[1], normalise(up - aim * (up @ aim)), atol=1e-9)
+    assert oriented(out, aim="x", up="y", up_from="keep", end=end) is out
+
+
 def test_up_may_follow_the_parent_or_the_child() -> None:
     rig = chain((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0))
     rig.rotation[0] = from_axis_angle([1, 0, 0], 0.7)

@@ -24,7 +24,7 @@ from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy
 from rigtri.operations.orient_joints.standard_frames import StandardFrames
 from rigtri.operations.orient_joints.targets import Targets
-from rigtri.operations.orient_joints.up_direction import UpLadder
+from rigtri.operations.orient_joints.up_direction import UpLadder, crossing
 
 # float32 storage re-derives frames with up to this much noise (radians).
 UNCHANGED = 2e-6
@@ -135,9 +135,21 @@ def joint_frames(
         if copies:
             above = [targets.tree.above[joint] for joint in copies]
             band.roll[copies] = band.roll[above]
-            set_world_axes(delta, _new_axes(above, delta, targets, band, policy), copies, targets)
+            axes = _new_axes(above, delta, targets, band, policy)
+            for rows, joint in zip(axes, copies, strict=True):
+                _keep_up(rows, joint, targets)
+            set_world_axes(delta, axes, copies, targets)
         _set_standard(delta, [joint for joint in joints if joint not in world], targets, ladder, standard)
     return delta
+
+
+def _keep_up(axes: Floats, joint: int, targets: Targets) -> None:
+    """Give axes that a joint takes from its parent, (3, 3) rows, the joint's own up axis with ``keep``."""
+    style = targets.styles[joint]
+    (aim, _), (up, _) = axis_of(style.aim), axis_of(style.up)
+    own = normalise(targets.ref.world[joint, up, :3])
+    if style.up_from == "keep" and crossing(own, axes[aim]):
+        axes[up] = own
 
 
 def _set_standard(
