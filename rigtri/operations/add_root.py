@@ -48,7 +48,7 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
         report.joints.append(joint_record(rig, root, "kept", reason="is the root already"))
         return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)
     joints = [node for node in rig.path_to_root(start) if rig.is_joint[node]]
-    top = start if options.above is not None else joints[-1]
+    top = start if options.above is not None or not joints else joints[-1]
     if rig.names[start] == options.name:
         raise UsageError(f"--name {options.name}: so is the joint called that the root is to be above")
     rig, root = _rooted(rig, top, options, report)
@@ -90,13 +90,17 @@ def _made_joint(rig: Rig, root: int, top: int, report: Report) -> Rig:
 
 
 def _joined(skins: Sequence[Skin], rig: Rig, top: int, root: int, world: Floats) -> tuple[Skin, ...]:
-    """The skins that have the top joint with the root as their last; rig: where the top joint stands."""
-    found = []
+    """The skins that have ``top`` with the root as their last, or where none has, what is below it.
+
+    rig: where these stand.
+    """
+    found, below = [], [top] if rig.is_joint[top] else rig.below(top)
     for old, skin in zip(rig.skins, skins, strict=True):
-        if top in old.joints:
-            row = old.joints.tolist().index(top)
-            # Where the top joint is bound, the root stands to it as at rest.
-            first = multiply(old.inverse_bind[row], inverse(multiply(world, inverse(rig.world[top]))))
+        rows = {joint: row for row, joint in enumerate(old.joints.tolist())}
+        if (near := next((node for node in below if node in rows), -1)) >= 0:
+            # Where this joint is bound, the root stands to it as at rest.
+            bound = old.inverse_bind[rows[near]]
+            first = multiply(bound, inverse(multiply(world, inverse(rig.world[near]))))
             skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
         found.append(skin)
     return tuple(found)

@@ -106,9 +106,10 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
     root = rig.find(options.to) if options.to is not None else (above or [-1])[0]
     if root < 0 or root not in rig.path_to_root(hips)[1:]:
         raise GeometryError(f"'{rig.title(hips)}' has no root joint above it: add one with rigtri add-root")
-    if int(rig.parents[hips]) != root:
+    if (between := int(rig.parents[hips])) != root:
         raise GeometryError(
-            f"'{rig.title(hips)}' is no child of '{rig.title(root)}': name others with --to or --hips"
+            f"'{rig.title(hips)}' is no child of '{rig.title(root)}', for '{rig.title(between)}' stands "
+            "between: take it out in a DCC, or name others with --to or --hips"
         )
     return hips, root
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -11,12 +11,14 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
-from rigtri.recognition.naming_schemes import is_segment
+from rigtri.recognition.naming_schemes import is_bone, is_segment
 
 # A path longer than this is no limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
 # A segment of a bone bends no further than this, as a cosine (25°): rest poses are not quite straight.
 _IN_LINE = 0.9
+# Nearer than this part of the bone that it is in, a node stands where the joint does.
+_SAME_PLACE = 1e-3
 
 
 class Tree:
@@ -136,36 +138,50 @@ def _nearest(rig: Rig, nodes: frozenset[int]) -> list[int]:
 
 
 def joints_of(rig: Rig) -> list[int]:
-    """The nodes that a body can be made of: joints, not ours, and what is above joints; else all nodes."""
+    """The nodes that a body can be made of: joints, not ours, and bones above them; else all."""
     joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
     if not joints:
         return [k for k in range(len(rig)) if k not in rig.own and k not in rig.rules.data_nodes]
-    over, inside = _branches(rig, joints), set(joints)
-    for node, count in over.items():
-        if count > 1 and node not in rig.holders:
+    inside = set(joints)
+    for node, below in _branches(rig, joints).items():
+        if node not in rig.holders and _may_be_bone(rig, node, below, inside):
             inside.add(node)
     lost = _unplaced_joints(rig)
     return sorted(inside - lost if len(lost) < len(inside) // 2 else inside)
 
 
-def _branches(rig: Rig, joints: Sequence[int]) -> dict[int, int]:
-    """Of nodes above joints that are none, in how many branches they have joints; 2 for one below a joint."""
-    count: dict[int, int] = {}
+def _branches(rig: Rig, joints: Sequence[int]) -> dict[int, list[int]]:
+    """Of nodes above joints that are none, which of their children joints are, or are below."""
+    below: dict[int, list[int]] = {}
     seen, parents = set(joints), rig.parents.tolist()
     for node in joints:
         over = parents[node]
         while over >= 0 and over not in seen:
             seen.add(over)
-            count[over] = 1
-            over = parents[over]
-        if over >= 0 and over in count:
-            count[over] += 1
-        elif over >= 0:  # a joint: all on the way to it are between joints
-            over = parents[node]
-            while over >= 0 and over in count and count[over] == 1:
-                count[over] = 2
-                over = parents[over]
-    return count
+            below[over] = [node]
+            node, over = over, parents[over]
+        if over in below:
+            below[over].append(node)
+    return below
+
+
+def _may_be_bone(rig: Rig, node: int, below: Sequence[int], joints: Collection[int]) -> bool:
+    """Whether a node above joints, which is none, may be of the body: a bone that moves no point.
+
+    What is above all joints holds several branches. Between two joints stand groups, too, which exporters
+    write: one that stands where either does says nothing, nor does another that is not called as a bone.
+    """
+    over = int(rig.parents[node])
+    while over >= 0 and over not in joints:
+        over = int(rig.parents[over])
+    if over < 0:
+        return len(below) > 1
+    if node in rig.humanoid.values():
+        return True
+    ends = [over, *below] if len(below) == 1 else [over]
+    apart = length(rig.world[ends, 3, :3] - rig.world[node, 3, :3])
+    span = max(float(length(rig.world[k, 3, :3] - rig.world[over, 3, :3])) for k in below)
+    return bool((apart > _SAME_PLACE * span).all()) and (len(below) > 1 or is_bone(rig.names[node]))
 
 
 def _unplaced_joints(rig: Rig) -> frozenset[int]:

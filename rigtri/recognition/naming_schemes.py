@@ -257,6 +257,15 @@ def limb_kind_in_name(name: str) -> LimbKind | Literal[""]:
     return next((kind for kind, bones in BENDS.items() if bone in bones), "")
 
 
+def is_bone(name: str) -> bool:
+    """Whether any scheme has a bone of this name.
+
+    >>> is_bone("LeftForeArm"), is_bone("LeftForeArm_grp")
+    (True, False)
+    """
+    return any(scheme.bone(parse_name(name))[0] for scheme in schemes())
+
+
 def deforming(names: Sequence[str]) -> list[bool]:
     """Which names are of bones that deform, where a rig calls these ``DEF-`` and keeps controls beside.
 

@@ -155,9 +155,9 @@ def find_targets(rig: Rig, options: OrientJointsOptions) -> Targets:
 def _apart(tree: Skeleton, fingers: Iterable[Chain], joints: Collection[int]) -> Iterator[int]:
     """Fingers of one joint without the axes of their hand: thumbs, and where the hand keeps its own."""
     for finger in fingers:
-        above = tree.above[finger.joints[0]]
-        if len(finger.joints) == 1 and ("thumb" in finger.name or above not in joints):
-            yield finger.joints[0]
+        own = [node for node in finger.joints if node in tree.above]  # a bone may be no joint of a skin
+        if len(own) == 1 and ("thumb" in finger.name or tree.above[own[0]] not in joints):
+            yield own[0]
 
 
 def _lone_hands(characters: Iterable[Character]) -> Iterator[int]:
