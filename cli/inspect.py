@@ -20,8 +20,8 @@ import click
 
 from rigtri.report import Notice, Report
 
-from .help_format import Command, option
-from .matrix_options import chosen_matrices, matrix_options, refuse_without_matrices
+from .help_format import Command
+from .matrix_options import chosen_matrices, matrix_options, of_matrices, refuse_without_matrices
 from .options import json_option, no_warnings_option, reading_options, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
@@ -38,21 +38,7 @@ _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←�
 @click.command("inspect", cls=Command, help=__doc__)
 @source_argument
 @matrix_options
-@option(
-    "--joints",
-    multiple=True,
-    metavar="GLOB",
-    group="joints",
-    help="With --matrices: these alone. Repeatable.",
-)
-@option(
-    "--at",
-    metavar="CLIP@TIME",
-    default="rest",
-    show_default=True,
-    group="what",
-    help="With --matrices: the moment, in seconds (USD: time codes), evaluated.",
-)
+@of_matrices("joints", "at")
 @reading_options
 @no_warnings_option
 @json_option
@@ -87,8 +73,7 @@ def _matrices(rig: Rig, values: dict[str, Any], notices: list[Notice]) -> list[d
     from rigtri.export.matrix_table import matrix_table
 
     report = Report()
-    chosen = chosen_matrices(values, joints=values["joints"], at=values["at"])
-    table = matrix_table(rig, chosen, report)
+    table = matrix_table(rig, options=chosen_matrices(values), report=report)
     notices += report.warnings
     return table
 

@@ -3,65 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar, get_args
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import click
 
 from rigtri.errors import UsageError
-from rigtri.maths import RotateOrder
-from rigtri.operations.options.constrain import joint_orient
+from rigtri.model.options import made, options_of
+from rigtri.operations.options.matrix_table import MatrixTableOptions
 
 from .help_format import option
-from .option_types import Parsed
+from .operation_options import click_option
+from .options import add_option
 from .parameters import given
-
-if TYPE_CHECKING:
-    from rigtri.export.matrix_table import MatrixOptions
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 _FOR_MATRICES = {"rotate_order": "--rotate-order", "joint_orient": "--joint-orient"}
 
 
+def of_matrices(*names: str) -> Callable[[F], F]:
+    """Options that mean something beside --matrices alone."""
+
+    def added(command: F) -> F:
+        for one in (options_of(MatrixTableOptions)[name] for name in names):
+            words = f"With --matrices: {one.help[0].lower()}{one.help[1:]}"
+            add_option(command, click_option(replace(one, help=words)))
+        return command
+
+    return added
+
+
 def matrix_options(command: F) -> F:
     """Whether matrices are printed, and as which numbers."""
-    for add in (
-        option(
-            "--joint-orient",
-            metavar="rest|none|X,Y,Z",
-            type=Parsed(joint_orient),
-            default="rest",
-            show_default=True,
-            help="With --matrices: the joint orient of joints, as Maya has it: their rotation at rest, none, "
-            "or degrees.",
-            rare=True,
-        ),
-        option(
-            "--rotate-order",
-            type=click.Choice(get_args(RotateOrder)),
-            default="xyz",
-            show_default=True,
-            help="With --matrices: the order of the Euler angles.",
-            rare=True,
-        ),
-        option(
-            "--matrices",
-            is_flag=True,
-            group="what",
-            help="Print local, world and inverse bind matrices (row vectors), with translate, rotate, "
-            "joint orient and scale.",
-        ),
-    ):
-        command = add(command)
-    return command
+    flag: Callable[[F], F] = option(
+        "--matrices",
+        is_flag=True,
+        group="what",
+        help="Print local, world and inverse bind matrices (row vectors), with translate, rotate, "
+        "joint orient and scale.",
+    )
+    return flag(of_matrices("joint_orient", "rotate_order")(command))
 
 
-def chosen_matrices(values: dict[str, Any], **more: Any) -> MatrixOptions:
-    """Which matrices are requested; UsageError where none are."""
-    from rigtri.export.matrix_table import MatrixOptions
-
-    same = {"joint_orient": values["joint_orient"], "order": values["rotate_order"]}
-    return MatrixOptions(**same, **more)
+def chosen_matrices(values: dict[str, Any]) -> MatrixTableOptions:
+    """Which matrices are requested."""
+    return made(MatrixTableOptions, values, given(click.get_current_context()))
 
 
 def refuse_without_matrices(more: dict[str, str] | None = None) -> None:

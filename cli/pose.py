@@ -82,8 +82,7 @@ def _print(values: dict[str, Any], options: Any) -> None:
         report = Report()
         found = {"file": values["source"]} | table(document.rig, options, report, named=values["joints"])
         if values["matrices"]:
-            same = {"joints": values["joints"], "at": options.at, "evaluate": options.evaluate}
-            found["matrices"] = matrix_table(document.rig, chosen_matrices(values, **same))
+            found["matrices"] = matrix_table(document.rig, options=chosen_matrices(values))
     if not values["quiet"]:
         print_warnings(report.warnings, values["verbose"])
     if values["strict"]:

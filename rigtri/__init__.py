@@ -50,6 +50,7 @@ _WHERE = {
     "snap": "rigtri.operations.snap",
     "strip": "rigtri.operations.strip",
     "describe": "rigtri.export.text_description",
+    "matrix_table": "rigtri.export.matrix_table",
     "verify": "rigtri.pipeline.files",
     "diff": "rigtri.verification.diff.diff",
     "check": "rigtri.verification.checks",
@@ -102,6 +103,7 @@ __all__ = [
     "limit_weights",
     "make_limb",
     "matrices",
+    "matrix_table",
     "merge_joints",
     "mirror",
     "orient_joints",
@@ -131,6 +133,7 @@ if TYPE_CHECKING:
     from rigtri.export.blender.script import export_blender as export_blender
     from rigtri.export.drawing.picture import draw as draw
     from rigtri.export.explain.limb_points import explain as explain
+    from rigtri.export.matrix_table import matrix_table as matrix_table
     from rigtri.export.text_description import describe as describe
     from rigtri.export.viewer.view import view as view
     from rigtri.formats import ReadOptions as ReadOptions

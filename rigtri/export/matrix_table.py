@@ -17,10 +17,11 @@ from rigtri.maths.euler import from_angles, to_angles
 from rigtri.maths.matrices import SKEW, decompose, skew
 from rigtri.maths.quaternions import IDENTITY, conjugate, multiply
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
-from rigtri.operations.options.constrain import OrientWord
-from rigtri.operations.pose import PoseOptions, pose_of
+from rigtri.operations.operation import takes_keywords
+from rigtri.operations.options.constrain import JointOrient
+from rigtri.operations.options.matrix_table import MatrixTableOptions
+from rigtri.operations.pose import pose_of
 from rigtri.report import Report
 from rigtri.text import plain_lines
 
@@ -28,38 +29,28 @@ _DEGREES = 180.0 / np.pi
 # Of a matrix's largest number: less is the rounding of a right angle.
 _NOISE = 1e-9
 _ROWS = ("x", "y", "z", "at")
-JointOrient = OrientWord | tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class MatrixOptions:
-    """Which matrices: of all nodes, or those that ``joints`` names, at a moment.
+@takes_keywords(MatrixTableOptions)
+def matrix_table(
+    rig: Rig, *, options: MatrixTableOptions, report: Report | None = None
+) -> list[dict[str, Any]]:
+    """For each node its matrices, as `rigtri inspect --matrices --json` prints them, parents first.
 
-    order: of the Euler angles. joint_orient: of joints, "rest" for their rotation at rest, so that they are
-    rotated by nothing there, "none", or degrees about x, then y, then z. evaluate: controls and constraints.
+    ``local``, ``world`` and each of ``inverse_binds`` have ``matrix`` (four rows: the axes and the position),
+    ``translation``, ``rotation`` (x y z w), ``rotate`` (degrees about x, y, z), ``order``, ``scale`` and
+    ``sheared``, ``local`` also ``joint_orient`` (degrees). No number is None. Raises NameNotFoundError
+    for a name or a clip that is not there, GeometryError for a cycle.
     """
-
-    joints: tuple[str, ...] = ()
-    at: str = "rest"
-    order: RotateOrder = "xyz"
-    joint_orient: JointOrient = "rest"
-    evaluate: bool = True
-
-
-def matrix_table(rig: Rig, options: MatrixOptions, report: Report | None = None) -> list[dict[str, Any]]:
-    """For each node its matrices, as schemas/inspect.schema.json describes them, parents first.
-
-    Raises NameNotFoundError for a name or a clip that is not there, GeometryError for a cycle.
-    """
-    posed = pose_of(rig, PoseOptions(at=options.at, evaluate=options.evaluate), report)
+    posed = pose_of(rig, options, report)
     named = {node for glob in options.joints for node in rig.match(glob)}
     return [_entry(rig, posed, node, options) for node in sorted(named) or range(len(rig))]
 
 
-def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixOptions) -> dict[str, Any]:
+def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixTableOptions) -> dict[str, Any]:
     parent, oriented = int(rig.parents[node]), joint_orient(rig, node, options.joint_orient)
     binds = [
-        {"skin": skin.name or f"#{number}"} | _numbers(skin.inverse_bind[row], options.order)
+        {"skin": skin.name or f"#{number}"} | _numbers(skin.inverse_bind[row], options.rotate_order)
         for number, skin in enumerate(rig.skins)
         for row in np.flatnonzero(skin.joints == node).tolist()
     ]
@@ -67,8 +58,8 @@ def _entry(rig: Rig, posed: PoseCache, node: int, options: MatrixOptions) -> dic
         "node": rig.address(node),
         "kind": rig.kind_of(node),
         "parent": rig.address(parent) if parent >= 0 else None,
-        "local": _numbers(posed.local(node)[0], options.order, oriented),
-        "world": _numbers(posed.world(node)[0], options.order),
+        "local": _numbers(posed.local(node)[0], options.rotate_order, oriented),
+        "world": _numbers(posed.world(node)[0], options.rotate_order),
         "inverse_binds": binds,
     }
 

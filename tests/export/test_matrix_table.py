@@ -14,6 +14,8 @@ from places import SAMPLES, every_other
 from program import cli
 from second_opinions import validator
 
+import rigtri
+from rigtri.errors import UsageError
 from rigtri.formats import read
 
 run = partial(cli, code=0)
@@ -48,6 +50,16 @@ def rigged(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("rigged") / "rigged.glb"
     run("add-controls", SAMPLES / "biped.glb", "-o", out, "--whole-character")
     return out
+
+
+def test_the_library_has_the_same_table_by_the_same_words() -> None:
+    line = ("inspect", SAMPLES / "biped.glb", "--matrices", "--json", "--at", "walk@0.4", "--joints", "*_L")
+    found = run(*line, "--rotate-order", "zyx", "--joint-orient", "10,20,-30").json["matrices"]
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    words = {"at": "walk@0.4", "joints": "*_L", "rotate_order": "zyx", "joint_orient": (10, 20, -30)}
+    assert rigtri.matrix_table(rig, **words) == found
+    with pytest.raises(UsageError, match="rotate_order='zyz': give one of 'xyz'"):
+        rigtri.matrix_table(rig, rotate_order="zyz")
 
 
 @pytest.mark.parametrize(
