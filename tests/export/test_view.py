@@ -20,6 +20,7 @@ import usd_files
 from builds import _controls
 from gltf_files import EVIL, evil, small
 from places import ROOT, SAMPLES
+from posed_bodies import Pose, posed_body
 from program import cli
 
 from rigtri.export.drawing.picture import seen
@@ -101,6 +102,16 @@ def test_limbs_and_pole_vectors_are_reported_by_their_nodes(samples: Path, tmp_p
     assert [names[k] for k in arm["joints"]] == ["upper_arm_L", "forearm_L", "hand_L"]
     assert told["nodes"][arm["pole"]]["note"] == "poleVector"
     assert sum(one["pole"] >= 0 for one in told["limbs"]) == 1
+
+
+def test_the_page_has_the_side_to_which_add_polevector_takes_a_limb_to_bend() -> None:
+    """Against noise of 4°, as the first joint of the limb has it."""
+    rig = posed_body(Pose(elbow=-4.0, knee=-4.0)).rig
+    for limb in facts(rig)["limbs"]:
+        start = rig.find(facts(rig)["nodes"][limb["joints"][0]]["name"])
+        side = np.array(limb["side"]) @ rig.world[start, :3, :3]
+        assert abs(side[2]) > 0.9
+        assert (side[2] > 0) == ("UpLeg" in rig.names[start])
 
 
 @pytest.mark.ci

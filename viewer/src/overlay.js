@@ -6,6 +6,8 @@ import { Matrix4, Vector3 } from 'three';
 const NEUTRAL = { bone: '#2b2e33', halo: 'rgba(255,255,255,.8)' };
 const DARK_NEUTRAL = { bone: '#e6e8ea', halo: 'rgba(0,0,0,.65)' };
 const TAU = 2 * Math.PI;
+// From this bend on, in radians, a limb itself shows its side.
+const CLEAR = Math.PI / 18;
 // Lines of a path: many at once are drawn faster, but not all of a crowd's.
 const AT_ONCE = 500;
 // Names that are longer are shortened beside their joints, as rigtri.text.shortened does it.
@@ -71,7 +73,7 @@ export class Overlay {
 
   #model(model, state, front) {
     const at = model.nodes.map((_, node) => model.place(node));
-    if (state.triangles) for (const limb of model.facts.limbs) this.#limb(at, limb);
+    if (state.triangles) for (const limb of model.facts.limbs) this.#limb(model, at, limb);
     if (state.bones) this.#bones(model, at);
     if (state.axes) this.#arrows(model);
     if (!front) return;
@@ -115,8 +117,11 @@ export class Overlay {
     }
   }
 
-  /** A limb ABC: its triangle, P, the point of AC nearest to B, and the way from P through B to the pole. */
-  #limb(at, { joints, pole }) {
+  /**
+   * A limb ABC: its triangle, P, the point of AC nearest to B, and the way from B to the pole. That is as B is
+   * bent from 10° on, else as its side at rest goes with A.
+   */
+  #limb({ nodes }, at, { joints, pole, side }) {
     const [a, b, c] = joints.map((node) => at[node]);
     const chord = new Vector3().subVectors(c, a);
     const along = new Vector3().subVectors(b, a);
@@ -134,10 +139,13 @@ export class Overlay {
     if (pole >= 0) {
       this.#line(b, at[pole], this.colors.pole, 1.5, [6, 4]);
       this.#dot(at[pole], 4, this.colors.pole);
-    } else if (!straight) {
-      const tip = out.setLength(0.5 * limb).add(b);
-      this.#arrow(b, tip, this.colors.pole, 1.5, [6, 4]);
+      return;
     }
+    const clear = !straight && along.angleTo(new Vector3().subVectors(c, b)) > CLEAR;
+    if (side && !clear) {
+      out.set(...side).transformDirection(nodes[joints[0]].matrixWorld).projectOnPlane(chord.normalize());
+    } else if (straight) return;
+    this.#arrow(b, out.setLength(0.5 * limb).add(b), this.colors.pole, 1.5, [6, 4]);
   }
 
   #spots(state) {

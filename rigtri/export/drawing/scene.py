@@ -155,7 +155,8 @@ def _bones(scene: Scene) -> Iterator[Mark]:
 
 def _limbs(scene: Scene) -> Iterator[Mark]:
     """The triangles of the limbs that names or pole vectors describe."""
-    rig, seen, bends = scene.rig, set(scene.joints), dict(_bends(scene))
+    rig, seen = scene.rig, set(scene.joints)
+    bends = dict(bend_directions(rig, scene.world))
     for triple, pole in limbs(rig).items():
         middle = triple[1]
         if middle in seen:
@@ -166,11 +167,11 @@ def _limbs(scene: Scene) -> Iterator[Mark]:
                 yield from pole_arrow(*scene.places[[*triple]], side=bends[triple], node=rig.address(middle))
 
 
-def _bends(scene: Scene) -> Iterator[tuple[tuple[int, int, int], Floats]]:
-    """Where recognised limbs bend to, unit, (3,), as add-polevector takes it."""
-    rig, found = scene.rig, recognise(scene.rig)
-    known = bodies(rig, characters_of(rig).characters, scene.world, None)
-    bends = LimbBends(rig, scene.world, bind_pose(rig), found, known)
+def bend_directions(rig: Rig, world: Floats) -> Iterator[tuple[tuple[int, int, int], Floats]]:
+    """Where recognised limbs bend to, unit, (3,), as add-polevector takes it; in a pose, world (n, 4, 4)."""
+    found = recognise(rig)
+    known = bodies(rig, characters_of(rig).characters, world, None)
+    bends = LimbBends(rig, world, bind_pose(rig), found, known)
     for limb in found:
         bend = bends.of(limb, Report())
         if bend is not None:

@@ -14,7 +14,8 @@ import numpy as np
 
 from rigtri.evaluation.timelines import timelines
 from rigtri.export.drawing.bones import Bones
-from rigtri.export.drawing.scene import Scene, follows, joints_of, limbs
+from rigtri.export.drawing.scene import Scene, bend_directions, follows, joints_of, limbs
+from rigtri.maths.matrices import inverse, transform_directions
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -29,7 +30,8 @@ def facts(rig: Rig) -> dict[str, Any]:
     key: of glTF the index of a node, of USD a prim's path or SKELETON#NUMBER. local: 16 numbers of a
     row-vector matrix, of prims, which the loader need not know. above: the nearest joint above a joint,
     whatever stands between, −1 for none. aim: how far its axes miss its bone, crooked where none fits,
-    as `rigtri draw` has it. pole: −1 where there is none yet.
+    as `rigtri draw` has it. pole: −1 where there is none yet. side: to which a limb bends at rest, as its
+    first joint has it; null where nothing tells.
     tracks: what moves prims of USD. follows: of constraints, what a node follows, and the node.
     """
     nodes = _nodes(rig)
@@ -37,13 +39,19 @@ def facts(rig: Rig) -> dict[str, Any]:
     paths, keys = _paths(rig, nodes), _keys(rig, nodes)
     tree = joints_of(rig)
     bones = Scene(rig, rig.world, tree, tree.joints).bones
+    bends = bend_directions(rig, rig.world)
+    sides = {triple: transform_directions(side, inverse(rig.world[triple[0]])) for triple, side in bends}
     return {
         "nodes": [
             _node(rig, node, place, paths[node], keys[node]) | _bone(bones, node, place) for node in nodes
         ],
         "limbs": [
-            {"joints": [place[joint] for joint in joints], "pole": place.get(pole, -1)}
-            for joints, pole in limbs(rig).items()
+            {
+                "joints": [place[joint] for joint in triple],
+                "pole": place.get(pole, -1),
+                "side": sides[triple].tolist() if np.isfinite(sides.get(triple, np.nan)).all() else None,
+            }
+            for triple, pole in limbs(rig).items()
         ],
         "marks": [place[node] for node in nodes if _kind(rig, node) and not rig.is_joint[node]],
         "controls": sum(rig.type_of(node) == "control" for node in rig.metadata),
