@@ -120,6 +120,9 @@ def _of_pair(draft: Draft, limbs: Limbs, named: bool) -> Iterator[Found]:
     named_well = limbs.named >= _NAMED or (limbs.named >= 0.0 and limbs.lead > TIE)
     if limbs.kind in ("arm", "leg") and (kind or (named_well and len(limbs.at) == 3)):
         by_name = 1.0 - (1.0 - sure) * (1.0 - _WORDS * _name_evidence(limbs))
+        # Joints that are only counted are a limb's; which of them bend they do not say.
+        if limbs.named < _NAMED and limbs.lead < 3.0 * TIE and len(limbs.pair.paths[0]) > 3:
+            by_name = min(by_name, _HALF)
         # The front legs of an animal are often called arms, and are legs.
         four = body is not None and body.form == "quadruped" and limbs is body.arms and not body.doubt
         sure = by_name if kind in ("", limbs.kind) or four or not _has_both(body) else _CONTRADICTED * by_name
@@ -306,6 +309,7 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     if draft.certain:
         return each
     same = next((s for s in pairs if set(each.joints[:2]).intersection(s.joints[:2])), None)
+    same = same or next((s for s in pairs if _is_within(each, s)), None)
     each = each if same else _by_words(draft, each)
     sure, words = each.confidence, list(each.evidence)
     start, middle, end = (draft.tree.at[joint] for joint in each.joints)
@@ -335,7 +339,9 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
     if shaped == each.kind:
         sure = 1.0 - (1.0 - sure) * (1.0 - _AGREES * same.confidence)
         words.append(AGREED)
-    elif _names_human(draft) or (body is not None and body.doubt):
+    elif body is not None and body.doubt:
+        # A thumb is a hand's. Without one, names of arms are an animal's as often.
+        sure *= 1.0 if same.pair.thumb else _CONTRADICTED
         words.append(f"though its shape could be that of {a(shaped)}")
     elif body is not None and body.form == "quadruped":
         words.append("its shape: one of four that carry the body")
@@ -344,6 +350,12 @@ def _agreed(draft: Draft, each: Found, pairs: Sequence[Found]) -> Found:
         sure *= _CONTRADICTED
         words.append(f"but its shape is that of {a(shaped)}")
     return replace(each, confidence=sure, evidence=tuple(words), pair=same.pair)
+
+
+def _is_within(each: Found, other: Found) -> bool:
+    """Whether the joints of a limb are of the chain of another: they are one, and bend at other joints."""
+    paths = other.pair.pair.paths if other.pair is not None else ()
+    return any({*each.joints, *other.joints} <= set(path) for path in paths)
 
 
 def _by_words(draft: Draft, each: Found) -> Found:
@@ -373,15 +385,3 @@ def _bends_within(draft: Draft, joints: Sequence[int]) -> bool:
                 if any(one) and any(other) and one.unit.dot(other.unit) < _IN_LINE:
                     return True
     return False
-
-
-def _names_human(draft: Draft) -> bool:
-    """Whether the names of a scheme are complete: two arms, two legs, and fingers.
-
-    A hoof or a paw that has the names of a hand ends in one finger, which stands for all.
-    """
-    reading = draft.reading
-    if reading is None or len([side for _, side in reading.limbs if side]) < 4:
-        return False
-    fingers = {bone.removeprefix("left").removeprefix("right") for bone in reading.bones}
-    return fingers >= {"IndexProximal", "MiddleProximal"}

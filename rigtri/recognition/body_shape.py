@@ -15,7 +15,14 @@ from rigtri.maths.scalar_vector import Vector
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
-from rigtri.recognition.limb_triples import Triple, branches, loose_ends, sharpest_of, triple_of
+from rigtri.recognition.limb_triples import (
+    Triple,
+    branches,
+    has_thumb,
+    loose_ends,
+    sharpest_of,
+    triple_of,
+)
 from rigtri.recognition.limb_words import LimbWords, Place
 from rigtri.recognition.naming_schemes import NO_LIMB, roles_in_name
 from rigtri.recognition.pose_samples import Poses
@@ -49,9 +56,9 @@ LEVEL = 0.3
 class Limbs:
     """Two limbs that are alike. at: places of start, middle and end in ``pair.paths``; of two joints where
     there is no end. starts, ends: where they are, in the middle between both. size: of both bones,
-    file units. fingers: how many chains there are at the end. quality: how limb-like, 0 to 1. lead: over
-    other places to bend. named: how far names say the same three joints, −1 to 1. kind, place: what
-    names say that it is, ``other`` for no limb at all."""
+    file units. fingers: how many chains there are at the end. thumb: whether one of three or more stands
+    apart. quality: how limb-like, 0 to 1. lead: over other places to bend. named: how far names say the
+    same three joints, −1 to 1. kind, place: what names say that it is, ``other`` for no limb at all."""
 
     pair: Pair
     at: tuple[int, ...]
@@ -59,6 +66,7 @@ class Limbs:
     ends: Vector
     size: float
     fingers: int
+    thumb: bool
     quality: float
     lead: float
     named: float = 0.0
@@ -90,24 +98,23 @@ def limbs_of(
     poses: Poses,
     names: Mapping[int, LimbWords],
     towards: Vector | None = None,
-    arms: bool = False,
+    kind: LimbKind | Literal[""] = "",
 ) -> list[Limbs]:
     """The pairs as limbs, with where each bends by its shape and by names.
 
-    towards: where their knees, or elbows, point, where that is known. arms: of what stands upright.
+    towards: where their knees, or elbows, point, where that is known. kind: as `triple_of` has it.
     """
     tried, found = pairs[: 3 * _TRIED], []
     sharpest = sharpest_of(tree, poses) if any(len(pair.paths[0]) > 3 for pair in tried) else []
     for pair in tried:
-        bend = triple_of(tree, pair.paths, sharpest, names, towards, arms)
+        bend = triple_of(tree, pair.paths, sharpest, names, towards, kind)
         if bend is None or (len(pair.paths[0]) <= 3 and bend.quality < 0.3):
             pair = loose_ends(tree, pair, poses)
             bend = triple_of(tree, pair.paths, sharpest, names) if len(pair.paths[0]) > 2 else None
         if bend is not None or len(pair.paths[0]) > 1:
             limbs = _limbs(tree, pair, bend)
             words = [names[k] for k in (*limbs.joints(0), *limbs.joints(1)) if k in names]
-            kind, place = _kind_of(tree, limbs, words), _place_of(words)
-            found.append(replace(limbs, kind=kind, place=place))
+            found.append(replace(limbs, kind=_kind_of(tree, limbs, words), place=_place_of(words)))
     return found
 
 
@@ -119,7 +126,9 @@ def _limbs(tree: Tree, pair: Pair, bend: Triple | None) -> Limbs:
     count = min(branches(tree, path)[1] for path in pair.paths)
     size = bend.size if bend else pair.reach
     quality, lead = (bend.quality, bend.lead) if bend else (0.2, 0.0)
-    return Limbs(pair, at, starts, ends, size, count, quality, lead, bend.named if bend else 0.0)
+    named = bend.named if bend else 0.0
+    thumb = count > 2 and all(has_thumb(tree, path) for path in pair.paths)
+    return Limbs(pair, at, starts, ends, size, count, thumb, quality, lead, named)
 
 
 def _kind_of(tree: Tree, limbs: Limbs, words: Sequence[LimbWords]) -> LimbKind | Literal["other", ""]:
@@ -273,7 +282,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     for up, trust in _ups(tree, *others_up):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
         above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / max(legs.size, 1e-30)
-        lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75 and arms.fingers < 3
+        lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75
         four = lies and above < LEVEL
         turned = [
             (1.0, trust * within(stands, 0.0, 0.7)),
@@ -281,7 +290,9 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
             (0.8, _head(beyond, arms, on + up)),
         ]
         score = _mean([*points, *turned]) - cost
-        doubt = lies and 0.4 * LEVEL < above < 2.0 * LEVEL
+        # Where fingers or toes are, nothing is missing that could reach the ground.
+        missing = 0.4 if arms.fingers < 2 else 0.2
+        doubt = lies and (arms.thumb or missing * LEVEL < above < 2.0 * LEVEL)
         seen.append(Body(legs, arms, "quadruped" if four else "biped", up, score, doubt=doubt))
     return max(seen, key=lambda body: body.score)
 

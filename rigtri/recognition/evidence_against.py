@@ -71,6 +71,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _other_side(draft, each)
         or _against_the_tree(draft, each)
         or (by_name and (_unnamed_between(draft, each) or _unlike_twin(draft, each, found)))
+        or (by_name and _counted(draft, each))
         or _upside_down(draft, each, found)
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
@@ -155,6 +156,19 @@ def _unlike_twin(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         if abs(mine - other) > _TWINS * max(mine, other) or steps[0] != steps[1]:
             return f"the {twin.side} {twin.kind} has other bones"
     return ""
+
+
+def _counted(draft: Draft, each: Found) -> str:
+    """An arm of joints that names only count, more than three, where shape does not tell which bend.
+
+    The first may be a clavicle; of legs it is the hip.
+    """
+    if each.kind != "arm" or AGREED in each.evidence:
+        return ""
+    names, below = draft.tree.rig.names, draft.tree.below[each.joints[2]]
+    words = {parse_name(names[joint]).plain for joint in each.joints}
+    more = [k for k in below if words == {parse_name(names[k]).plain} and _numbers(names[k])]
+    return f"its joints are counted on to {_title(draft, more[0])}, and any three may bend" if more else ""
 
 
 def _twin(each: Found, found: Sequence[Found]) -> Found | None:

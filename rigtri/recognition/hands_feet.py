@@ -32,8 +32,8 @@ _LONG = 1.2
 _SIZE, _QUALITY = 0.35, 0.3
 # What no hand has, where names tell of it.
 _OF_BODIES = frozenset(["skull", "tail"])
-# A hand alone has no more joints than this.
-_HAND = 60
+# A hand alone has no more joints than this, and a finger: a metacarpal, three bones, an end.
+_HAND, _FINGER = 60, 5
 
 
 def lay_ends(draft: Draft, found: Sequence[Found]) -> None:
@@ -318,8 +318,9 @@ def _is_body_named(draft: Draft) -> bool:
 
 
 def _like_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> bool:
-    """Whether chains have three joints each, most of them, and go the same way."""
-    if len(draft.tree.below[hand]) < 4 or len([chain for chain in chains if len(chain) >= 3]) < 3:
+    """Whether chains have three joints each, most of them, none too many, and go the same way."""
+    sizes = [len(chain) for chain in chains]
+    if len(draft.tree.below[hand]) < 4 or len([k for k in sizes if k >= 3]) < 3 or max(sizes) > _FINGER:
         return False
     at, towards = draft.tree.at, Vector()
     for chain in chains:

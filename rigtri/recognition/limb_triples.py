@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise
 from math import fsum, sqrt
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords, agreement
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Pair
@@ -42,6 +44,8 @@ _MOVES, _SHARP = 0.1, 0.966
 _HANDLESS, HAND = 0.25, 4
 # A thumb begins this much nearer to the wrist than fingers do, or points this far aside (a cosine).
 _NEAR, _APART = 0.7, cosine_below(20)
+# The outer toes of a paw spread less far than this (a cosine).
+_SPREAD = cosine_below(30)
 # What names of all three joints weigh against the shape of a limb.
 _NAMED = 0.6
 # What a middle costs that points where no knee, or elbow, does, and how far off the line that is in full.
@@ -72,11 +76,13 @@ class Triple:
     named: float = 0.0
 
 
-def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]]) -> int:
+def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: float = _APART) -> int:
     """Which chain begins clearly nearer to the wrist than the others; −1 for none.
 
     Fingers with metacarpals all begin there: of these the one whose first bone goes another way than any
     other, and that of fewer joints where one has.
+
+    apart: the cosine of how far another way that is.
     """
     at = tree.at
     far = [(at[chain[0]] - at[hand]).length for chain in chains]
@@ -90,8 +96,8 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]]) -> int:
         return -1  # each goes another way than the other
     first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
     alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
-    apart = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
-    return apart if alike[apart] < _APART else -1
+    other = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])
+    return other if alike[other] < apart else -1
 
 
 def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
@@ -108,6 +114,22 @@ def branches(tree: Tree, path: Sequence[int]) -> tuple[int, int]:
             jointed = len([k for k in tree.below[node] if tree.below[k] and tree.bone[k] + tree.reach[k] > 0])
             return at, max(alike, jointed)
     return len(path) - 1, 0
+
+
+def has_thumb(tree: Tree, path: Sequence[int]) -> bool:
+    """Whether one of the chains that a limb ends in stands apart, beside the row of the others.
+
+    The toes of a paw are a row, of which the middle ones may begin nearer to the wrist.
+    """
+    hand, at = path[branches(tree, path)[0]], tree.at
+    chains = [tree.paths[k] for k in tree.below[hand] if len(tree.paths[k]) > 1]
+    thumb = thumb_of(tree, hand, chains, _SPREAD) if len(chains) > 2 else -1
+    if thumb < 0:
+        return False
+    row = [at[chain[1]] for k, chain in enumerate(chains) if k != thumb]
+    one, other = max(combinations(row, 2), key=lambda two: (two[0] - two[1]).length)
+    along = (at[chains[thumb][1]] - one).dot((other - one).unit)
+    return not 0.0 < along < (other - one).length
 
 
 def _ways_on(tree: Tree, node: int) -> list[int]:
@@ -143,15 +165,16 @@ def triple_of(
     sharpest: Sequence[float],
     names: Mapping[int, LimbWords],
     towards: Vector | None = None,
-    arms: bool = False,
+    kind: LimbKind | Literal[""] = "",
 ) -> Triple | None:
     """Where a path bends like an arm or leg; None for one of fewer than three joints.
 
     paths: of the limb and its twin, whose names say as much of it.
 
     sharpest: as `sharpest_of`. It counts for paths of more than three joints, which follow the tree.
-    names: what the names of joints say. towards: where knees, or elbows, of this limb point, unit. arms:
-    whether these are the arms of what stands upright, which may begin with clavicles.
+    names: what the names of joints say. towards: where knees, or elbows, of this limb point, unit. kind: the
+    arms of what stands upright, which may begin with clavicles, or legs, which toes do not end: they are
+    those of a paw, or begin behind the ball of a foot.
     """
     stop, fingers = branches(tree, paths[0])
     path = list(paths[0][: min(stop + 1, _MOST)])
@@ -165,7 +188,7 @@ def triple_of(
     said = [[names.get(node, NO_WORDS) for node in each[: len(path)]] for each in paths]
     said = [words for words in said if any(word.levels for word in words)]
     places, first, found = list(combinations(range(len(path)), 3)), 0, []
-    if arms and _leads_aside(tree, paths, len(path)):
+    if kind == "arm" and _leads_aside(tree, paths, len(path)):
         behind = (_quality(bones, at, now, ever, moves, 1) for at in places if at[0])
         first = int(max(behind, default=0.0) > _WHOLE)
     for at in places:
@@ -173,7 +196,7 @@ def triple_of(
         if quality == 0.0:
             continue  # a joint between bends, or a bone has no length
         quality -= _LED if at[0] < first else 0.0
-        quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 else 0.0
+        quality -= _HANDLESS if fingers >= HAND and at[2] < len(path) - 1 and kind != "leg" else 0.0
         named = fsum(agreement(words, at) for words in said) / max(1, len(said))
         if towards is not None:
             quality -= _WRONG_WAY * _away(tree, [path[k] for k in at], towards)

@@ -35,14 +35,16 @@ class LimbWords:
     """levels: the places along a limb that a name may mean, with how far it says so, 0 to 1; none for a
     name without such words. kind: the limb that its words are of, "" where they do not say or disagree.
     place: ``front`` or ``hind``, where it says one. plain: of vague words alone, the name without its
-    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. animal: of one.
-    trunk: it is of the trunk or the head, and so of no limb (`name_readings.limb_names` says so)."""
+    number or letter. is_middle: ``leg_middle``, after which a ``leg_lower`` ends the limb. bends: a knee or
+    an elbow. animal: of one. trunk: it is of the trunk or the head, and so of no limb
+    (`name_readings.limb_names` says so)."""
 
     levels: Mapping[Level, float]
     kind: LimbKind | Literal[""]
     place: Place = ""
     plain: str = ""
     is_middle: bool = False
+    bends: bool = False
     animal: bool = False
     trunk: bool = False
 
@@ -56,7 +58,7 @@ class _Table:
     vague: Mapping[str, frozenset[Level]]
     kinds: Mapping[str, LimbKind]
     places: Mapping[str, Place]
-    bodies: Mapping[str, str]
+    marks: Mapping[str, str]
 
 
 @lru_cache(_NAMES)
@@ -77,7 +79,8 @@ def limb_words(name: str) -> LimbWords:
     kind = kinds.pop() if len(kinds) == 1 else ""
     places = {table.places[word] for word in found if word in table.places}
     place = places.pop() if len(places) == 1 else ""
-    animal = any(word in table.bodies for word in found)
+    marks = {table.marks[word] for word in found if word in table.marks}
+    animal, bends = "animal" in marks, "bends" in marks
     if not said:
         return LimbWords({}, kind, place, animal=animal)
     common = frozenset[Level].intersection(*said)
@@ -86,7 +89,7 @@ def limb_words(name: str) -> LimbWords:
         plain = plain if weight < 1.0 else ""
         middle = weight < 1.0 and not {"mid", "middle"}.isdisjoint(found)
         levels = dict.fromkeys(sorted(common, key=LEVELS.index), weight)
-        return LimbWords(levels, kind, place, plain, middle, animal)
+        return LimbWords(levels, kind, place, plain, middle, bends, animal)
     # ``hand_end`` is what follows a hand, or the hand where nothing else is called so.
     last = {level: _HALF for each in said for level in each}
     return LimbWords(last | ({"after": 1.0} if "after" in last else {}), kind, place, animal=animal)
@@ -123,10 +126,11 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
     """What each name of a chain says, with the others in mind.
 
     Of joints that are only numbered, two are the upper and the lower bone, three end the limb, and more
-    say nothing. After a ``leg_middle`` the ``leg_lower`` ends it.
+    say nothing. After a ``leg_middle`` the ``leg_lower`` ends it, and so does the knee of a front leg after
+    its elbow: the wrist.
     """
     same = Counter(name.plain for name in names if name.plain)
-    count, seen, middle = max(same.values(), default=0), Counter[str](), False
+    count, seen, middle, lower = max(same.values(), default=0), Counter[str](), False, False
     for name in names:
         levels, row = name.levels, seen[name.plain]
         seen[name.plain] += 1
@@ -136,6 +140,9 @@ def _in_order(names: Sequence[LimbWords]) -> Iterator[Mapping[Level, float]]:
             levels = {}
         elif (middle and levels.keys() == {"lower"}) or (count == 3 and levels.keys() == {"end"}):
             levels = {"end": 1.0} if middle else {"after": 1.0}
+        elif lower and name.bends:
+            levels = {"end": 1.0}
+        lower = lower or levels == {"lower": 1.0}
         middle = middle or name.is_middle
         yield levels
 
@@ -186,5 +193,5 @@ def _table() -> _Table:
         return {word: meaning for meaning, line in lines.items() for word in line.split()}
 
     plain = {level: line for level, line in text.items() if isinstance(line, str)}
-    kinds, places, bodies = (turned(text[table]) for table in ("kinds", "places", "bodies"))
-    return _Table(by_word(plain), by_word(text["vague"]), kinds, places, bodies)
+    kinds, places, marks = (turned(text[table]) for table in ("kinds", "places", "marks"))
+    return _Table(by_word(plain), by_word(text["vague"]), kinds, places, marks)

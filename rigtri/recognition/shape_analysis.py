@@ -15,7 +15,8 @@ from rigtri.model.dataclass import dataclass
 from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of, many_legs
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.limb_triples import first_bend
+from rigtri.recognition.layout import LimbKind
+from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
@@ -78,6 +79,11 @@ def _seen(
     pairs = opposite(tree, pairs, plane)
     limbs = limbs_of(tree, pairs, poses, names)
     ways = bodies(tree, limbs, plane)
+    if ways and not (ways[0].legs and ways[0].arms) and any(each.fingers >= HAND for each in limbs):
+        paws = limbs_of(tree, pairs, poses, names, kind="leg")
+        others = bodies(tree, paws, plane)
+        if others[0].form == "quadruped" and others[0].score > ways[0].score:
+            limbs, ways = paws, others
     if any(names.get(node, NO_WORDS).animal for node in tree.nodes):
         ways = [replace(way, doubt=False) for way in ways]
     legs = many_legs(tree, limbs, plane)
@@ -97,18 +103,19 @@ def _pointed(
     """The limbs of a body again: knowing where it looks, its knees point there and its elbows back.
 
     Of animals with blades and hocks that tells which joint is knee or elbow; of what stands upright, that
-    clavicles are no part of its arms.
+    clavicles are no part of its arms; and legs do not end where toes begin.
     """
     ahead, sure, _ = facing_of(tree, body, plane, poses, bends=False)
     found: dict[Limbs | None, Limbs] = {}
     for limbs, side in ((body.legs, ahead), (body.arms, -ahead)):
         if limbs is None or len(limbs.at) < 3:
             continue
-        arms, towards = limbs is body.arms and body.form == "biped", side if sure >= _LOOKS else None
+        kind: LimbKind = "arm" if limbs is body.arms and body.form == "biped" else "leg"
+        towards = side if sure >= _LOOKS else None
         if towards is None and limbs is body.legs:
             towards = first_bend(tree, limbs.pair.paths[0], limbs.at, plane.normal)
-        if arms or towards is not None:
-            again = limbs_of(tree, [limbs.pair], poses, names, towards, arms)
+        if kind == "arm" or towards is not None or limbs.fingers >= HAND:
+            again = limbs_of(tree, [limbs.pair], poses, names, towards, kind)
             found |= {limbs: again[0]} if again else {}
     return found
 

@@ -190,6 +190,27 @@ def _hind_legs(random: Random, body: Skeleton, tall: float, w: float, z: float, 
     body.limb("hind leg", "hind upper", "hind lower", end)
 
 
+def pawed(random: Random) -> Skeleton:
+    """A quadruped with three to five toes, where the last joint of each leg stands."""
+    body = quadruped(random)
+    count, bones = int(random.integers(3, 6)), int(random.integers(1, 4))
+    for which in ("front", "hind"):
+        last = next(k for k in ("tip", "hoof", "foot") if f"{which} {k}.L" in body.joints)
+        x, y, z = body.at(f"{which} {last}.L")
+        wide = 0.3 * x
+        for k in range(count):
+            aside = wide * (k / (count - 1) - 0.5)
+            toe = [
+                (
+                    f"{which} toe {k} {bone}",
+                    (x + aside * (1 + 0.2 * bone), y / (2 + bone), z + wide * (0.5 + 0.4 * bone)),
+                )
+                for bone in range(bones)
+            ]
+            body.both(f"{which} {last}", *toe)
+    return body
+
+
 def dinosaur(random: Random) -> Skeleton:
     """Two strong legs with hocks, a trunk that lies, a long tail, small arms or none; or a bird's wings."""
     body = Skeleton("biped", words=TWO_LEGS)

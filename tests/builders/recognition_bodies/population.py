@@ -20,6 +20,7 @@ from recognition_bodies.anatomy import (
     dinosaur,
     many_legs,
     mech,
+    pawed,
     quadruped,
 )
 from recognition_bodies.cases import Case
@@ -56,7 +57,7 @@ _OTHER = {"left": "right", "right": "left"}
 
 
 def population(which: int) -> Iterator[Case]:
-    """All cases of one of the two sets, crowds last."""
+    """All cases of one of the two sets: of each kind, crowds, companies, animals with paws."""
     number = 0
     for kind, (make, count) in KINDS.items():
         for k in range(count):
@@ -68,6 +69,10 @@ def population(which: int) -> Iterator[Case]:
         yield crowd(which, k, number)
     for k in range(10):
         yield company(which, k, number + 10)
+    # Numbers of their own, so that what was made before them stays what it was.
+    for k in range(24):
+        random = np.random.default_rng([which, k, len(KINDS)])
+        yield _case(f"paws {k}", random, [pawed(random)], 2 * k + which)
 
 
 def crowd(which: int, k: int, first: int) -> Case:

@@ -1,0 +1,135 @@
+"""Animals with hooves and paws, whatever their names: front legs are no arms, and paws no hands."""
+
+from __future__ import annotations
+
+import pytest
+from recognition_bodies.skeletons import HORSE, Joint, rig_with
+
+from rigtri.recognition.layout import Character
+from rigtri.recognition.recognise import recognise
+
+LEGS = {
+    "left hind leg": "thigh.L shin.L foot.L",
+    "right hind leg": "thigh.R shin.R foot.R",
+    "left front leg": "upper_arm.L forearm.L hand.L",
+    "right front leg": "upper_arm.R forearm.R hand.R",
+}
+SIDES = {"L": "left", "R": "right"}
+# What riggers call an animal's joints who have the names of people.
+UNREAL = {"pelvis": "pelvis", "thigh": "thigh", "shin": "calf", "foot": "foot", "clavicle": "clavicle"}
+UNREAL |= {
+    "upper_arm": "upperarm",
+    "forearm": "lowerarm",
+    "hand": "hand",
+    "finger": "index_01",
+    "toe": "ball",
+}
+
+
+def called(names: dict[str, str], name: str) -> str:
+    part, _, side = name.partition(".")
+    return f"{names.get(part, part)}_{SIDES[side]}" if side else names.get(part, part)
+
+
+def character(joints: list[Joint], names: dict[str, str] | None = None) -> tuple[Character, dict[str, str]]:
+    """What joints are recognised as under other names, and the limbs that are sure, by the names they had."""
+    given = [(called(names, a), called(names, b), at) for a, b, at in joints] if names else joints
+    (found,) = recognise(rig_with(given, named=names is not None)).characters
+    sure = (chain for chain in found.chains if chain.is_sure and chain.bend)
+    return found, {chain.name: " ".join(joints[k][0] for k in chain.bend) for chain in sure}
+
+
+def with_paws(joints: list[Joint], toes: int) -> list[Joint]:
+    """A horse with toes in a row instead of hooves, each of two joints, and wrists above them."""
+    found = list(joints)
+    for name, _, (x, y, z) in joints:
+        part, _, side = name.partition(".")
+        for k in range(toes if part in ("finger", "toe") else 0):
+            across = x + 0.04 * (k - 0.5 * (toes - 1))
+            found.append((f"{part}{k}.{side}", name, (across, y - 0.03, z + 0.06)))
+            found.append((f"{part}{k}_end.{side}", f"{part}{k}.{side}", (across, y - 0.06, z + 0.12)))
+    return found
+
+
+@pytest.mark.parametrize("toes", [3, 4, 5])
+def test_paws_are_no_hands(toes: int) -> None:
+    """Before, an animal with three toes or more was a biped, and with names surely: its toes were fingers."""
+    paws = with_paws(HORSE, toes)
+    fingers = ["thumb", "index", "middle", "ring", "pinky"][-toes:]
+    names = UNREAL | {f"finger{k}": f"{finger}_01" for k, finger in enumerate(fingers)} | {"finger": "palm"}
+    for given in (None, names):
+        found, limbs = character(paws, given)
+        assert found.form == "quadruped"
+        assert limbs == LEGS
+        assert not any(chain.kind in ("hand", "finger") for chain in found.chains)
+
+
+def test_hands_on_the_ground_are_hands_where_a_thumb_stands_apart() -> None:
+    """Who is bound on all fours, and has the names of a person, has arms."""
+    hands = with_paws(HORSE, 4)
+    for side, x in (("L", 0.1), ("R", -0.1)):
+        hands.append((f"thumb.{side}", f"finger.{side}", (x + 0.01, 0.07, 0.68)))
+        hands.append((f"thumb_end.{side}", f"thumb.{side}", (x - 0.03 if x > 0 else x + 0.03, 0.05, 0.68)))
+    hands = [
+        (name, over.replace("finger.", "hand."), at) for name, over, at in hands if "finger." not in name
+    ]
+    found, limbs = character(hands, UNREAL)
+    assert found.form == "biped"
+    assert limbs["left arm"] == LEGS["left front leg"]
+    assert not {"left front leg", "left arm"}.intersection(character(hands)[1])
+
+
+def test_arms_of_a_lying_trunk_that_may_be_legs_are_not_sure() -> None:
+    """Front legs without hooves, beside hind legs with them, have the names of arms. Before, a biped."""
+    bare = [
+        (name, over, (x, y + 0.15, z) if name[:4] == "hand" else (x, y, z)) for name, over, (x, y, z) in HORSE
+    ]
+    bare = [
+        (name, over, (x, 0.25, z) if name[:6] == "finger" else (x, y, z)) for name, over, (x, y, z) in bare
+    ]
+    found, limbs = character(bare, UNREAL)
+    assert not any(name.endswith("arm") for name in limbs)
+    assert not any(chain.is_sure for chain in found.chains if chain.kind == "hand")
+
+
+def test_the_knee_of_a_front_leg_below_its_elbow_is_its_wrist() -> None:
+    """Before, the leg ended at the ankle: a straight knee was a part of the lower bone."""
+    places = {"hand": (0.45, 0.55), "finger": (0.15, 0.55)}
+    straight: list[Joint] = []
+    for name, over, (x, y, z) in HORSE:
+        y, z = places.get(name[:-2], (y, z))
+        straight.append((name, over, (x, y, z)))
+    names = {"thigh": "hind_upper_leg", "shin": "hind_lower_leg", "foot": "hock", "toe": "hind_hoof"}
+    names |= {"upper_arm": "front_upper_leg", "forearm": "front_lower_leg"}
+    names |= {"hand": "front_knee", "finger": "front_ankle"}
+    assert character(straight, names)[1] == LEGS
+
+
+def test_arms_that_are_only_counted_bend_where_their_shape_does_or_are_not_sure() -> None:
+    """An arm of five joints may begin with its clavicle. Before, the first three were surely the arm."""
+    blades: list[Joint] = []
+    places = {"upper_arm": (1.05, 0.75), "forearm": (0.84, 0.54), "hand": (0.45, 0.6), "finger": (0.03, 0.66)}
+    for name, over, (x, y, z) in HORSE:
+        if name.startswith("upper_arm"):
+            blades.append((f"blade.{name[-1]}", "chest", (0.5 * x, 1.35, 0.54)))
+            over = f"blade.{name[-1]}"
+        y, z = places.get(name[:-2], (y, z))
+        blades.append((name, over, (x, y, z)))
+    parts = ("blade", "upper_arm", "forearm", "hand", "finger")
+    names = {part: f"arm_{k:02}" for k, part in enumerate(parts)}
+    _, limbs = character(blades, names)
+    assert set(limbs.values()) <= set(LEGS.values())
+
+
+def test_a_trunk_of_many_joints_is_no_finger() -> None:
+    """Before, a spine, two legs and a tail that begin at one joint were four fingers of a hand."""
+    long = [one for one in HORSE if one[0] not in ("spine1", "spine2", "chest", "tail1", "tail2", "tail3")]
+    spine: list[Joint] = [
+        (f"spine{k}", f"spine{k - 1}" if k else "pelvis", (0, 1.4, -0.45 + 0.13 * k)) for k in range(8)
+    ]
+    tail: list[Joint] = [
+        (f"tail{k}", f"tail{k - 1}" if k else "pelvis", (0, 1.3 - 0.2 * k, -0.7)) for k in range(4)
+    ]
+    joints = [long[0], *spine, *tail, *((a, b.replace("chest", "spine7"), at) for a, b, at in long[1:])]
+    tall: list[Joint] = [(name, over, (x, 2.5 * y, z)) for name, over, (x, y, z) in joints]
+    assert character(tall)[0].form == "quadruped"
