@@ -92,8 +92,8 @@ def thumb_of(tree: Tree, hand: int, chains: Sequence[Sequence[int]], apart: floa
         return near[0]
     least = min(len(chain) for chain in chains)
     short = [k for k, chain in enumerate(chains) if len(chain) == least]
-    if len(chains) == 2 and len(short) == 2:
-        return -1  # each goes another way than the other
+    if len(chains) < 2 or (len(chains) == 2 and len(short) == 2):
+        return -1  # of two, each goes another way than the other
     first = [(at[(*chain, chain[0])[1]] - at[chain[0]]).unit for chain in chains]
     alike = [max(bone.dot(k) for k in first if k is not bone) for bone in first]
     other = min(short if len(short) == 1 else range(len(chains)), key=lambda k: alike[k])

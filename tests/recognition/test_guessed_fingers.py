@@ -23,6 +23,11 @@ def test_a_fist_has_its_thumb_where_an_open_hand_has_it(curl: float, hands: floa
         assert known.items() >= (expected | {f"{side} thumb": body.parts[f"{side} thumb 1"]}).items()
 
 
+def test_a_mitten_of_one_numbered_finger_is_what_its_scheme_says() -> None:
+    found = _fingers_called(Pose("none", fingers=1, thumb=False), "Bip01 {s} Finger{n1}{b}", "")
+    assert {name for name, _ in found.values()} == {"left index finger"}
+
+
 def test_what_is_held_is_no_finger() -> None:
     """A joint without weight in the hand, of which no name says what it is."""
     body = posed_body(Pose("none", slots=True, curl=10.0))
