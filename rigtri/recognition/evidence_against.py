@@ -8,12 +8,12 @@ from dataclasses import replace
 
 from rigtri.maths.scalar_vector import Vector
 from rigtri.recognition.arms_legs import AGREED, Found
-from rigtri.recognition.body_shape import Limbs
+from rigtri.recognition.body_shape import ALIKE, Limbs, lowest
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.hands_feet import finger_in_name
 from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limb_triples import HAND, STRAIGHT, branches
-from rigtri.recognition.limb_words import limb_words
+from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
@@ -26,7 +26,8 @@ _BALANCE = 0.4
 _ENOUGH = 3
 # A further chain at the chest that is so long a part of the arms may be an arm as well.
 _RIVAL = 0.2
-_TRUNK = frozenset(["trunk", "face", "skull", "tail"])
+# Of a body one of these names alone does not tell: planes have tails.
+_HEADS = frozenset(["skull", "tail"])
 # A limb bends clearly by this (a cosine, 15°).
 _CLEAR = 0.966
 # A bone after the wrist that is so long a part of the lower arm is rather the lower arm itself.
@@ -51,10 +52,12 @@ def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
     weighed = []
     for each in found:
         why = _contradiction(draft, each, found) if len(each.joints) == 3 else _no_trunk(draft, each)
-        if why and round(each.confidence, 2) >= CONFIDENT:  # as it is written
-            each = unsure(draft, each, why)
-        weighed.append(each)
+        weighed.append(unsure(draft, each, why) if why and _is_sure(each) else each)
     return weighed
+
+
+def _is_sure(each: Found) -> bool:
+    return round(each.confidence, 2) >= CONFIDENT  # as it is written
 
 
 def unsure(draft: Draft, each: Found, why: str) -> Found:
@@ -78,6 +81,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or (not by_name and (_arm_as_leg(draft, each, found) or _split_bone(draft, each)))
         or (not by_name and (_misnamed(draft, each) or _other_bend(each) or _no_hand(draft, each)))
         or (not by_name and (_skirt(draft, each) or _rival(draft, each)))
+        or (not by_name and _by_the_legs(draft, each, found))
         or ""
     )
 
@@ -213,13 +217,27 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
 
 
 def _no_trunk(draft: Draft, each: Found) -> str:
-    """A limb by its words alone where no head, tail or trunk is named: chairs have arms and legs, too."""
-    by_twin = each.pair is not None and each.pair.kind == each.kind and not _is_named(draft, each)
-    if not by_twin or _has_fingers(draft, each):
+    """A limb by names where no trunk or head is named: chairs have arms and legs, too, and scales a head.
+
+    Not one that a naming scheme knows, of clear words for all three joints.
+    """
+    named = _is_named(draft, each)
+    words = [draft.words.get(joint, NO_WORDS).levels for joint in each.joints]
+    clear = [levels for levels in words if 1.0 in levels.values()]
+    if (
+        not (named or _by_words(each))
+        or _has_fingers(draft, each)
+        or (named and all(words) and len(clear) > 1)
+    ):
         return ""
-    names = (draft.tree.rig.names[k] for k in draft.tree.nodes)
-    known = any(_TRUNK.intersection(roles_in_name(name)) for name in names if name)
-    return "" if known else "nothing else of a body is named"
+    names = [draft.tree.rig.names[k] for k in draft.tree.nodes if draft.words.get(k, NO_WORDS).trunk]
+    heads = [name for name in names if not _HEADS.isdisjoint(roles_in_name(name))]
+    return "" if len(names) > min(1, len(heads)) else "nothing else of a body is named"
+
+
+def _by_words(each: Found) -> bool:
+    """Whether single words of names say of a pair what it is."""
+    return each.pair is not None and each.pair.kind == each.kind
 
 
 def _arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
@@ -290,14 +308,28 @@ def _no_hand(draft: Draft, each: Found) -> str:
 
 
 def _skirt(draft: Draft, each: Found) -> str:
-    """Legs beside which another pair hangs that is as long: a skirt's front and back are alike."""
+    """Legs beside which another pair hangs that is as long, or stands where they do: a skirt, a chair."""
     mine, body = each.pair, draft.shape.body
     if mine is None or body is None or body.form != "biped" or mine is not body.legs or mine.named > 0.0:
         return ""
+    ground = lowest(draft.tree, mine, body.up)
     for other in draft.shape.limbs:
-        alike = abs(other.size - mine.size) < _TWINS * mine.size and len(other.at) == 3
-        if other is not mine and alike and other.pair.above == mine.pair.above:
+        if other is mine or other.pair.above != mine.pair.above or len(other.at) != len(mine.at):
+            continue
+        apart, like = abs(lowest(draft.tree, other, body.up) - ground), abs(other.size - mine.size)
+        if like < _TWINS * mine.size or (other.size > ALIKE * mine.size and apart < _TWINS * mine.size):
             return f"the chain from {_title(draft, other.joints(0)[0])} is as long: both may be a skirt"
+    return ""
+
+
+def _by_the_legs(draft: Draft, each: Found, found: Sequence[Found]) -> str:
+    """Arms are told by the legs: where evidence denies these, they are not sure; chairs have both."""
+    body = draft.shape.body
+    if body is None or each.pair is None or each.pair is not body.arms or _by_words(each):
+        return ""
+    for leg in (k for k in found if k.pair is body.legs):
+        if _skirt(draft, leg) or (len(leg.joints) == 3 and _contradiction(draft, leg, found)):
+            return "its legs are not sure"
     return ""
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from posed_bodies import Pose, posed_body
 from recognition_bodies.measure import measure
-from recognition_bodies.population import crowd, population
-from recognition_bodies.skeletons import FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
+from recognition_bodies.population import crowd, furnished, population
+from recognition_bodies.skeletons import ARM, FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
@@ -262,3 +262,23 @@ def test_three_joints_of_a_trunk_are_the_three_bones_of_one(names: str) -> None:
     rig = replace(case.rig, names=tuple(called.get(k, name) for k, name in enumerate(case.rig.names)))
     bones = {part.joint: part.bone for part in recognise(rig).characters[0].parts}
     assert [bones[joint] for joint in spine] == ["spine", "chest", "upperChest"]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_furniture_that_has_arms_legs_and_a_head_is_no_body_that_is_sure(named: bool) -> None:
+    """Before, the arms of a chair were sure by their shape, and those of scales by one word of three."""
+    for number in range(8):
+        rig = furnished(8, number, 200).rig
+        layout = recognise(rig if named else nameless(rig))
+        assert [chain.name for chain in layout.chains if chain.is_sure and chain.bend] == []
+
+
+def test_a_trunk_that_is_named_in_another_language_is_that_of_a_body() -> None:
+    """Before, ``nothing else of a body is named``, although the arms were known by the same language."""
+    french = "bassin colonne poitrine cou tete clavicule bras avantbras main cuisse tibia pied orteil"
+    names = {}
+    for (part, _, _), word in zip([*TRUNK, *ARM, *LEG], french.split(), strict=True):
+        bare = part.removesuffix(".L")
+        names |= {bare: word, f"{bare}.L": f"{word}_G", f"{bare}.R": f"{word}_D"}
+    sure = [chain.name for chain in renamed(MAN, names).chains if chain.is_sure and chain.bend]
+    assert sorted(sure) == ["left arm", "left leg", "right arm", "right leg"]

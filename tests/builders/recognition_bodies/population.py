@@ -25,7 +25,7 @@ from recognition_bodies.anatomy import (
 )
 from recognition_bodies.cases import Case
 from recognition_bodies.people import arms_alone, centaur, hand, legs_alone, person
-from recognition_bodies.things import fish, snake, thing
+from recognition_bodies.things import fish, furniture, snake, thing
 from recognition_bodies.truth import TrueCharacter, TruePart, Truth
 from recognition_bodies.words import PLACES, PREFIXES, SIDED, Words
 from rigtri.maths.quaternions import multiply, rotate
@@ -69,6 +69,8 @@ def population(which: int) -> Iterator[Case]:
         yield crowd(which, k, number)
     for k in range(10):
         yield company(which, k, number + 10)
+    for k in range(20):
+        yield furnished(which, k, number + 20)
     # Numbers of their own, so that what was made before them stays what it was.
     for k in range(24):
         random = np.random.default_rng([which, k, len(KINDS)])
@@ -91,6 +93,12 @@ def company(which: int, k: int, first: int) -> Case:
     makes = (person, person, quadruped, legs_alone)
     bodies = [makes[int(random.integers(4))](random) for _ in range(int(random.integers(2, 4)))]
     return _case(f"company {k}", random, bodies, 2 * k + which, one_skin=True)
+
+
+def furnished(which: int, k: int, first: int) -> Case:
+    """A piece of furniture or a machine whose parts are called as those of bodies. first: as of `crowd`."""
+    random = np.random.default_rng([which, first + k])
+    return _case(f"furniture {k}", random, [furniture(random)], 2 * k + which)
 
 
 def _case(name: str, random: Random, bodies: list[Skeleton], style: int, *, one_skin: bool = False) -> Case:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from recognition_bodies.anatomy import Random, Skeleton, line
@@ -35,7 +37,11 @@ def fish(random: Random) -> Skeleton:
 
 def thing(random: Random) -> Skeleton:
     """One of a dozen machines and pieces of furniture, in some proportion."""
-    make = _THINGS[int(random.integers(len(_THINGS)))]
+    return _made(random, _THINGS)
+
+
+def _made(random: Random, things: Sequence[Callable[[Skeleton, Random], None]]) -> Skeleton:
+    make = things[int(random.integers(len(things)))]
     body = Skeleton("", looks=False)
     make(body, random)
     stretch = random.uniform(0.6, 1.6, 3)
@@ -201,6 +207,61 @@ def _curtain(body: Skeleton, random: Random) -> None:
         body.both("rod", *((f"cloth {k} {n}", (0.4 * k, 3 - 0.5 * n, 0.05 * n)) for n in range(1, 5)))
 
 
+def _armchair(body: Skeleton, random: Random) -> None:
+    """Its legs and its arms bend, and its back goes up: the front legs may be shorter than those behind."""
+    back = random.uniform(0.9, 1.4)
+    body.chain("", ("seat", (0, 0.5, 0)), ("back 1", (0, 0.55, -0.2)), ("back 2", (0, 1.0, -0.25)))
+    for end, z, size in (("front", 0.2, 1.0), ("back", -0.2, back)):
+        places = [(0.2, 0.24 + 0.24 * size, z), (0.22, 0.25, 1.1 * z), (0.23, 0.0, 1.15 * z)]
+        body.both("seat", *((f"{end} leg {k}", at) for k, at in enumerate(places, 1)))
+    rest = [(0.25, 0.75, -0.2), (0.26, 0.76, 0.0), (0.26, 0.74, 0.2), (0.26, 0.7, 0.24)]
+    body.both("back 1", *((f"arm {k}", at) for k, at in enumerate(rest[: int(random.integers(3, 5))], 1)))
+
+
+def _scales(body: Skeleton, random: Random) -> None:
+    body.chain("", ("stand", (0, 0, 0)), ("beam", (0, 1, 0)), ("head", (0, 1.2, 0)))
+    body.both("beam", ("arm", (0.1, 1, 0)), ("chain", (0.5, 1, 0)), ("pan", (0.5, 0.5, 0)))
+
+
+def _signal(body: Skeleton, random: Random) -> None:
+    """A mast on four feet with two arms and a lamp on its top."""
+    body.chain("", ("base", (0, 0.3, 0)), ("mast", (0, 2, 0)), ("head", (0, 2.4, 0)), ("lamp", (0, 2.6, 0)))
+    for k, z in enumerate((0.4, -0.4), 1):
+        body.both("base", (f"strut {k}", (0.1, 0.3, 0.2 * z)), (f"foot {k}", (0.5, 0.0, z)))
+    body.both(
+        "mast",
+        ("arm", (0.1, 2, 0)),
+        ("lower arm", (0.5, 1.9, 0.02)),
+        ("disc", (0.9, 2.0, 0)),
+        *((("disc rim", (1.0, 2.0, 0)),) if random.random() < 0.5 else ()),
+    )
+
+
+def _drone(body: Skeleton, random: Random) -> None:
+    body.add("hull", "", (0, 1, 0))
+    for end, z in (("front", 0.3), ("rear", -0.3)):
+        body.both(
+            "hull",
+            (f"{end} arm", (0.1, 1, 0.3 * z)),
+            (f"{end} arm fold", (0.3, 1, 0.8 * z)),
+            (f"{end} rotor", (0.5, 1.05, 1.3 * z)),
+        )
+    body.both("hull", ("skid leg", (0.1, 0.95, 0)), ("skid knee", (0.2, 0.8, 0.05)), ("skid", (0.2, 0.6, 0)))
+
+
+def _easel(body: Skeleton, random: Random) -> None:
+    """Two legs that fold and two arms that hold a picture, below a head."""
+    body.chain("", ("hinge", (0, 1.5, 0)), ("board", (0, 1.6, 0.05)), ("head", (0, 2.0, 0.05)))
+    body.both("hinge", ("leg", (0.1, 1.4, 0)), ("leg fold", (0.25, 0.7, 0.05)), ("leg tip", (0.4, 0, 0)))
+    body.both("board", ("arm", (0.1, 1.6, 0.05)), ("arm fold", (0.3, 1.6, 0.06)), ("clip", (0.5, 1.6, 0.05)))
+
+
+def furniture(random: Random) -> Skeleton:
+    """More of such things, whose parts are called as those of bodies are."""
+    return _made(random, _FURNITURE)
+
+
+_FURNITURE = (_armchair, _armchair, _scales, _signal, _drone, _chair, _table)
 _THINGS = (
     _car,
     _truck,
