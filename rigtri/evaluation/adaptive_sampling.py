@@ -22,6 +22,9 @@ TESTED = (0.25, 0.5, 0.75, 0.29)
 _DEEPEST = 24
 # More keys than this are a bound below the rounding of what is sampled.
 MOST_KEYS = 100_000
+# Halves of what is smooth are off by a quarter, at a corner by half. Where, in three rounds, so many gaps
+# become nearly eight times as many and stay about as far off, it is rounding that is sampled.
+_MANY, _ROUNDS, _MORE, _AS_FAR = 1024, 3, 5.0, 0.2
 
 Sampled = Callable[[Floats], Floats]
 Error = Callable[[Floats, Floats, Floats, Floats, Floats], Floats]
@@ -58,14 +61,19 @@ def _inside(start: Floats, span: Floats, pieces: Integers) -> Floats:
     return np.unique(inside[(inside > start[which]) & (inside < start[which] + span[which])])
 
 
-def adaptive_key_times(sample: Sampled, error: Error, times: Floats, *, within: float) -> Floats:
+def adaptive_key_times(
+    sample: Sampled, error: Error, times: Floats, *, within: float, of: str = "A clip"
+) -> Floats:
     """Times of keys, (k,): those given, and halves between them until no error is above ``within``.
 
     sample: times (f,) → values (f, c). error: how far values (f, c) are from what keys give there,
-    from (values, left values, right values, share (f,), times) → (f,).
-    GeometryError where more than `MOST_KEYS` would be needed, as for numbers that float32 does not hold.
+    from (values, left values, right values, share (f,), times) → (f,). of: what is sampled, for a message.
+    GeometryError where the rounding of large numbers is more than ``within``, so that no keys would do, and
+    where more than `MOST_KEYS` would be needed.
     """
-    rounds = iter(range(_DEEPEST))
+    rounds: list[
+        tuple[int, float]
+    ] = []  # how many intervals were divided in each, and how far these were off
 
     def deviations(times: Floats, left: Integers) -> Floats:
         ends = np.unique(np.concatenate([left, left + 1]))
@@ -79,9 +87,17 @@ def adaptive_key_times(sample: Sampled, error: Error, times: Floats, *, within: 
         return worst
 
     def halved(start: Floats, span: Floats, off: Floats) -> Integers:
-        wide = (off > within) & (next(rounds, None) is not None)
-        if np.count_nonzero(wide) > MOST_KEYS:
-            raise GeometryError(f"more than {MOST_KEYS} keys of a clip would be needed")
+        wide = (off > within) & (len(rounds) < _DEEPEST)
+        many = int(np.count_nonzero(wide))
+        rounds.append((many, float(np.median(off[wide])) if many else 0.0))
+        fewer, far = rounds[-1 - _ROUNDS] if len(rounds) > _ROUNDS else (many, 0.0)
+        if many >= max(_MANY, _MORE * fewer) and not rounds[-1][1] < _AS_FAR * far:
+            raise GeometryError(
+                f"{of}: rounding alone is more than keys may be off, {within:.1g}, for numbers there are too "
+                "large. Remove such keys: rigtri check lists those that are far away"
+            )
+        if many > MOST_KEYS:
+            raise GeometryError(f"{of}: more than {MOST_KEYS} keys would be needed")
         return np.where(wide, 2, 1)
 
     return refine_times(times, deviations, halved)

@@ -146,7 +146,8 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
             near, along = _hips(_between(left, right, share), rig.scale[root])
             return np.asarray(length(place - near) + 0.5 * size * angle_between(turn, along))
 
-        times = adaptive_key_times(parts, error, times, within=WITHIN * size)
+        of = f"'{rig.title(root)}' in clip '{clip.name}'"
+        times = adaptive_key_times(parts, error, times, within=WITHIN * size, of=of)
     way: Interpolation = "STEP" if holds else "LINEAR"
     keys = {(t.node, t.path): t.key for t in clip.tracks}
     values, made = parts(times), []

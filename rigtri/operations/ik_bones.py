@@ -195,7 +195,8 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
 
     times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
     if not holds:
-        times = adaptive_key_times(seats, error, times, within=_WITHIN * size)
+        of = f"What follows in clip '{timeline.name}'"
+        times = adaptive_key_times(seats, error, times, within=_WITHIN * size, of=of)
     values = as_float32(seats(times))
     way: Interpolation = "STEP" if holds or len(times) == 1 else "LINEAR"
     return [

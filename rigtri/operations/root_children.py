@@ -105,7 +105,8 @@ def _sampled(
 
     times, holds = times_and_jumps(moving, None, rig.rules.per_second), steps_only(moving)
     if not holds:
-        times = adaptive_key_times(seats, error, times, within=WITHIN * size)
+        of = f"'{rig.title(node)}' in clip '{clip.name}'"
+        times = adaptive_key_times(seats, error, times, within=WITHIN * size, of=of)
     values = seats(times)
     way: Interpolation = "STEP" if holds else "LINEAR"
     if was.get("rotation") is not now.get("rotation"):

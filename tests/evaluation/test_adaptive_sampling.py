@@ -2,19 +2,55 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.adaptive_sampling import MOST_KEYS, adaptive_key_times
+from rigtri.maths.trigonometry import Floats
 
 
 def test_a_motion_that_no_keys_follow_is_an_error_of_the_geometry() -> None:
-    """Numbers at the end of float32 are rounded by more than keys may be off."""
-    with pytest.raises(GeometryError, match=f"more than {MOST_KEYS} keys of a clip would be needed"):
+    """What halves are off falls to four tenths: a motion that is smooth nowhere."""
+    fewer = itertools.count()
+    with pytest.raises(GeometryError, match=f"'hand': more than {MOST_KEYS} keys would be needed"):
         adaptive_key_times(
             lambda times: times[:, np.newaxis],
-            lambda values, left, right, share, times: np.ones(len(times)),
+            lambda values, left, right, share, times: np.full(len(times), 1e9 * 0.8 ** next(fewer)),
             np.arange(40.0),
             within=0.1,
+            of="'hand'",
         )
+
+
+@pytest.mark.parametrize("large", [1e11, 1e13])
+def test_what_rounding_alone_moves_is_an_error_before_many_keys_are_made(large: float) -> None:
+    asked: list[int] = []
+
+    def sample(times: Floats) -> Floats:
+        asked.append(len(times))
+        far = large * np.sin(times)
+        return (far + np.cos(times) - far)[:, np.newaxis]
+
+    with pytest.raises(GeometryError, match=r"^'hand': rounding alone is more than keys may be off, 1e-06,"):
+        adaptive_key_times(sample, _off_a_line, np.arange(4.0), within=1e-6, of="'hand'")
+    assert sum(asked) < 20_000
+
+
+@pytest.mark.parametrize("steps", [1, 70])
+def test_corners_and_steps_are_no_rounding(steps: int) -> None:
+    """Where a step is stays one gap, however often that is halved."""
+    places = np.linspace(0.1, 3.9, steps)
+
+    def sample(times: Floats) -> Floats:
+        return np.stack([np.searchsorted(places, times), np.abs(times - 1.3), np.sin(9 * times)], axis=1)
+
+    times = adaptive_key_times(sample, _off_a_line, np.arange(5.0), within=1e-6)
+    assert len(times) < 30_000
+
+
+def _off_a_line(values: Floats, left: Floats, right: Floats, share: Floats, _times: Floats) -> Floats:
+    line = left + (right - left) * share[:, np.newaxis]
+    return np.asarray(np.abs(values - line).max(axis=1))

@@ -79,7 +79,7 @@ class PrimMotion:
             return np.asarray(np.maximum(far, turned))
 
         if len(times) > 1:
-            times = adaptive_key_times(parts, error, times, within=WITHIN)
+            times = adaptive_key_times(parts, error, times, within=WITHIN, of=f"<{prim.GetPath()}>")
         values = np.split(parts(times), _PARTS, axis=1)
         if not all(np.isfinite(each).all() for each in values):
             return tracks

@@ -82,12 +82,11 @@ def reader_keys(
 
     times = times_and_jumps(moving if moving.clip.tracks else timeline, fps, rig.rules.per_second)
     if not steps_only(moving):
+        of = f"'{name}' in clip '{timeline.name}'"
         try:
-            times = adaptive_key_times(read, _error, times, within=within)
+            times = adaptive_key_times(read, _error, times, within=within, of=of)
         except GeometryError as error:
-            raise GeometryError(
-                f"'{name}' in clip '{timeline.name}': {error}. Allow more with --within"
-            ) from None
+            raise GeometryError(f"{error}. Or allow more with --within") from None
     found = read(times)
     if np.abs(found - found[0]).max() <= STILL:
         return times[:1], found[:1]

@@ -276,13 +276,11 @@ class _Rivet:
         )
         holds = steps_only(moving)
         if not holds:
-            bound = self.options.within * self.size
+            bound, of = self.options.within * self.size, f"Rivet '{self.name}' in clip '{timeline.name}'"
             try:
-                times = adaptive_key_times(seats, self._error, times, within=bound)
+                times = adaptive_key_times(seats, self._error, times, within=bound, of=of)
             except GeometryError as error:
-                raise GeometryError(
-                    f"Rivet '{self.name}' in clip '{timeline.name}': {error}. Allow more with --within"
-                ) from None
+                raise GeometryError(f"{error}. Or allow more with --within") from None
         values = self._whole(seats(times), timeline, times)
         if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
             times, values = times[:1], values[:1]
