@@ -32,7 +32,8 @@ class Progress:
 
     def __init__(self, name: str = "", *, total: int = 0, quiet: bool = False) -> None:
         self._name, self._stage = Path(name).name, ""
-        self._total, self._done, self._failed, self._what = total, 0, 0, "files"
+        self._total, self._failed, self._what = total, 0, "files"
+        self._done = 0.0
         self._files = not name
         self._began = self._shown = time.monotonic()
         seen = sys.stderr is not None and sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
@@ -62,7 +63,7 @@ class Progress:
         self._stage, self._done, self._total = name, 0, 0
         self._show()
 
-    def at(self, done: int, total: int, what: str) -> None:
+    def at(self, done: float, total: int, what: str) -> None:
         """So many of ``total`` things are done; ``what`` they are, in the plural."""
         if (total, what) != (self._total, self._what) or not done:
             self._began = time.monotonic()
@@ -105,7 +106,7 @@ class Progress:
             return ""
         seconds = self._shown - self._began
         rate = self._done / seconds if seconds > 0 else 0.0
-        words = [f"{self._done}/{self._total} {self._what}"]
+        words = [f"{int(self._done)}/{self._total} {self._what}"]
         if self._files:
             words.append(f"{rate:.1f}/s")
         if rate > 0:

@@ -5,10 +5,12 @@ Work says it where it happens, and knows nobody who reads it; `report_progress` 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Protocol
+from typing import NamedTuple, Protocol, TypeVar
+
+T = TypeVar("T")
 
 
 class Watcher(Protocol):
@@ -17,12 +19,26 @@ class Watcher(Protocol):
     def stage(self, name: str) -> None:
         """What is begun, such as ``verify``, or ``step 2 of 7, add-twist: verify``."""
 
-    def at(self, done: int, total: int, what: str) -> None:
+    def at(self, done: float, total: int, what: str) -> None:
         """So many of ``total`` things of this stage are done; ``what`` they are, in the plural."""
+
+
+class _Count(NamedTuple):
+    """How many things are done, which part of one is begun, of how many, and what they are."""
+
+    done: float
+    share: float
+    total: int
+    what: str
+
+    def within(self, done: float, total: int) -> _Count:
+        """What is begun where so many of ``total`` parts of this one are done."""
+        return _Count(self.done + self.share * done / total, self.share / total, self.total, self.what)
 
 
 _watcher: ContextVar[Watcher | None] = ContextVar("watcher", default=None)
 _part: ContextVar[str] = ContextVar("part", default="")
+_outer: ContextVar[_Count | None] = ContextVar("outer", default=None)
 
 
 @contextmanager
@@ -51,7 +67,24 @@ def begin_stage(name: str) -> None:
         watcher.stage(f"{_part.get()}{name}")
 
 
-def count_done(done: int, total: int, what: str) -> None:
-    """So many of ``total`` things are done."""
+def count_done(done: float, total: int, what: str) -> None:
+    """So many of ``total`` things are done; within another count, so much of one of its things."""
     if watcher := _watcher.get():
-        watcher.at(done, total, what)
+        outer = _outer.get()
+        one = outer.within(done, total) if outer else _Count(done, 1.0, total, what)
+        watcher.at(one.done, one.total, one.what)
+
+
+def counted(things: Collection[T], what: str) -> Iterator[T]:
+    """Things one by one, with a sign of how many are done; ``what`` they are, in the plural."""
+    outer, total = _outer.get(), len(things)
+    try:
+        for done, thing in enumerate(things):
+            count_done(done, total, what)
+            _outer.set(outer.within(done, total) if outer else _Count(done, 1.0, total, what))
+            yield thing
+            _outer.set(outer)
+        if total:
+            count_done(total, total, what)
+    finally:
+        _outer.set(outer)

@@ -58,7 +58,7 @@ from rigtri.operations.rigtri_nodes import (
     with_record,
 )
 from rigtri.operations.skin_joints import add_joint, is_joint_kind, move_joint, skin_sibling_parent
-from rigtri.progress import count_done
+from rigtri.progress import counted
 from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
@@ -144,8 +144,7 @@ class _Builder:
         if options.root_control or (options.whole_character and self._root_carries(joints)):
             self._root()
         self.axes.find([*((joint, "fk") for joint in joints), *((limb.end, "ik") for limb in self.limbs)])
-        for number, joint in enumerate(joints):
-            count_done(number, len(joints), "controls")
+        for joint in counted(joints, "controls"):
             address = self.rig.address(joint)
             self.controls[joint] = self._control(joint, "fk", self.fk.get(address), {"joint": address})
         self._add()

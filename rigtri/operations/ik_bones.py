@@ -33,6 +33,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_socket import stood, with_joint
 from rigtri.operations.body_pose import sure_bones
 from rigtri.operations.joint_records import joint_record
+from rigtri.progress import counted
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
@@ -91,7 +92,7 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
             followers.append(_Follower(nodes[name], parent, leader))
     if left_out:
         report.warn("no-bones", f"{listed(left_out, 8)} left out: nothing here is surely what they follow")
-    for timeline in timelines(rig) if followers else ():
+    for timeline in counted(timelines(rig) if followers else (), "clips"):
         # Keys that follow already stay to the bit: the rounding of what they were made of is in them.
         if not _follow(rig, timeline, followers):
             rig = put_tracks(rig, timeline, _tracks(rig, timeline, followers, root))

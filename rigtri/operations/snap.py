@@ -43,7 +43,7 @@ from rigtri.operations.operation import operation
 from rigtri.operations.options.snap import IkOrFk
 from rigtri.operations.options.snap import SnapOptions as SnapOptions
 from rigtri.operations.pose import at_rest, warn_outside_clip
-from rigtri.progress import count_done
+from rigtri.progress import counted
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
 
@@ -68,18 +68,13 @@ def snap(rig: Rig, *, options: SnapOptions, report: Report) -> Rig:
         if timeline is not None:
             time = warn_outside_clip(timeline, time, report)
         moments.setdefault(timeline.members if timeline else (), []).append((text, time))
-    done, total = 0, len(moments) * len(chains)
-    for together in moments.values():
-        at = as_float32(np.unique([time for _, time in together]))
-        reference = ControlsAtZero(rig)
-        for chain in chains:
-            count_done(done, total, "limbs")
-            done += 1
-            timeline, _ = timeline_and_time(rig, together[0][0])
-            before, rig = rig, _Limb(rig, chain, timeline, at, options.to, report, reference).snapped()
-            if timeline is None and rig is not before:
-                reference = ControlsAtZero(rig)
-    count_done(done, total, "limbs")
+    for together, chain in counted([(one, chain) for one in moments.values() for chain in chains], "limbs"):
+        if chain is chains[0]:
+            at, reference = as_float32(np.unique([time for _, time in together])), ControlsAtZero(rig)
+        timeline, _ = timeline_and_time(rig, together[0][0])
+        before, rig = rig, _Limb(rig, chain, timeline, at, options.to, report, reference).snapped()
+        if timeline is None and rig is not before:
+            reference = ControlsAtZero(rig)
     return rig
 
 

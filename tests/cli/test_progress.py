@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ from rigtri.formats import read
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.snap import SnapOptions, snap
-from rigtri.progress import as_part, begin_stage, count_done, report_progress
+from rigtri.progress import as_part, begin_stage, count_done, counted, report_progress
 from rigtri.report import Report
 
 
@@ -79,12 +80,12 @@ class Steps:
 
     def __init__(self) -> None:
         self.stages: list[str] = []
-        self.counts: list[tuple[int, int, str]] = []
+        self.counts: list[tuple[float, int, str]] = []
 
     def stage(self, name: str) -> None:
         self.stages.append(name)
 
-    def at(self, done: int, total: int, what: str) -> None:
+    def at(self, done: float, total: int, what: str) -> None:
         self.counts.append((done, total, what))
 
 
@@ -94,7 +95,7 @@ def test_work_on_many_things_tells_how_many_are_done() -> None:
     steps = Steps()
     with report_progress(steps):
         rig = add_controls(read(SAMPLES / "biped.glb").rig, options=AddControlsOptions(whole_character=True))
-        assert steps.counts == [(k, 23, "controls") for k in range(23)]
+        assert steps.counts == [(k, 23, "controls") for k in range(24)]
         steps.counts.clear()
         rig = bake(rig, options=BakeOptions(to="controls"), report=Report())
         assert steps.counts == [(0, 2, "clips"), (1, 2, "clips"), (2, 2, "clips")]
@@ -111,3 +112,36 @@ def test_an_edit_tells_its_stages_and_a_build_its_steps(tmp_path: Path) -> None:
     parts = ("step 1 of 2, orient-joints: ", "step 2 of 2, strip: ")
     assert steps.stages == [f"{one}{stage}" for one in parts for stage in ("read", "edit", "write", "verify")]
     assert (0, 2, "clips") in steps.counts
+
+
+def test_what_is_counted_within_a_count_is_a_part_of_one_of_its_things() -> None:
+    steps = Steps()
+    with report_progress(steps):
+        for _ in counted("ab", "clips"):
+            for _ in counted(range(4), "moments"):
+                list(counted((), "rivets"))
+    quarters = [0, 0.25, 0.5, 0.75, 1]
+    assert steps.counts == [(k, 2, "clips") for k in (0, *quarters, 1, *(1 + part for part in quarters), 2)]
+    steps.counts.clear()
+    with report_progress(steps):  # a count that is broken off takes nothing with it
+        for _ in counted("ab", "clips"):
+            break
+        count_done(1, 3, "limbs")
+    assert steps.counts == [(0, 2, "clips"), (1, 3, "limbs")]
+
+
+def test_a_build_shows_every_pass_over_the_clips(tmp_path: Path) -> None:
+    steps, spec = Steps(), tmp_path / "rig.yaml"
+    spec.write_text("steps: [{do: add-twist, limbs: auto, split-weights: true}]")
+    with report_progress(steps):
+        rigtri.build(SAMPLES / "biped.glb", tmp_path / "out.glb", spec)
+    named = [stage.partition(": ")[2] for stage in steps.stages]
+    assert named == ["read", "edit", "write", "verify", "measure twist"]
+    assert (8, 8, "bones") in steps.counts
+    assert steps.counts[-1] == (2, 2, "clips")
+    steps.counts.clear()
+    with report_progress(steps):
+        rigtri.convert(SAMPLES / "biped.glb", tmp_path / "out.usda")
+    done = [done for done, total, _ in steps.counts if total == 2]  # another pass is over those that play
+    assert [done[0], done[-1]] == [0, 2]
+    assert sum(after < before for before, after in pairwise(done)) == 1  # written, then measured

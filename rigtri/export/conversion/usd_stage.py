@@ -29,6 +29,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
+from rigtri.progress import counted
 from rigtri.text import and_more
 
 # How far a baked camera or light may be off between samples, as a share of how far it is from the origin.
@@ -292,7 +293,7 @@ class _Writer:
         rig, names = self.rig, Names()
         holder = f"{self.root}/Animations"
         titles = distinct([clip.name or f"clip_{number}" for number, clip in enumerate(rig.clips)])
-        for title, clip in zip(titles, rig.clips, strict=True):
+        for title, clip in counted([*zip(titles, rig.clips, strict=True)], "clips"):
             if clip.name and title != clip.name:
                 self.scene.lose(f"that several clips are called '{clip.name}': one is '{title}'")
             found: dict[str, str] = {}

@@ -35,6 +35,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_rivet import AddRivetOptions as AddRivetOptions
 from rigtri.operations.rigtri_nodes import add, find, given_name, group, refuse_taken, stand, with_record
+from rigtri.progress import counted
 from rigtri.report import Report
 
 # Something so long, as a share of the mesh, may be attached to a rivet: rotations count as its end moves.
@@ -78,7 +79,7 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
     names = _names(rig, options, ground)
     for name in names if options.name else ():
         refuse_taken(rig, name, find(rig, RivetRecord, name=name))
-    for name, seat in zip(names, ground.seats(options), strict=True):
+    for name, seat in counted([*zip(names, ground.seats(options), strict=True)], "rivets"):
         if seat.aside > FAR * ground.size:
             text = f"The point of rivet '{name}' is {seat.aside:.4g} away from mesh '{ground.name}'"
             report.warn("rivet-far", f"{text}: the rivet is at the nearest point there", geometry=True)
@@ -244,7 +245,7 @@ class _Rivet:
         held = SkinnedPoints(rig, self.seat.mesh, self.seat.vertices, int(rig.parents[node]))
         counts: dict[str, int] = {}
         worst = 0.0
-        for timeline in timelines(rig):
+        for timeline in counted(timelines(rig), "clips"):
             if self.clips is not None and self.clips.isdisjoint(timeline.members):
                 continue
             tracks = self._tracks(held, timeline, node)

@@ -21,6 +21,7 @@ from rigtri.maths.quaternions import (
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track, key_values
 from rigtri.model.rig import Rig
+from rigtri.progress import counted
 
 # Between two keys a twist joint is off by less than this (0.02°): the twist of an interpolated turn
 # is not the interpolated twist.
@@ -42,7 +43,7 @@ def keyed(rig: Rig, twist: TwistJoint) -> tuple[Rig, dict[str, tuple[float, bool
     small, place = rig.subset(twist.path)
     found: dict[str, tuple[float, bool]] = {}
     clips = []
-    for number, (clip, part) in enumerate(zip(rig.clips, small.clips, strict=True)):
+    for number, (clip, part) in enumerate(counted([*zip(rig.clips, small.clips, strict=True)], "clips")):
         driving = [track for track in part.tracks if track.path == "rotation"]
         old = [t for t in clip.tracks if t.node == twist.node and t.path == "rotation"]
         if not driving:

@@ -32,6 +32,7 @@ from rigtri.operations.options.add_twist import NAME as NAME
 from rigtri.operations.options.add_twist import AddTwistOptions as AddTwistOptions
 from rigtri.operations.rigtri_nodes import find, find_all, refuse_taken, with_record
 from rigtri.operations.skin_joints import add_joint, bind_joint, move_joint
+from rigtri.progress import counted
 from rigtri.recognition.limbs import along, named_limbs, recognise
 from rigtri.report import Report
 
@@ -65,7 +66,7 @@ def add_twist(rig: Rig, *, options: AddTwistOptions, report: Report) -> Rig:
     bones = _bones(rig, options, report)
     if options.name != NAME:
         _check_names(rig, bones, options)
-    for each in bones:
+    for each in counted(bones, "bones"):
         if why := _why_kept(rig, each, options):
             if each.named:
                 raise UsageError(why)

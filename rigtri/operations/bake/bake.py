@@ -5,7 +5,7 @@ Source: R. Katz, "Rigging with Triangles", GDC 2018 (controls, pole vector); doc
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -70,7 +70,7 @@ from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warni
 from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.progress import count_done
+from rigtri.progress import counted
 from rigtri.report import Report
 
 # Types of nodes whose keys follow joints, and are made anew after them.
@@ -133,7 +133,7 @@ class _Baker:
                 text = "The file has no clips, so there is no motion that controls could be given"
                 self.report.warn("no-clips", text)
             chosen = chosen_timelines(self.rig, self.options.clip)
-            for timeline in self._shown(chosen):
+            for timeline in counted(chosen, "clips"):
                 self._to_controls(timeline)
             self._warn()
             return self.rig
@@ -156,18 +156,11 @@ class _Baker:
             "form a cycle"
         )
 
-    def _shown(self, every: Sequence[Timeline]) -> Iterator[Timeline]:
-        """Clips one by one, with a sign of how many are done."""
-        for done, timeline in enumerate(every):
-            count_done(done, len(every), "clips")
-            yield timeline
-        count_done(len(every), len(every), "clips")
-
     def _once(self) -> None:
         """Joints from controls and constraints, and all that follows joints, with rivets as they are."""
         self.reference, self.solvers = ControlsAtZero(self.rig), {}
         chosen = chosen_timelines(self.rig, self.options.clip)
-        for timeline in self._shown(chosen):
+        for timeline in counted(chosen, "clips"):
             self._to_joints(timeline)
         self._rest(self.rig)
         self._follow(frozenset(member for timeline in chosen for member in timeline.members))
@@ -183,7 +176,7 @@ class _Baker:
         for _ in range(_ROUNDS):
             del self.report.added[reported:]
             rig = seen.rig
-            for twist in mine:
+            for twist in counted(mine, "twist joints"):
                 rig, _ = keyed(rig, twist)
             self.rig = seen.undone(rebake_followers(rig, clips, self.report), self.rig)
             last, seen = seen, with_shared_times(self.rig)

@@ -12,6 +12,7 @@ from rigtri.model.metadata import PoseReaderRecord, RivetRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader import posereader
 from rigtri.operations.add_rivet import rivet
+from rigtri.progress import counted
 from rigtri.report import Report
 
 
@@ -59,7 +60,7 @@ def rebake_followers(rig: Rig, clips: frozenset[int], report: Report) -> Rig:
 
     One that cannot be baked (its mesh is gone, or cannot be read) stays as it is, with a warning.
     """
-    for node in rivets_and_readers(rig):
+    for node in counted(rivets_and_readers(rig), "rivets and readers"):
         module = posereader if rig.type_of(node) == "poseReader" else rivet
         try:
             rig = module.rebaked(rig, node, clips=clips, report=report)

@@ -52,7 +52,7 @@ from rigtri.operations.take_clips.time_ranges import Ranges
 from rigtri.operations.take_clips.track_comparison import MISSED
 from rigtri.operations.take_clips.unkeyed_poses import list_channels, unkeyed
 from rigtri.operations.take_clips.unsure_axes import AxesEvidence
-from rigtri.progress import count_done
+from rigtri.progress import counted
 from rigtri.report import Report
 
 
@@ -89,8 +89,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
     axes, moved = AxesEvidence(bodies), set[int]()
     taken_all, changed = set[str](), set[str]()
     follow = follow_controls(rig) if switched.on and not switched.off else frozenset[int]()
-    for number, taken in enumerate(every):
-        count_done(number, len(every), "clips")
+    for taken in counted(every, "clips"):
         taking = _Taking(rig, bodies, taken, options.tolerance, follow, report)
         if taking.is_a_pose():
             report.warn(

@@ -16,6 +16,7 @@ from rigtri.model.animation import Clip
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence
 from rigtri.verification.compare.deviation import Deviation, denormalisation
 from rigtri.verification.compare.probe_selection import frames, origins
@@ -116,7 +117,7 @@ def _measured(pair: Converted, sizes: Floats, clips: Sequence[tuple[Clip, Clip]]
     found.add(SampledPoses(rest[0], rest[1], (None, None), np.zeros(1)), "")
     most = max((len(mesh.points) for mesh in mine), default=1)
     block = max(1, _BLOCK // (16 * (len(before) + len(after)) + 8 * most))
-    for clip, other in clips:
+    for clip, other in counted(clips, "clips"):
         first = bool(pair.clips) and other is pair.clips[0][1]
         found.probes = kinds[0] if first else kinds[1]
         found.sizes = [sizes[probe.placed] for probe in found.probes]
@@ -132,7 +133,7 @@ def _worlds(rig: Rig, local: Floats) -> Floats:
 def _add_clip(found: Deviation, pair: Converted, clip: Clip, other: Clip, block: int) -> None:
     motions = ClipMotion(pair.before, clip), ClipMotion(pair.after, other)
     times = between_keys(key_times(clip))
-    for start in range(0, len(times), block):
+    for start in counted(range(0, len(times), block), "moments"):
         some = times[start : start + block]
         local = [motion.locals_at(some) for motion in motions]
         if isinstance(clip, PlayedClip):

@@ -19,7 +19,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Tracks
 from rigtri.model.rig import Rig
-from rigtri.progress import count_done
+from rigtri.progress import counted
 from rigtri.verification.compare.correspondence import Correspondence, timeline
 from rigtri.verification.compare.probes import FramePoints, MeshPoints, Probe, SampledPoses
 from rigtri.verification.compare.verdict import UNIT, Comparison, Worst
@@ -92,10 +92,9 @@ def measure(
     still = sampling.worlds(both, both.normalised_local if normalised else both.local)[np.newaxis]
     found.add(SampledPoses(still[:, :count], still[:, count:], (None, None), np.zeros(1)), "")
     block = min(max(map(_times_at_once, (before, after))), _times_of_points(found.probes))
-    for number, (clip, *clips) in enumerate(zip(both.clips, before.clips, after.clips, strict=True)):
-        count_done(number, len(both.clips), "clips")
+    for clip, *clips in counted([*zip(both.clips, before.clips, after.clips, strict=True)], "clips"):
         motion, times = sampling.Motion(both, clip), _moments(clip)
-        for start in range(0, len(times), block):
+        for start in counted(range(0, len(times), block), "moments"):
             some = times[start : start + block]
             worlds = sampling.worlds(both, motion.locals_at(some, normalised=normalised))
             poses = SampledPoses(worlds[:, :count], worlds[:, count:], (clips[0], clips[1]), some)

@@ -21,6 +21,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
+from rigtri.progress import begin_stage
 from rigtri.verification.compare.compare import (
     DocumentView,
     MorphChanges,
@@ -187,15 +188,18 @@ def declared_differences(
     if expected.rig.pending.weight_redistributions:
         from rigtri.verification.compare.without_twist import twist_movement
 
+        begin_stage("measure twist")
         return replace(result, moved=twist_movement(written) / result.diagonal)
     if expected.rig.pending.removed:
         return result
     if expected.morph_changes:
         from rigtri.verification.compare.morph_changes import morph_movement
 
+        begin_stage("measure morph targets")
         movement = morph_movement(*views, expected.morph_changes)
         result = replace(result, driven={name: far / result.diagonal for name, far in movement.items()})
     if expected.reposed and result.passes(tolerance):
+        begin_stage("measure motion")
         result = replace(result, motion=_motion(expected, *views))
         clips = result.motion.per_clip if result.motion and expected.keeps_clips else {}
         # What a USD animation holds without time is no motion, but what is seen at rest.

@@ -17,6 +17,7 @@ from rigtri.maths.vectors import distance
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
+from rigtri.progress import counted
 from rigtri.verification.compare.compare import Comparison, DocumentView, Source, self_check, verify
 
 # Times of a clip that are evaluated together.
@@ -68,11 +69,14 @@ def twist_movement(document: Source) -> float:
     twist = _twist_joints(rig)
     meshes = [few for mesh in document.meshes() if (few := _weighted(rig, mesh, twist)) is not None]
     largest = 0.0
-    for clip, frozen in zip(rig.clips, still.clips, strict=True) if meshes else ():
-        if clip.idle or len(frozen.tracks) == len(clip.tracks):
-            continue
+    clips = [
+        (clip, frozen)
+        for clip, frozen in zip(rig.clips, still.clips, strict=True)
+        if meshes and not clip.idle and len(frozen.tracks) != len(clip.tracks)
+    ]
+    for clip, frozen in counted(clips, "clips"):
         times = sampling.key_times(frozen)
-        for start in range(0, len(times), _AT_ONCE):
+        for start in counted(range(0, len(times), _AT_ONCE), "moments"):
             some = times[start : start + _AT_ONCE]
             worlds = [
                 sampling.worlds(r, sampling.locals_at(r, c, some)) for r, c in ((rig, clip), (still, frozen))
