@@ -39,7 +39,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
             f"or {allow}"
         )
     if not result.shown < 10 * tolerance:
-        return _why_far(before, result)
+        return why_far(before, result)
     noisy = nearly_uniform(before, after, tolerance)
     if noisy:
         scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
@@ -59,7 +59,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     )
 
 
-def _why_far(rig: Rig, result: Comparison) -> str:
+def why_far(rig: Rig, result: Comparison) -> str:
     """The number of a clip whose rounding alone comes near what was found; "" where none does."""
     largest, found = 0.0, ""
     for clip in rig.clips:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import struct
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
 from second_opinions import usd_errors
 
 import rigtri
-from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.sampling import Motion, morph_weights, worlds
 from rigtri.evaluation.skinning import deformed
 from rigtri.export.conversion.usd_values import dictionary
@@ -237,6 +238,22 @@ def test_a_target_of_the_same_format_or_a_clip_that_is_not_there_is_refused(
     with pytest.raises(NameNotFoundError):
         rigtri.convert(samples / "hand.glb", tmp_path / "out.usda", clip=["none"])
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.ci
+def test_a_key_whose_rounding_is_what_differs_is_named(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    data = bytearray(binary)
+    walk = next(clip for clip in gltf["animations"] if clip["name"] == "walk")
+    moved = next(c for c in walk["channels"] if c["target"]["path"] == "translation")
+    accessor = gltf["accessors"][walk["samplers"][moved["sampler"]]["output"]]
+    start = gltf["bufferViews"][accessor["bufferView"]].get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    struct.pack_into("<f", data, start + 12, 1e38)
+    (tmp_path / "in.glb").write_bytes(glb_bytes(gltf, bytes(data)))
+    with pytest.raises(
+        DeviationError, match=r"The translation of 'hips' in clip 'walk' is 1e\+38: the float32"
+    ):
+        rigtri.convert(tmp_path / "in.glb", tmp_path / "out.usda")
 
 
 @pytest.mark.ci
