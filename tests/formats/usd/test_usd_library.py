@@ -80,3 +80,14 @@ def test_blend_shapes_alone_are_no_skeleton(tmp_path: Path) -> None:
         'def SkelAnimation "A" { float[] blendShapeWeights = [1]\n uniform token[] blendShapes = ["s"]\n }'
     )
     assert "there is no skeleton" in error_of(save(tmp_path, library(shapes)))
+
+
+def test_no_skeleton_is_built_beside_animations_that_would_no_longer_be_read(tmp_path: Path) -> None:
+    clips = save(tmp_path, library(animation()))
+    points = [word for place in ("0,0,0", "1,0,0.1", "2,0,0") for word in ("--points", place)]
+    refused = cli("make-limb", clips, "-o", tmp_path / "out.usda", *points, code=3)
+    assert (
+        "only the animation </World/Anim>, whose joints would be lost beside the skeleton of"
+        in refused.stderr
+    )
+    run("make-limb", clips, "-o", tmp_path / "out.usda", *points, "--no-skin")

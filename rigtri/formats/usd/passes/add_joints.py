@@ -51,6 +51,13 @@ def _added(source: Source, rig: Rig) -> dict[str, list[int]]:
     """The nodes that each skeleton gets as joints, by its path."""
     found: dict[str, list[int]] = {}
     above = set(new_above(rig).values())
+    libraries = [skin for skin in source.rig.skins if kind(skin.key) == "library"]
+    for skin in rig.skins[len(source.rig.skins) :] if libraries else ():
+        animation, title = parts(libraries[0].key)[1], rig.title(int(skin.joints[0]))
+        raise FileError(
+            f"{source.path}: there is no skeleton in it, only the animation <{animation}>, whose joints "
+            f"would be lost beside the skeleton of '{title}'. Build that in the file of the character."
+        )
     for old, new in zip(source.rig.skins, rig.skins, strict=False):
         fresh = [joint for joint in new.joints.tolist() if rig.keys[joint] is None and joint not in above]
         if not fresh or kind(old.key) == "root":
