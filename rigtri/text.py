@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
@@ -128,9 +129,14 @@ def fit_columns(rows: Sequence[Sequence[str]], width: int | None, spare: Sequenc
 
 
 def wrap_line(text: str, width: int | None) -> list[str]:
-    """A line as several that are not wider than ``width``, the others indented; none for no text."""
+    """A line as several that are not wider than ``width``, the others indented; none for no text.
+
+    >>> wrap_line("hips      3 tracks      LINEAR", 20)
+    ['hips  3 tracks', '  LINEAR']
+    """
     if width is None or len(text) <= width:
         return [text] if text else []
+    text = re.sub("(?<=[^ ]) {3,}", "  ", text)  # its columns are none any more
     return wrap(text, max(width, 20), subsequent_indent="  ", break_long_words=False)
 
 

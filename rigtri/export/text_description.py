@@ -79,7 +79,8 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
     blocks = []
     for title, lines in sections:
         if lines:
-            rows = [f"  {line}" for line in lines] if title else wrap_line(lines[0], width)
+            rows = [f"  {part}" for line in lines for part in wrap_line(line, room)]
+            rows = rows if title else wrap_line(lines[0], width)
             blocks.append("\n".join([*wrap_line(title, width), *rows]))
     return "\n\n".join(blocks)
 
