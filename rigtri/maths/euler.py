@@ -31,6 +31,8 @@ def to_angles(q: ArrayLike, order: RotateOrder) -> Floats:
 
     The middle angle of the order lies in ±π/2; at its ends the last angle is 0.
 
+    Source: Shoemake 1994.
+
     >>> to_angles([0, 0, 0.6, 0.8], "xyz").round(6).tolist()  # 2·atan(0.6/0.8) about z
     [0.0, 0.0, 1.287002]
     """
@@ -50,6 +52,8 @@ def to_angles(q: ArrayLike, order: RotateOrder) -> Floats:
 
 def from_angles(angles: ArrayLike, order: RotateOrder) -> Floats:
     """Unit quaternions of angles about x, y and z in radians, (..., 3) → (..., 4).
+
+    Source: Shoemake 1994: one rotation about each axis, in the order.
 
     >>> to_angles(from_angles([0.1, 0.2, 0.3], "zyx"), "zyx").round(9).tolist()
     [0.1, 0.2, 0.3]

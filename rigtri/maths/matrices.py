@@ -153,6 +153,8 @@ def world(local: ArrayLike, parent_world: ArrayLike) -> Floats:
 def transform_points(points: ArrayLike, m: ArrayLike) -> Floats:
     """Points p·M, (..., 3), (..., 4, 4) → (..., 3).
 
+    Source: GDC 2018, slide "Transformation Matrix": a point is its axes' sum, and the fourth row.
+
     >>> transform_points([1, 1, 1], from_frame(2 * np.eye(3), [0, 0, 5])).tolist()
     [2.0, 2.0, 7.0]
     """

@@ -67,6 +67,8 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     Bilinear and norm-preserving, so values that are not quite unit, and cubic
     tangents, go through it unharmed.
 
+    Source: Shoemake 1985: Hamilton's product.
+
     >>> multiply([0, 0, 1, 0], [0, 0, 1, 0]).tolist()  # two half turns about z
     [0.0, 0.0, 0.0, -1.0]
     """
@@ -90,6 +92,8 @@ def quadruple(q: Floats) -> tuple[float, float, float, float]:
 def conjugate(q: ArrayLike) -> Floats:
     """The inverse rotations, (..., 4), for unit quaternions.
 
+    Source: Shoemake 1985: the inverse of a unit quaternion.
+
     >>> multiply(conjugate([0.6, 0, 0, 0.8]), [0.6, 0, 0, 0.8]).tolist()
     [0.0, 0.0, 0.0, 1.0]
     """
@@ -102,6 +106,8 @@ def dot(a: ArrayLike, b: ArrayLike) -> Floats:
     Of unit ones the cosine of half the angle from one rotation to the other; negative where the
     two lie on opposite sides, so that the short way goes to −b.
 
+    Source: glTF 2.0, appendix C.4: its sign chooses the shorter arc.
+
     >>> float(dot([0, 0, 0, 1], [0, 0, 1, 0]))
     0.0
     """
@@ -111,6 +117,8 @@ def dot(a: ArrayLike, b: ArrayLike) -> Floats:
 
 def norm(q: ArrayLike) -> Floats:
     """Lengths of quaternions, (..., 4) → (...); 1 for a rotation.
+
+    Source: Shoemake 1985.
 
     >>> float(norm([0, 3, 0, 4]))
     5.0
@@ -124,6 +132,8 @@ def norm(q: ArrayLike) -> Floats:
 def unit(q: ArrayLike) -> Floats:
     """Quaternions of length 1, (..., 4); NaN for a zero quaternion, unlike `normalise`.
 
+    Source: Shoemake 1985: rotations are unit quaternions.
+
     >>> unit([0, 3, 0, 4]).tolist()
     [0.0, 0.6, 0.0, 0.8]
     """
@@ -134,6 +144,8 @@ def unit(q: ArrayLike) -> Floats:
 
 def normalise(q: ArrayLike) -> Floats:
     """Quaternions of length 1, (..., 4), as viewers show stored rotations; zero stays zero.
+
+    Source: glTF 2.0 §3.5.3: rotations are unit quaternions.
 
     >>> normalise([0, 0, 0, 2]).tolist(), normalise([0, 0, 0, 0]).tolist()
     ([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0])
@@ -162,6 +174,8 @@ def rotates(q: ArrayLike) -> NDArray[np.bool_]:
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
     """Vectors ``v``, (..., 3), rotated by unit quaternions ``q``, (..., 4): (..., 3), as long as before.
 
+    Source: Shoemake 1985: q·v·q⁻¹, multiplied out with two cross products.
+
     >>> rotate([0, 0, 1, 0], [1, 2, 3]).tolist()
     [-1.0, -2.0, 3.0]
     """
@@ -173,6 +187,8 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
 
 def to_axes(q: ArrayLike) -> Floats:
     """The X, Y and Z axes after rotation by unit quaternions, as rows, (..., 4) → (..., 3, 3).
+
+    Source: Shoemake 1985: the matrix of a quaternion.
 
     >>> to_axes([0, 0, 1, 0]).tolist()  # a half turn about z
     [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]
@@ -219,6 +235,8 @@ def from_axes(axes: ArrayLike) -> Floats:
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Floats:
     """Rotations by ``angle`` radians, (...), about ``axis``, (..., 3), of any length but 0: (..., 4).
 
+    Source: Shoemake 1985: the axis times the sine of half the angle, and its cosine.
+
     >>> from_axis_angle([0, 0, 2], np.pi / 2).round(6).tolist()
     [0.0, 0.0, 0.707107, 0.707107]
     """
@@ -234,6 +252,8 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
 
     Opposite directions have no shortest one; they get a half turn about an
     axis perpendicular to ``a``. NaN where a direction is zero.
+
+    Source: GDC 2018, slides "The Dot Product" and "The Cross Product", with the vector halfway.
 
     >>> rotate(between([1, 0, 0], [0, 0, 5]), [1, 0, 0]).round(12).tolist()
     [0.0, 0.0, 1.0]
@@ -253,6 +273,8 @@ def between(a: ArrayLike, b: ArrayLike) -> Floats:
 def rotation_angle(q: ArrayLike) -> Floats:
     """Angles of the rotations of unit quaternions, (..., 4) → (...), in radians, 0 to π.
 
+    Source: GDC 2018, slide "The Dot Product": acos, here by arc tangent, of half the angle.
+
     >>> float(rotation_angle([0, 0, -1, 0]).round(12))
     3.14159265359
     """
@@ -265,6 +287,8 @@ def make_continuous(q: ArrayLike) -> Floats:
 
     q and −q are one rotation; between keys of opposite signs a player would go the long way round.
 
+    Source: glTF 2.0, appendix C.4: the shorter arc.
+
     >>> make_continuous([[0, 0, 0, 1], [0, 0, 0, -1]]).tolist()
     [[0.0, 0.0, 0.0, 1.0], [-0.0, -0.0, -0.0, 1.0]]
     """
@@ -275,6 +299,8 @@ def make_continuous(q: ArrayLike) -> Floats:
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
     """How far unit quaternions are apart, (..., 4), (..., 4) → (...), in radians, 0 to π.
+
+    Source: GDC 2018, slide "The Dot Product": acos, here by arc tangent, of half the angle.
 
     >>> float(np.degrees(angle_between([0, 0, 0, 1], [0, 0, 1, 0])).round(6))
     180.0
