@@ -82,7 +82,7 @@ def _seen(
     if ways and not (ways[0].legs and ways[0].arms) and any(each.fingers >= HAND for each in limbs):
         paws = limbs_of(tree, pairs, poses, names, kind="leg")
         others = bodies(tree, paws, plane)
-        if others[0].form == "quadruped" and others[0].score > ways[0].score:
+        if others and others[0].form == "quadruped" and others[0].score > ways[0].score:
             limbs, ways = paws, others
     if any(names.get(node, NO_WORDS).animal for node in tree.nodes):
         ways = [replace(way, doubt=False) for way in ways]
