@@ -53,16 +53,16 @@ def direction(text: str) -> Vector:
         sign = -1.0 if text[0] == "-" else 1.0
         x, y, z = (sign if k == letter else 0.0 for k in "xyz")
         return x, y, z
-    return vector(text)
+    return vector(text, "an axis, e.g. -z, or three numbers, e.g. 0,0,1")
 
 
-def vector(text: str) -> Vector:
-    """Three numbers with commas between. ValueError for anything else, and for all zeros."""
+def vector(text: str, ways: str = "three numbers, e.g. 0,0,1") -> Vector:
+    """Three numbers with commas between. ValueError, with ``ways``, for anything else, and for all zeros."""
     with suppress(ValueError):
         found = three(text)
         if any(found) and all(map(math.isfinite, found)):
             return found
-    raise ValueError(f"'{text}' is not a valid direction: use three numbers, e.g. 0,0,1")
+    raise ValueError(f"'{text}' is not a valid direction: use {ways}")
 
 
 def three(text: str) -> Vector:

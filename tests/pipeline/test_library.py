@@ -327,6 +327,7 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("mirror", {"plane_at": float("nan")}, UsageError, "give a finite number"),
         ("add_polevector", {"bend": [("a", "x")]}, UsageError, "give a mapping"),
         ("add_polevector", {"limbs": "auto", "bend": {"a": "b"}}, UsageError, "not a valid direction"),
+        ("add_polevector", {"limbs": "auto", "facing": "up"}, UsageError, "use an axis, e.g. -z, or three"),
         ("take_pose", {"at": "run@1"}, NameNotFoundError, "'run'"),
         ("add_posereader", {"driver": "head", "target": [1]}, UsageError, "give a text"),
         ("orient_joints", {"like": "other.glb"}, UsageError, "give a rig"),
