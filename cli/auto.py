@@ -53,7 +53,7 @@ SUFFIX = ".rig.yaml"
 @click.command("auto", cls=Command, help=__doc__)
 @source_argument
 @target_option
-@preset_option("Axes of the joints. [article; vrm where a file allows no others]")
+@preset_option("Axes of the joints. [article; vrm where a file allows no other axes]")
 @option(
     "--spec-out",
     metavar="FILE.yaml",

@@ -88,10 +88,9 @@ def report_option(words: str) -> Callable[[F], F]:
 
 def preset_option(words: str) -> Callable[[F], F]:
     """The axes of another program."""
-    from rigtri.operations.axis_presets import PRESETS
+    from rigtri.operations.axis_presets import WORDS
 
-    values = {name: style.words for name, style in PRESETS.items()}
-    return option("--preset", type=click.Choice(list(PRESETS)), help=words, group="what", values=values)
+    return option("--preset", type=click.Choice(list(WORDS)), help=words, group="what", values=WORDS)
 
 
 dry_run_option = shared("dry_run", "-n", is_eager=True)

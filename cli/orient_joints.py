@@ -65,7 +65,8 @@ def summary(report: Report) -> str:
     counts = {"turned": 0, "unchanged": 0, "kept": 0}
     for entry in report.joints:
         counts[entry["status"]] += 1
-    skipped = f"{counts['kept']} skipped" + (" (reasons with -v)" if counts["kept"] else "")
+    reasons = counts["kept"] and not click.get_current_context().params["verbose"]
+    skipped = f"{counts['kept']} skipped" + (" (reasons with -v)" if reasons else "")
     line = f"{counted(counts['turned'], 'joint')} re-oriented, {counts['unchanged']} unchanged, {skipped}"
     if not counts["turned"]:
         already = f"{counts['unchanged']} have these axes already, " if counts["unchanged"] else ""

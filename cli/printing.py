@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # Warnings of one kind that are shown without -v.
 MOST_ALIKE = 4
+# What became of a joint, where reports have other words.
+_STATUS = {"turned": "re-oriented", "kept": "skipped"}
 
 
 def print_json(document: object) -> None:
@@ -40,18 +42,20 @@ def print_warnings(warnings: Iterable[Notice], verbose: bool = False) -> None:
 def print_joints(report: Report) -> None:
     """One line per joint: what became of it and why."""
     for entry in report.joints:
-        words = [f"  {entry['joint']}: {entry['status']}"]
+        words = [f"  {entry['joint']}: {_STATUS.get(entry['status'], entry['status'])}"]
         if "degrees" in entry:
-            words.append(f"{entry['degrees']:.3f}°")
+            words[0] += f" by {entry['degrees']:.3f}°"
         if "reason" in entry:
-            words.append(f"({entry['reason']})")
+            words[0] += f" ({entry['reason']})"
         if "aims_at" in entry:
             words.append(f"aims at {entry['aims_at']}")
         elif "aim" in entry:
             words.append(f"aim: {entry['aim']}")
         if "up" in entry:
-            words.append(f"up: {entry['up']}")
-        click.echo(plain(" ".join(words), one_line=True), err=True)
+            from rigtri.operations.orient_joints.up_direction import up_text
+
+            words.append(f"up: {up_text(entry['up'])}")
+        click.echo(plain("; ".join(words), one_line=True), err=True)
 
 
 def print_verification(outcome: Outcome, values: dict[str, Any]) -> None:

@@ -125,7 +125,7 @@ def timeline_and_time(rig: Rig, text: str) -> tuple[Timeline | None, float]:
         at = float("nan")
     if not mark or not np.isfinite(at):
         units = "seconds" if rig.rules.per_second == 1.0 else f"time codes, {rig.rules.per_second:g} a second"
-        raise UsageError(f"'{text}' is no pose: give CLIP@TIME in {units}, e.g. walk@0.5, or rest")
+        raise UsageError(f"'{text}' is not a valid pose: use CLIP@TIME in {units}, e.g. walk@0.5, or rest")
     clip = rig.clip(name)
     number = next((k for k, known in enumerate(rig.clips) if known is clip or known.without_idle is clip), -1)
     found = next((t for t in timelines(rig) if number in t.members), None)

@@ -262,7 +262,7 @@ def _constraint_words(rig: Rig, constraint: NodeConstraint) -> str:
         "rotation": f"turns with {source}",
         "roll": f"rolls about {axis[1:]} with {source}",
         "aim": f"aims {axis} at {source}",
-        "tail": f"hangs from {source}",
+        "tail": f"is attached to {source}",
     }[constraint.kind]
 
 

@@ -33,7 +33,7 @@ def check_plain(path: Path | str, what: str = "") -> Path:
         raise FileError(f"{name} cannot be read: {getattr(error, 'strerror', error)}") from error
     if (scheme := path.parts[0] if path.parts else "").endswith(":") and len(scheme) > 2:  # no drive
         address = f"{scheme}//{'/'.join(path.parts[1:])}"
-        raise FileError(f"{address} is no file here: fetch it, or give it to rigtri batch")
+        raise FileError(f"{address} is not a local file: download it, or give it to rigtri batch")
     near = [] if path.suffix or not path.parent.is_dir() else sorted(path.parent.iterdir())
     alike = [each.name for each in near if each.stem == path.name]
     meant = f". Did you mean {and_more(alike, 4)}?" if alike else ""

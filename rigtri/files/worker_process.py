@@ -207,11 +207,11 @@ class WorkerProcess(contextlib.AbstractContextManager["WorkerProcess"]):
         elif self._memory is not None:
             why = (
                 f"the library that reads it crashed ({code}): it needs more memory than it may have, or the "
-                "file is damaged. Allow it more, or export it anew with the program that wrote it"
+                "file is damaged. Allow it more, or export it again with the program that wrote it"
             )
         else:
             why = (
-                f"the library that reads it crashed ({code}). The file is damaged; export it anew with the "
+                f"the library that reads it crashed ({code}). The file is damaged; export it again with the "
                 "program that wrote it"
             )
         return why, "crash"

@@ -65,7 +65,7 @@ def unknown_format(path: Path) -> FileError:
     suffix = path.suffix.lower()
     known = " ".join((*GLTF_SUFFIXES, *USD_SUFFIXES))
     way = f". {_WAYS[suffix]}" if suffix in _WAYS else ""
-    what = f"'{suffix}' is no format rigtri reads" if suffix else "the name has no suffix"
+    what = f"'{suffix}' is not a format that rigtri reads" if suffix else "the name has no suffix"
     return FileError(f"{path}: {what}. rigtri reads: {known}{way}")
 
 

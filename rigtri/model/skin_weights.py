@@ -88,7 +88,7 @@ def limited(
 
     full: what weights are a whole number of, 0 for floats. What a point has of a joint that it names twice
     counts together. The weights of a point sum to what they did, or to 1. Points with so few joints, and with
-    weights that are no numbers, keep theirs.
+    weights that are not numbers, keep theirs.
     """
     width = min(joints.shape[1], -(-limit.most // 4) * 4) if joints.shape[1] > 4 else joints.shape[1]
     one = float(full or 1)

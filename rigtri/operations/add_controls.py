@@ -257,7 +257,7 @@ class _Builder:
         """Stand the offset of a control in the world; what is below the control stays where it is."""
         before, offset = self.rig, int(self.rig.parents[control])
         if offset not in before.records(OffsetRecord):  # somebody's node, perhaps a joint
-            text = f"'{before.names[control]}' hangs on no offset any more and stays where it is"
+            text = f"'{before.names[control]}' has no offset group above it any more and stays where it is"
             self.report.warn("control-kept-in-place", f"{text}; to rebuild it, strip the file first")
             return
         above = self.new.unposed(int(before.parents[offset]))

@@ -203,7 +203,7 @@ def _place(
     )
     if not np.isfinite(position).all():
         raise GeometryError(
-            f"the root and end of the limb {_title(rig, limb)} are at one place: it has no chord"
+            f"the root and end of the limb {_title(rig, limb)} are at one place: there is no root-to-end line"
         )
     degrees = float(np.degrees(bend_angle(*points)))
     record = _pole_record(rig, limb, options, found, degrees)

@@ -43,7 +43,7 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     options = replace(options, name=given_name(rig, options.name, report))
     start = rig.find(options.above) if options.above is not None else _start(rig)
     if not any(rig.is_joint[node] for node in rig.below(start)):
-        raise UsageError(f"--above {rig.title(start)}: this is no joint, and none is below it")
+        raise UsageError(f"--above {rig.title(start)}: this is not a joint, and no joint is below it")
     if (root := root_above(rig, start)) >= 0 and rig.names[root] != options.name:
         report.joints.append(joint_record(rig, root, "kept", reason="is the root already"))
         return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)

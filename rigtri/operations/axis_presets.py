@@ -93,6 +93,16 @@ PRESETS: dict[str, AxisStyle] = {
     "three-ik": AxisStyle("z", "y", "plane"),
     "vrm": AxisStyle(world=True),
 }
+# Presets that are named after what they are taken from.
+_FROM = {
+    "talk": "R. Katz, 'Rigging with Triangles', GDC 2018",
+    "article": "'Using Vector Math to Rig an Arm'",
+}
+# What each preset is, in words.
+WORDS = {
+    name: f"{style.words} ({_FROM[name]})" if name in _FROM else style.words
+    for name, style in PRESETS.items()
+}
 
 
 def preset_style(preset: str | None) -> AxisStyle:

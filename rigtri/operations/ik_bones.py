@@ -109,7 +109,9 @@ def _placed(rig: Rig, name: str, parent: int, leader: int, place: Floats, report
     """The rig with a joint of a name in a place seen from its parent, (7,); and which it is."""
     known = [node for node in rig.children[parent] if rig.names[node] == name]
     if not known and name in rig.names:
-        raise UsageError(f"Another node is called {name}, and is no child of '{rig.title(parent)}'")
+        raise UsageError(
+            f"Another node has the name {name}, and is not a child of '{rig.title(parent)}': rename it"
+        )
     if known:
         node, made = known[0], stood(rig, known[0], place[:3], place[3:], size_of(rig))
         if made is rig:

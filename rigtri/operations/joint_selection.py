@@ -15,7 +15,7 @@ EXCLUDED = "excluded"
 ROOT = "root joint: its motion is root motion"
 EYE = "VRM eye"
 WEIGHTLESS = "no weight on or below it"
-SOCKET = "end or attachment: no weight on or below it, and what hangs there keeps its place"
+SOCKET = "end or attachment: no weight on or below it, and its children keep their places"
 LONE = "lone end joint beside siblings"
 # Joints that are kept for these reasons do not turn for the sake of another joint either.
 STEADFAST = frozenset({EXCLUDED, ROOT, EYE})

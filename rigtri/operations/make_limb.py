@@ -169,7 +169,7 @@ def _refuse_one_place(points: Floats, titles: Sequence[str], size: float, *, cho
         raise GeometryError(f"{one} and {other} are at one place, so there is no bone between them")
     if chord and not distance(points[0], points[-1]) > ONE_PLACE * size:
         ends = f"{titles[0]} and {titles[-1]}"
-        raise GeometryError(f"{ends}, root and end, are at one place: there is no chord")
+        raise GeometryError(f"{ends}, root and end, are at one place: there is no root-to-end line")
 
 
 def _middle(points: Floats) -> int:
@@ -300,7 +300,7 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
         parent = rig.find(options.parent, "parent")
     if options.parent is not None and rig.is_joint[parent] and not options.skin:
         raise UsageError(
-            f"--no-skin: what hangs below the joint '{rig.title(parent)}' is part of its skins; leave out "
+            f"--no-skin: children of the joint '{rig.title(parent)}' are part of its skins; leave out "
             "--parent or --no-skin"
         )
     own = options.skin and not rig.is_joint[parent]
@@ -337,7 +337,7 @@ def _update(
     above = (parent, -1 if rig.is_joint[parent] else int(rig.parents[parent]))
     if options.parent is not None and rig.find(options.parent, "parent") not in above:
         raise UsageError(
-            f"the limb '{title}' hangs below '{rig.title(parent)}' already; strip the file first"
+            f"the limb '{title}' is a child of '{rig.title(parent)}' already; strip the file first"
         )
     for node, name in zip(joints, options.names, strict=False):
         if rig.rules.valid_name(name) != rig.names[node]:

@@ -70,7 +70,7 @@ def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Ri
 def _report_kept(rig: Rig, still: Sequence[int], report: Report) -> None:
     if still:
         names = listed([rig.title(node) for node in still], 6)
-        why = "a mesh, camera or light hangs there or below, or the file or rigtri's metadata name them"
+        why = "they or joints below have a mesh, camera or light, or the file or rigtri's metadata name them"
         report.warn("still-kept", f"{names} never move against the joints above them, and stay: {why}")
 
 
@@ -127,8 +127,8 @@ class _Merging:
         if needed := sorted(self.kept.intersection(below)):
             names = listed([self.rig.title(each) for each in needed], 4)
             raise GeometryError(
-                f"'{self.rig.title(node)}' cannot be merged: a mesh hangs at {names} or below, or the file "
-                "or rigtri's metadata name it, or no joint above is in its skin. Leave it out"
+                f"'{self.rig.title(node)}' cannot be merged: {names} or a joint below has a mesh, or the "
+                "file or rigtri's metadata name it, or no joint above is in its skin. Leave it out"
             )
         self.gone.update(below)
         held = node in self._joints or self._staying[node]

@@ -125,7 +125,7 @@ def _tables(read: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         table = read.get(key, default) if isinstance(read, Mapping) else None
         if not isinstance(table, Mapping) or not all(isinstance(name, str) for name in table.values()):
             raise FileError(
-                '--map: this is no map of names: {"names": {"old": "new", …}}, as --save-map writes'
+                '--map: this is not a map of names: use {"names": {"old": "new", …}}, as --save-map writes'
             )
         yield dict(table)
 

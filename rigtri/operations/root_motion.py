@@ -108,8 +108,8 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
         raise GeometryError(f"'{rig.title(hips)}' has no root joint above it: add one with rigtri add-root")
     if (between := int(rig.parents[hips])) != root:
         raise GeometryError(
-            f"'{rig.title(hips)}' is no child of '{rig.title(root)}', for '{rig.title(between)}' stands "
-            "between: take it out in a DCC, or name others with --to or --hips"
+            f"'{rig.title(hips)}' is not a child of '{rig.title(root)}': '{rig.title(between)}' is "
+            "between them. Remove it in a DCC, or give others with --to or --hips"
         )
     return hips, root
 

@@ -60,7 +60,7 @@ def skin_sibling_parent(rig: Rig, joint: int) -> tuple[int, int]:
     """
     skins = [skin for skin in rig.skins if _row(skin, joint) is not None]
     if not skins:
-        raise UsageError(f"--as joint: '{rig.title(joint)}' is no joint of a skin that another could join")
+        raise UsageError(f"--as joint: '{rig.title(joint)}' is not in a skin that a joint could join")
     if all(skin.drawn is False for skin in skins):
         raise UsageError(
             f"--as joint: the skin of '{rig.title(joint)}' draws nothing, so a control in it would be taken "

@@ -197,7 +197,7 @@ def _words(body: Body | None, limbs: Limbs, kind: str) -> Iterator[str]:
         if kind == "leg":
             yield "carries the body" if body.form == "biped" else "one of four that carry the body"
         else:
-            yield "hangs higher in the tree than the legs"
+            yield "is higher in the hierarchy than the legs"
     if limbs.fingers >= 2:
         yield f"ends in {limbs.fingers} {'toes' if kind == 'leg' else 'fingers'}"
 

@@ -378,7 +378,7 @@ def _beyond(tree: Tree, legs: Limbs, arms: Limbs) -> list[Vector]:
 
 
 def _head(beyond: Sequence[Vector], arms: Limbs, over: Vector) -> float:
-    """Whether something stands over the arms that is no limb: 1, 0.3 where nothing does."""
+    """Whether something stands over the arms that is not a limb: 1, 0.3 where nothing does."""
     return 1.0 if any(place.dot(over) > 0.05 * arms.size for place in beyond) else 0.3
 
 

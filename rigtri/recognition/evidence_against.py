@@ -116,7 +116,7 @@ def _against_the_tree(draft: Draft, each: Found) -> str:
     for node, over in ((middle, start), (end, middle)):
         if tree.is_below(node, over) or (tree.is_own and AGREED in each.evidence):
             continue
-        words = f"{_title(draft, node)} does not hang below {_title(draft, over)}"
+        words = f"{_title(draft, node)} is not a descendant of {_title(draft, over)}"
         above = tree.above[node]
         at_trunk = above < 0 or (above != start and tree.is_below(start, above))
         if not at_trunk or tree.is_below(start, node) or _goes_on(draft, over, node):

@@ -36,7 +36,7 @@ INTO_PALM = 0.9396926207859084, 0.3420201433256687
 # Fingers that all bend to one side by more than this (radians) say which side the palm is on.
 SHOWN = radians_below(2)
 # The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
-AS_HANDS_HANG = "palm of the hand, as hands hang"
+AS_HANDS_HANG = "palm of a hand hanging at the side"
 FOUR = ("index", "middle", "ring", "little")
 
 
@@ -168,7 +168,7 @@ class _PosedHand:
             turned = known and not self.guessed and curl.closes < 0
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
-            return None if natural is None else Hinge("arm, as hands hang", natural)
+            return None if natural is None else Hinge("arm, for hands hanging at the sides", natural)
         rule = "palm of the hand"
         if not known:
             shown = _shown(self.fingers, self.at)

@@ -154,7 +154,7 @@ def lay_fingers(draft: Draft, hand: int, chains: list[list[int]], side: Side, su
         if chain in left and (not named or (agree and which and len(chain) > 1)):
             _finger(draft, chain, which, side, 0.8 * sure, BY_PLACE)
         elif chain in left:
-            _finger(draft, chain, "", side, 0.5 * sure, "hangs at the hand")
+            _finger(draft, chain, "", side, 0.5 * sure, "is a child of the hand")
 
 
 def _named_fingers(draft: Draft, hand: int, chains: Sequence[Sequence[int]]) -> dict[int, str]:

@@ -13,7 +13,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 from rigtri.recognition.naming_schemes import is_bone, is_segment
 
-# A path longer than this is no limb: what comes after is of no interest, and paths stay short.
+# A path longer than this is not a limb: what comes after is of no interest, and paths stay short.
 _LONGEST = 15
 # A segment of a bone bends no further than this, as a cosine (25°): rest poses are not quite straight.
 _IN_LINE = 0.9

@@ -50,7 +50,7 @@ def given(rig: Rig, start: str, middle: str, end: str) -> Limb:
         shown = listed([limb_title(rig, chain) for chain in likely], 4)
         hint = f"Recognised: {shown}" if shown else "See what is recognised with: rigtri recognise FILE"
         raise UsageError(
-            f"'{start}', '{middle}', '{end}' is no limb: '{below}' does not lie below '{above}'. {hint}"
+            f"'{start}', '{middle}', '{end}' is not a limb: '{below}' does not lie below '{above}'. {hint}"
         )
     known = {limb.triple: limb for limb in recognise(rig)}
     if triple in known:

@@ -167,7 +167,7 @@ def _found(folders: str) -> tuple[Scheme, ...]:
     named = [Path(folder) for folder in folders.split(os.pathsep) if folder]
     for folder in named:
         if not folder.is_dir():
-            raise FileError(f"{FOLDERS} names {folder}, which is no folder: make it, or name another")
+            raise FileError(f"{FOLDERS} names {folder}, which is not a folder: create it, or name another")
     return own_schemes([path for folder in named for path in sorted(folder.glob("*.toml"))])
 
 
@@ -202,17 +202,17 @@ def own_table(
     more: further faults of the table.
     """
     if not path.is_file():
-        raise FileError(f"{path} is no naming scheme: it is not there, or no plain file")
+        raise FileError(f"{path} is not a naming scheme: it does not exist or is not a regular file")
     try:
         table = tomllib.loads(path.read_text("utf-8-sig"))
     except OSError as error:
         raise FileError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise FileError(f"{path} is no naming scheme: it is not UTF-8 at offset {error.start}") from error
+        raise FileError(f"{path} is not a naming scheme: it is not UTF-8 at offset {error.start}") from error
     except tomllib.TOMLDecodeError as error:
-        raise FileError(f"{path} is no naming scheme: this is no TOML: {error}") from error
+        raise FileError(f"{path} is not a naming scheme: this is not TOML: {error}") from error
     if found := [*_faults(table), *more(table)]:
-        raise FileError(f"{path} is no naming scheme: {'; '.join(found)}. docs/recognise.md has an example")
+        raise FileError(f"{path} is not a naming scheme: {'; '.join(found)}. Example: docs/recognise.md")
     return table
 
 

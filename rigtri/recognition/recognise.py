@@ -169,7 +169,7 @@ def _remarks(rig: Rig, drafts: Sequence[Draft]) -> list[str]:
     if not known:
         remarks.append("not a character: " + why_none(drafts[0]))
     if len(known) > 1:
-        remarks.append(f"{len(known)} characters: their joints hang apart and no skin has joints of two")
+        remarks.append(f"{len(known)} characters: separate hierarchies, and no skin has joints of two")
     for draft in known:
         remarks += draft.remarks
         remarks += _missing(draft)
@@ -228,7 +228,7 @@ def _role(
         return names[0], 0.9, [f"its name says {names[0]}"]
     if not rig.is_joint[node] and rig.is_joint.any():
         if rig.attachment[node] >= 0 or rig.children[node]:
-            return "attachment", 0.9, ["no joint of a skin: something that hangs at one"]
+            return "attachment", 0.9, ["not a joint of a skin but a child of one"]
         return "end", 0.9, ["no joint of a skin, and nothing below it: where the bone above ends"]
     return next(_by_place(draft, node), ("deform", 0.6, ["moves points"]))
 
@@ -266,7 +266,7 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
         if taken.intersection(tree.branch(node)):
             yield "deform", 0.75, [f"between the {holder} and what belongs to the body"]
         if len(tree.branch(node)) > 1:
-            yield "attachment", 0.6, [f"hangs at the {holder}, and is no part of it"]
+            yield "attachment", 0.6, [f"is a child of the {holder}, but not part of it"]
         yield "helper", 0.5, [f"one joint beside the {holder}"]
 
 

@@ -450,7 +450,7 @@ def test_names_with_an_equals_sign_can_be_aimed(tmp_path: Path, samples: Path) -
     source.write_text(text)
     (tmp_path / "biped.bin").write_bytes((samples / "biped.bin").read_bytes())
     result = run("orient-joints", source, "-o", tmp_path / "out.gltf", "--aim-at", "a=b=c=d", "-v")
-    assert "a=b: turned" in result.stderr
+    assert "a=b: re-oriented" in result.stderr
 
 
 def _line(name: str, file: Path, target: Path) -> list[str]:
@@ -604,4 +604,4 @@ def test_two_options_do_not_write_one_file(samples: Path, tmp_path: Path) -> Non
 def test_what_was_meant_is_reported_of_a_second_file_a_lacking_suffix_and_an_address(samples: Path) -> None:
     assert "Did you mean -o out.glb?" in run("freeze", samples / "biped.glb", "out.glb", code=2).stderr
     assert "biped.glb" in run("inspect", samples / "biped", code=3).stderr
-    assert "https://a.b/c.glb is no file here" in run("inspect", "https://a.b/c.glb", code=3).stderr
+    assert "https://a.b/c.glb is not a local file" in run("inspect", "https://a.b/c.glb", code=3).stderr

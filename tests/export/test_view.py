@@ -352,7 +352,7 @@ def test_what_is_missing_or_cannot_be_shown_is_reported(tmp_path: Path) -> None:
 
 def test_chains_too_deep_for_three_js_are_reported(tmp_path: Path) -> None:
     told = view(small(joints=2100).glb(tmp_path / "in.glb"), "-o", tmp_path / "a.html").stderr
-    assert "warning: in.glb: 2100 nodes hang one below the other; the page cannot show more than some" in told
+    assert "warning: in.glb: 2100 nodes are one below the other; the page cannot show more than some" in told
 
 
 def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_path: Path) -> None:
@@ -374,8 +374,8 @@ def test_textures_that_no_page_can_show_are_reported_once_with_the_reason(tmp_pa
     assert told[:-1] == [
         "warning: in.glb: textures in KTX2 are not shown (2), for a page that runs nothing but its own "
         "script can have no decoder of it; give them PNG, JPEG or WebP as well",
-        "warning: in.glb: textures are not shown whose images are none of PNG, JPEG, WebP, AVIF, GIF or BMP: "
-        "'0.dds', '1.dds', '2.dds', …",
+        "warning: in.glb: textures whose images are not one of PNG, JPEG, WebP, AVIF, GIF or BMP are not "
+        "shown: '0.dds', '1.dds', '2.dds', …",
     ]
 
 
@@ -420,7 +420,7 @@ def test_textures_of_usd_are_taken_along_and_others_are_reported(tmp_path: Path)
     page = Page((tmp_path / "a.html").read_text("utf-8"))
     (one,) = page.facts["models"][0]["files"]
     assert (one["name"], page.file(one["id"])) == ("texture0.png", PNG + b"a.png")
-    assert "'b.exr' is not shown, for it is none of PNG, JPEG" in result.stderr
+    assert "'b.exr' is not shown: it is not one of PNG, JPEG" in result.stderr
     assert "'gone.png' is missing" in result.stderr
     assert "'../out.png' lies outside the folder of the file" in result.stderr
 

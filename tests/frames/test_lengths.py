@@ -157,14 +157,14 @@ def test_gltf_means_unit_rotations_whatever_their_length_and_reports_what_else_i
 
 def test_a_rotation_that_float32_holds_too_few_digits_of_is_refused(tmp_path: Path) -> None:
     source = made(tmp_path, stretched(1e-42, "elbow"), ".glb")
-    with pytest.raises(FileError, match="as good as 0 0 0 0, which is no rotation"):
+    with pytest.raises(FileError, match="as good as 0 0 0 0, which is not a rotation"):
         read(source)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_rotation_of_no_length_is_refused_by_name(suffix: str, tmp_path: Path) -> None:
     source = made(tmp_path, stretched(0.0, "elbow"), suffix)
-    with pytest.raises(FileError, match="0 0 0 0, which is no rotation"):
+    with pytest.raises(FileError, match="0 0 0 0, which is not a rotation"):
         oriented(source, tmp_path / f"out{suffix}")
 
 

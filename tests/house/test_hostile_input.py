@@ -142,7 +142,7 @@ def test_links_in_a_circle_and_pipes_are_no_buffers(tmp_path: Path) -> None:
     (tmp_path / "two.bin").symlink_to("one.bin")
     assert "buffers[0]" in fault(path)
     os.mkfifo(tmp_path / "pipe.bin")
-    assert "is no plain file" in fault(changed(path, uri="pipe.bin"))
+    assert "is not a regular file" in fault(changed(path, uri="pipe.bin"))
 
 
 # --- limits
@@ -633,7 +633,7 @@ def test_custom_data_that_cannot_be_unpacked_are_an_error_of_the_file() -> None:
 def test_a_finding_of_openusd_that_quotes_bytes_is_reported_all_the_same() -> None:
     from rigtri.verification.checks.usd.usd_validation import _message
 
-    assert "no text" in _message(_Spoilt())
+    assert "not text" in _message(_Spoilt())
 
 
 DEEP = {

@@ -750,7 +750,7 @@ def test_the_command_writes_what_it_reports(suffix: str, samples: Path, tmp_path
         ("point --driver head=x", 2, "not a weight"),
         ("aim --driver head --world-up none --up-axis z", 2, "--up-axis"),
         ("aim --driver head --world-up none --up-vector z", 2, "--up-vector"),
-        ("polevector --driver head --limb thigh_L shin_L foot_L", 2, "no joint of the limb"),
+        ("polevector --driver head --limb thigh_L shin_L foot_L", 2, "not a joint of the limb"),
         ("point --driver hed", 4, "head"),
         ("parent --driver fingers_L", 5, "'hand_L' → 'fingers_L' → 'hand_L'"),
         ("orient --driver head --joint-orient 1,2", 2, "degrees"),

@@ -199,7 +199,7 @@ def test_a_second_run_moves_its_limb() -> None:
         made((*ARM, (7.0, 1.0, 0.0)), rig=out, name="arm", planar=True)
     with pytest.raises(UsageError, match="keeps its name"):
         made(rig=out, name="arm", names=("a", "b", "c"))
-    with pytest.raises(UsageError, match="hangs below 'rigtri_controls'"):
+    with pytest.raises(UsageError, match="is a child of 'rigtri_controls'"):
         made(rig=out, name="arm", parent="arm_1_pole" if out.has("arm_1_pole") else "arm_2")
 
 

@@ -99,7 +99,7 @@ def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Pat
 
 def test_a_root_is_above_joints_alone(tmp_path: Path) -> None:
     words = ("add-root", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--above", "staff")
-    assert "staff: this is no joint" in cli(*words, code=2).stderr
+    assert "staff: this is not a joint" in cli(*words, code=2).stderr
 
 
 def test_a_root_comes_above_joints_whose_clip_moves_blend_shapes(tmp_path: Path) -> None:
@@ -415,7 +415,7 @@ def test_ik_bones_of_what_is_not_known_are_left_out(tmp_path: Path) -> None:
     assert not {"ik_hand_gun", "ik_hand_l"} & set(out.names)
     assert any("ik_hand_gun (rightHand)" in warning.text for warning in report.warnings)
     taken = replace(rig, names=tuple("ik_foot_l" if name == "toe_L_end" else name for name in rig.names))
-    with pytest.raises(UsageError, match="Another node is called ik_foot_l"):
+    with pytest.raises(UsageError, match="Another node has the name ik_foot_l"):
         rigtri.add_root(taken, profile="unreal")
 
 

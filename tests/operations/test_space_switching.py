@@ -162,7 +162,7 @@ def test_a_control_is_switched_by_its_offset_and_keeps_its_keys(suffix: str, tmp
         ({"weight_keys": {"swing": {"times": [0, 1], "left": [1]}}}, UsageError, "2 numbers"),
         ({"weight_keys": {"swing": {"times": [0], "left": [-1]}}}, UsageError, "from 0 on"),
         ({"weight_keys": {"swing": {"times": [0, 1], "left": [0, 0]}}}, UsageError, "every weight is 0"),
-        ({"weight_keys": {"swing": {"times": [0], "top": [1]}}}, UsageError, "none of the drivers"),
+        ({"weight_keys": {"swing": {"times": [0], "top": [1]}}}, UsageError, "not one of the drivers"),
         ({"weight_from": ("left=root.rx",)}, UsageError, "CHANNEL"),
         ({"type": "aim", "match": True}, UsageError, "space= means nothing"),
         ({"type": "orient", "space": ("local",)}, UsageError, "driver_space= local"),

@@ -164,7 +164,7 @@ def test_what_is_no_file_is_reported(samples: Path, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="no folder"):
         edit(samples / "biped.glb", tmp_path / "deep" / "out.glb", orient)
     (tmp_path / "hero.fbx").write_bytes(b"Kaydara")
-    with pytest.raises(FileError, match="no format"):
+    with pytest.raises(FileError, match="not a format"):
         edit(tmp_path / "hero.fbx", tmp_path / "out.fbx", orient)
 
 

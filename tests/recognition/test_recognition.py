@@ -490,7 +490,7 @@ def test_a_scheme_of_ones_own_comes_first(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("title = 3 3", "this is no TOML: .*line 1"),
+        ("title = 3 3", "this is not TOML: .*line 1"),
         ('[sides]\nHand = "h"', "'title' is missing"),
         ("title = 3", "'title' is a number: give a text"),
         ('title = "A"\nside = 1', "there is no 'side'. Did you mean 'sides'"),
@@ -525,8 +525,8 @@ def test_all_schemes_that_are_none_are_reported_at_once(tmp_path: Path) -> None:
         path.write_text(text, "utf-8")
         words += ["--scheme", str(path)]
     result = cli("recognise", SAMPLES / "biped.glb", *words, code=3)
-    assert "a.toml is no naming scheme: 'title' is a number" in result.stderr
-    assert "b.toml is no naming scheme: 'marks' is a number" in result.stderr
+    assert "a.toml is not a naming scheme: 'title' is a number" in result.stderr
+    assert "b.toml is not a naming scheme: 'marks' is a number" in result.stderr
     assert "c.toml" not in result.stderr
 
 
@@ -541,7 +541,7 @@ def test_a_folder_of_schemes_that_is_not_there_is_reported(
     monkeypatch.setenv("RIGTRI_SCHEMES", str(tmp_path / "gone"))
     result = cli("recognise", SAMPLES / "biped.glb", code=3)
     assert "RIGTRI_SCHEMES names" in result.stderr
-    assert "gone, which is no folder" in result.stderr
+    assert "gone, which is not a folder" in result.stderr
 
 
 def test_a_name_is_read_whatever_stands_between_its_words() -> None:
@@ -586,7 +586,7 @@ def test_json_is_as_its_schema_requires(name: str) -> None:
 
 def test_a_scheme_that_cannot_be_read_is_reported_in_one_line(tmp_path: Path) -> None:
     run = cli("recognise", SAMPLES / "biped.glb", "--scheme", tmp_path / "no.toml", code=3)
-    assert "is no naming scheme" in run.output
+    assert "is not a naming scheme" in run.output
 
 
 # By hand: arms and legs that the shape alone shows in real files whose names are taken away.

@@ -59,7 +59,7 @@ def test_hands_parented_to_feet_are_not_sure_and_a_remark_gives_the_reason() -> 
     arms = [chain for chain in layout.chains if chain.kind == "arm"]
     assert arms
     assert not any(chain.is_sure for chain in arms)
-    assert any("does not hang below 'forearm.L'" in remark for remark in layout.remarks)
+    assert any("is not a descendant of 'forearm.L'" in remark for remark in layout.remarks)
 
 
 @pytest.mark.parametrize("part", ["upper_arm.L", "foot.L", "shin.R", "forearm.R"])

@@ -242,7 +242,7 @@ def elsewhere(nodes: list[Any]) -> str:
             if min(apart) > SAME * size * RIG["meters"]:
                 return (
                     f"{armature.name!r} does not stand where the file has it, and moves there while controls "
-                    "drive; move what both it and the controls hang on, after the set-up"
+                    "drive; move the parent of both it and the controls, after the set-up"
                 )
     return ""
 
@@ -959,7 +959,7 @@ def set_up(given: str | None = None, drive: float | None = None) -> int:
             "nothing is set up, for the scene does not have all of the character:\n  "
             + "\n  ".join(wrong[:20])
             + more
-            + "\nImport the file anew with the importer's own settings, or let the script do it"
+            + "\nImport the file again with the importer's own settings, or let the script do it"
         )
     master = character(nodes)
     if text := elsewhere(nodes):

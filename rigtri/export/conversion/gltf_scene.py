@@ -249,5 +249,6 @@ class _Reader:
             name, again = f"{stem}_{again}{suffix}", again + 1
         self._used.add(name.lower())
         if suffix not in (".png", ".jpg"):
-            self.scene.lose(f"image {name} is none that USD must show (PNG or JPEG); it is copied as it is")
+            why = "is neither PNG nor JPEG, which all USD viewers show; it is copied as it is"
+            self.scene.lose(f"image {name} {why}")
         return name

@@ -65,7 +65,7 @@ class Looks:
         name = prim.GetDisplayName() or prim.GetName()
         surface = UsdShade.Shader(material.ComputeSurfaceSource()[0])
         if not surface or surface.GetShaderId() != "UsdPreviewSurface":
-            self._scene.lose(f"material '{name}', which is no UsdPreviewSurface")
+            self._scene.lose(f"material '{name}', which is not a UsdPreviewSurface")
             return Material(name, metallic=0.0, double_sided=double_sided)
         unlit = prim.GetCustomDataByKey("unlit") is True
         textures: dict[Slot, Texture] = {}

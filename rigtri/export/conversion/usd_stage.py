@@ -125,7 +125,7 @@ class _Writer:
         paths, rig = {-1: self.root}, self.rig
         moved = {t.node for clip in rig.clips[1:] for t in clip.tracks if t.path != "weights"} - self.joints
         if moved - self.scene.omitted:
-            self.scene.lose(f"motion of {len(moved)} nodes that are no joints in clips but the first")
+            self.scene.lose(f"motion of {len(moved)} nodes that are not joints, in all clips but the first")
         uneven: dict[int, float] = {}
         for node in range(len(rig)):
             if node in self.joints or node in self.scene.omitted:

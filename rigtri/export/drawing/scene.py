@@ -222,7 +222,7 @@ def triangle(a: Floats, b: Floats, c: Floats, *, node: str = "") -> Iterator[Mar
     along = normalise(c - a) * corner
     square = np.stack([foot + along, foot + along + side * corner, foot + side * corner])
     yield Mark("line", "square", square, node)
-    text = f"projection of the middle joint on the chord; the limb bends by {_bend(a, b, c)}"
+    text = f"projection of the mid joint on the root-to-end line; the limb bends by {_bend(a, b, c)}"
     yield Mark("dot", "foot", foot[np.newaxis], node, description=text, size=0.2 * corner)
 
 

@@ -138,7 +138,7 @@ def direction(text: str, or_else: str = "") -> Floats:
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise UsageError(f"'{text}' is no view: give {or_else}a direction x,y,z") from None
+        raise UsageError(f"'{text}' is not a valid view: use {or_else}a direction x,y,z") from None
     eye = normalise([x, y, z])
     if not np.isfinite(eye).all():
         raise UsageError(f"'{text}' points nowhere: a view is seen from a direction x,y,z")

@@ -250,7 +250,7 @@ def _arm(made: _Maker) -> list[Step]:
 
 def _pole(made: _Maker) -> list[Step]:
     a, b, c = made.a, made.b, made.c
-    foot, reach = project(b, a, c), 0.5 * limb_length(a, b, c)
+    projection, reach = project(b, a, c), 0.5 * limb_length(a, b, c)
     share = dot(made.ab, made.ac) / dot(made.ac, made.ac)
     row = partial(made.step, "Pole Vector")
 
@@ -263,9 +263,9 @@ def _pole(made: _Maker) -> list[Step]:
     side, pole = bend_direction(a, b, c), pole_position(a, b, c)
     return [
         row("AB · AC / AC · AC", "dot(AB, AC) / dot(AC, AC)", share, along),
-        row("P", "project(B, A, C)", foot, where),
-        row("PB = B − P", "b - foot", b - foot),
-        row("‖PB‖", "length(PB)", length(b - foot), "how far the limb is from straight"),
+        row("P", "project(B, A, C)", projection, where),
+        row("PB = B − P", "B - P", b - projection),
+        row("‖PB‖", "length(PB)", length(b - projection), "how far the limb is from straight"),
         row("PB.normal()", "bend_direction(A, B, C)", side, "where the limb bends to"),
         row("(‖AB‖ + ‖BC‖) * 0.5", "limb_length(A, B, C) * reach", reach, half),
         row("B + PB.normal() * that", "pole_position(A, B, C)", pole, "where the pole vector stands"),

@@ -115,7 +115,7 @@ def shown_page(
                 rest = "its nodes are shown" if len(rig) else "nor any node"
                 report.warn("no-joints", f"{called} has no joints; {rest}")
             if (deep := max(rig.depth, default=0)) >= DEEPEST:
-                report.warn("deep", f"{called}: {deep + 1} nodes hang one below the other; {_TOO_DEEP}")
+                report.warn("deep", f"{called}: {deep + 1} nodes are one below the other; {_TOO_DEEP}")
             for text in embedded.lacking:
                 report.warn("not-shown", f"{called}: {text}")
             content = embedded.content if isinstance(embedded.content, bytes) else path.read_bytes()

@@ -222,9 +222,9 @@ class Accessors:
         raw = accessor.object()
         component, width = raw.get("componentType"), WIDTHS.get(str(raw.get("type")))
         if type(component) is not int or component not in COMPONENTS:
-            accessor.fail(f"componentType {component!r} is none that glTF knows")
+            accessor.fail(f"componentType {component!r} is not defined by glTF")
         if width is None:
-            accessor.fail(f"type {raw.get('type')!r} is none that rigtri can read here")
+            accessor.fail(f"type {raw.get('type')!r} cannot be read here")
         count = accessor.natural("count") or accessor.need("count").count(1)
         normalized, sparse = raw.get("normalized") is True, raw.get("sparse") is not None
         if raw.get("bufferView") is None:
@@ -314,7 +314,7 @@ class Accessors:
         where, what = sparse.need("indices"), sparse.need("values")
         component = where.need("componentType").count()
         if component not in (5121, 5123, 5125):
-            where.fail(f"componentType {component} is none for indices")
+            where.fail(f"componentType {component} is not valid for indices")
         indices = self._part(where, Layout(component, 1, count, False, False))[:, 0].astype(np.int64)
         if indices.max() >= layout.rows:
             where.fail(f"there is no element {indices.max()}, the accessor has {layout.rows}")

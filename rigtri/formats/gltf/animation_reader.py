@@ -292,7 +292,7 @@ class ClipReader:
         size = norm(np.concatenate(keys))
         if (size < _LEAST).any():
             like = "is" if (size == 0).any() else "is as good as"
-            self._refuse(clip, ("rotation",), f"{like} 0 0 0 0, which is no rotation", _is_zero)
+            self._refuse(clip, ("rotation",), f"{like} 0 0 0 0, which is not a rotation", _is_zero)
         off = float(np.abs(size - 1.0).max())
         if off > NON_UNIT:
             name = f"animation '{clip.name}' (#{clip.key})"
@@ -307,7 +307,7 @@ class ClipReader:
                 name = self._gltf.object()["animations"][number].get("name", "")
                 raise FileError(
                     f"{self._gltf.where} animation '{name}' (#{number}) channel {channel}: "
-                    f"{track.path} key {keys[0][0]} {what}; export the animation anew"
+                    f"{track.path} key {keys[0][0]} {what}; export the animation again"
                 )
         raise AssertionError("a wrong value was seen and is gone")
 

@@ -151,7 +151,7 @@ def _check_beginning(path: Path, start: bytes) -> None:
         words = start.decode("ascii", "replace").lstrip().splitlines()[0]
         shown = f"'{words}'" if words.isprintable() and start.isascii() else f"the bytes {start[:4].hex(' ')}"
         raise FileError(
-            f"{path}: this is no glTF: it begins with {shown}, where a "
+            f"{path}: this is not a glTF file: it begins with {shown}, where a "
             "GLB begins with 'glTF' and a .gltf with '{'. Give another file, or export it again"
         )
 
@@ -163,7 +163,7 @@ def _split(
         raise FileError(f"{path}: the GLB ends after {len(source)} bytes, inside its header")
     _, version, length = HEADER.unpack_from(source)
     if version != 2:
-        raise FileError(f"{path}: this is GLB version {version}, not 2; export it anew as glTF 2.0")
+        raise FileError(f"{path}: this is GLB version {version}, not 2; export it again as glTF 2.0")
     if length > len(source):
         raise FileError(
             f"{path}: the GLB is cut off: it should have {length} bytes and ends at offset {len(source)}. "
@@ -212,9 +212,9 @@ def _json(
         raise FileError(f"{path}: the JSON is not UTF-8 at offset {error.start}") from None
     except ValueError as error:
         reason = "a number has thousands of digits" if "set_int_max_str_digits" in str(error) else error
-        raise FileError(f"{path}: this is no valid JSON: {reason}") from None
+        raise FileError(f"{path}: this is not valid JSON: {reason}") from None
     if not isinstance(gltf, dict):
-        raise FileError(f"{path}: the JSON is no object, so this is no glTF")
+        raise FileError(f"{path}: the JSON is not an object, so this is not a glTF file")
     _check_version(path, gltf)
     return text, gltf, ends
 
@@ -222,8 +222,8 @@ def _json(
 def _check_version(path: Path, gltf: dict[str, Any]) -> None:
     asset = gltf.get("asset")
     if not isinstance(asset, dict) or not isinstance(asset.get("version"), str):
-        raise FileError(f"{path}: 'asset.version' is missing, so this is no glTF 2.0")
+        raise FileError(f"{path}: 'asset.version' is missing, so this is not a glTF 2.0 file")
     for key in ("version", "minVersion"):
         version = asset.get(key, "2.0")
         if not isinstance(version, str) or not re.fullmatch(r"2\.[0-9]+", version):
-            raise FileError(f"{path}: asset.{key} is {version!r}, not 2.x; export the file anew as glTF 2.0")
+            raise FileError(f"{path}: asset.{key} is {version!r}, not 2.x; export the file again as glTF 2.0")

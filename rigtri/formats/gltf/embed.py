@@ -77,7 +77,7 @@ def _unshown(gltf: dict[str, Any], images: Images) -> Iterator[str]:
         )
     if other:
         names = ", ".join([*list(other)[:_MOST], *(["…"] if len(other) > _MOST else [])])
-        yield f"textures are not shown whose images are none of {KINDS}: {names}"
+        yield f"textures whose images are not one of {KINDS} are not shown: {names}"
 
 
 def _called(image: dict[str, Any], number: int) -> str:

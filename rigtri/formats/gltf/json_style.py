@@ -54,7 +54,7 @@ def _members(text: str) -> tuple[dict[str, Any], dict[int, int]]:
         ends[start] = end
         at, follows = skip(text, end), ","
     if not pairs or text[at] != "}" or text[at + 1 :].strip(BLANKS):
-        raise ValueError("this is no object alone")
+        raise ValueError("this is not a single object")
     return _once(pairs), ends
 
 
@@ -76,7 +76,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _no_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no JSON number")
+    raise ValueError(f"{name} is not a JSON number")
 
 
 # Of C, without a call around it. One for each object costs less than to count keys and members afterwards.

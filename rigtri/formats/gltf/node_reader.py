@@ -153,7 +153,7 @@ def _repair(
     if split:
         if skew(rest.matrix[row]) > SKEW:
             name = title(nodes, index)
-            gltf.fail(f"{name} is animated and its sheared matrix cannot be split; export the file anew")
+            gltf.fail(f"{name} is animated and its sheared matrix cannot be split; export the file again")
         rest.translation[row], rest.rotation[row], rest.scale[row] = decompose(rest.matrix[row])
     rest.has_matrix[row] = False
     rest.matrix[row] = np.eye(4)

@@ -271,7 +271,7 @@ class NodeWriter:
         extras = holder.get("extras", {})
         if not isinstance(extras, dict):
             raise FileError(
-                f"{self._rig.title(node)} has extras that are no object, so nothing can be noted there; "
+                f"{self._rig.title(node)} has extras that are not an object, so nothing can be stored there; "
                 "remove them first"
             )
         old = extras.get("rigtri")

@@ -175,7 +175,7 @@ def sampler_violation(number: Any, count: int) -> Violation | None:
 def interpolation_violation(mode: Any) -> Violation | None:
     if mode in INTERPOLATIONS:
         return None
-    text = f"interpolation {short_repr(mode)} is none that glTF knows"
+    text = f"interpolation {short_repr(mode)} is not defined by glTF"
     return Violation("gltf.animation.interpolation-unknown", text)
 
 

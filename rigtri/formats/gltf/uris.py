@@ -55,7 +55,7 @@ def decode_data(uri: str, where: str) -> bytes:
     try:
         return base64.b64decode(unquote(body) if "%" in body else body, validate=True)
     except (binascii.Error, ValueError) as error:
-        raise FileError(f"{where}: the data URI is broken ({error}); export the file anew") from None
+        raise FileError(f"{where}: the data URI is broken ({error}); export the file again") from None
 
 
 def encode_data(content: bytes | bytearray, head: str = "data:application/octet-stream;base64") -> str:
@@ -75,7 +75,7 @@ def file_of(uri: str, folder: Path, where: str, *, allow_external: bool = False)
         raise FileError(f"{where}: rigtri fetches nothing from '{_short(uri)}'; put the file beside this one")
     name = unquote(uri)
     if "\0" in name or _SURROGATE.search(name):
-        raise FileError(f"{where}: '{_short(uri)}' is no file name")
+        raise FileError(f"{where}: '{_short(uri)}' is not a file name")
     if not allow_external and lies_outside(uri, folder, where):
         raise FileError(
             f"{where}: '{_short(uri)}' lies outside the folder of the file. "
@@ -106,7 +106,7 @@ def why_absent(uri: str, path: Path, source: Path) -> str:
     except OSError:
         other = False
     if other:
-        return f"'{name}' is no plain file but a folder, a device or a pipe; name a file instead"
+        return f"'{name}' is not a regular file but a folder, a device or a pipe; name a file instead"
     if "/" in name:
         return f"the file '{name}', as seen from the folder of {source.name}, is missing; put it there"
     return f"the file '{name}' is missing; put it beside {source.name}"

@@ -107,7 +107,7 @@ def _textures(
                 lacking.append(f"the texture '{asset.path}' cannot be read")
                 continue
             if not shows(content.GetBuffer()[:16]):
-                lacking.append(f"the texture '{asset.path}' is not shown, for it is none of {KINDS}")
+                lacking.append(f"the texture '{asset.path}' is not shown: it is not one of {KINDS}")
                 continue
             name = f"texture{len(files)}{suffix}"
             files[name] = bytes(content.GetBuffer())

@@ -171,7 +171,7 @@ class Output:
             try:
                 text = splice.spliced(content, self.layer, layer, lost)
             except UnknownTextError as why:
-                reason = f"the text was written anew by USD, which sorts properties and drops comments: {why}"
+                reason = f"the text was rewritten by USD, which sorts properties and drops comments: {why}"
                 notices.append(Notice("text-respelled", reason))
             else:
                 if lost:

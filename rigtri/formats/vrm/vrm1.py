@@ -128,7 +128,7 @@ def _notice_dangling(extensions: Any, count: int, found: Bindings) -> None:
             node = node[key]
         if type(node) not in (int, float) or not 0 <= node < count or node != int(node):
             place = ".".join(map(str, path))
-            text = f"extensions.{place} is {node!r}, which is no node of this file"
+            text = f"extensions.{place} is {node!r}, which is not a node of this file"
             found.notices.append(Notice("vrm-reference", text))
 
 

@@ -252,7 +252,7 @@ class _Builder:
         """A control that add-controls has made."""
         node = self.rig.find(name, "node")
         if self.rig.type_of(node) != "control":
-            raise UsageError(f"'{name}' is no control; make some with: rigtri add-controls")
+            raise UsageError(f"'{name}' is not a control; add controls with: rigtri add-controls")
         return node
 
     def _target(self, goal: Goal) -> TargetRecord:

@@ -42,7 +42,7 @@ def named_goals(rig: Rig, options: AddPosereaderOptions) -> tuple[Goal, ...]:
         raise UsageError("each target needs a name of its own")
     for target, *rest in (*options.morph, *options.attribute):
         if target not in known:
-            raise UsageError(f"'{target}' ({' '.join(rest)}) is no target; there are {', '.join(known)}")
+            raise UsageError(f"'{target}' ({' '.join(rest)}) is not a target: use one of {', '.join(known)}")
     if options.reader == "rbf" and any(goal.node for goal in goals):
         raise UsageError("rbf reads poses; a node is a target of dot and cone readers")
     return goals

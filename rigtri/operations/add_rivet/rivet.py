@@ -105,7 +105,7 @@ def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | Non
     if len(rows) != 3 or rows.min() < 0 or rows.max() >= count:
         raise GeometryError(
             f"Rivet '{rig.title(node)}': mesh '{record.mesh}' has no such triangle, or cannot be read; "
-            "make it anew with: rigtri add-rivet"
+            "add it again with: rigtri add-rivet"
         )
     ground = _Ground(rig, meshes, record.mesh)
     seat = _Seat(meshes[number], number, rows, np.array(record.barycentric), ground.number(number, rows))

@@ -129,7 +129,7 @@ def _bones(rig: Rig, options: AddTwistOptions, report: Report) -> list[_Bone]:
         elif both or options.lower:
             report.warn(
                 "twist-left-out",
-                f"'{rig.title(limb.end)}' does not hang below '{rig.title(limb.middle)}', whose bone gets "
+                f"'{rig.title(limb.end)}' is not a descendant of '{rig.title(limb.middle)}', whose bone gets "
                 "no twist joints",
                 joint=rig.title(limb.middle),
             )
@@ -222,7 +222,7 @@ def _why_kept(rig: Rig, of: _Bone, options: AddTwistOptions) -> str:
     if any(other.intersection(skin.joints[skin.weighted].tolist()) for skin in bearing):
         return (
             f"'{title}' has twist joints with weight, and other settings would move its vertices; give "
-            "--split-weights, which shares the weight anew, or strip the file first"
+            "--split-weights, which distributes the weight again, or strip the file first"
         )
     return ""
 

@@ -187,7 +187,7 @@ def _chain(rig: Rig, options: ConstrainOptions) -> tuple[int, ...]:
     if options.limb is not None:
         triple = given(rig, *options.limb).triple
         if options.child and rig.find(options.child) not in triple:
-            raise UsageError(f"--child {options.child} is no joint of the limb; --limb alone is enough")
+            raise UsageError(f"--child {options.child} is not a joint of the limb; leave out --child")
         return triple
     child, chains = rig.find(options.child or "", "node"), set()
     for node, record in (rig.records(ControlRecord) | rig.records(PoleVectorRecord)).items():

@@ -42,7 +42,7 @@ def measured(rig: Rig, rule: Constraint, *, keep: bool) -> Constraint:
         names = [rule.drivers[k] for k in np.flatnonzero(lost)] if count > 1 else list(rule.drivers)
         raise GeometryError(
             f"'{rig.title(rule.child)}' cannot keep its offset to '{rig.title(names[0])}': one of "
-            "the two, or a node above, has a scale of zero, or numbers that are none"
+            "the two, or a node above, has a scale of zero, or numbers that are not finite"
         )
     return replace(rule, offsets=offsets)
 

@@ -141,7 +141,7 @@ def _numbers(where: str, values: Any, count: int | None = None) -> Floats:
 
 def _number_of(words: Sequence[str], word: str, where: str) -> int:
     if word not in words:
-        raise UsageError(f"{where} is none of the drivers: {', '.join(words)}")
+        raise UsageError(f"{where} is not one of the drivers: {', '.join(words)}")
     return words.index(word)
 
 

@@ -90,7 +90,7 @@ def _built(rig: Rig, chain: list[int], title: str, places: Floats, axes: Floats)
     if taken := [name for name in names if free_name(rig, name, None) != name]:
         raise NotMirroredError(f"another node is called '{taken[0]}'")
     if parent is None or (parent >= 0 and determinant(rig.world[parent]) < 0):
-        raise NotMirroredError("what it hangs below has no such twin")
+        raise NotMirroredError("its parent has no such twin")
     if parent < 0:
         rig, parent = group(rig)
     own_skin = rig.is_joint[chain[0]] and not rig.is_joint[parent]

@@ -28,10 +28,10 @@ class PlacementOptions(OneCharacter):
 
     method: PoleMethod = option(
         "perpendicular",
-        help="Where on the root-to-end line the direction starts.",
+        help="How the mid joint is projected onto the root-to-end line; the direction starts there.",
         values={
-            "perpendicular": "nearest to the mid joint (the talk)",
-            "ratio": "by the lengths of both bones (the article)",
+            "perpendicular": "nearest to the mid joint, as in the talk 'Rigging with Triangles'",
+            "ratio": "by the lengths of both bones, as in 'Using Vector Math to Rig an Arm'",
         },
         rare=True,
     )
@@ -39,9 +39,9 @@ class PlacementOptions(OneCharacter):
         "middle",
         help="Where the distance is measured from.",
         values={
-            "middle": "the mid joint (the talk)",
-            "root": "the root joint (the article)",
-            "foot": "the point of the root-to-end line where the direction starts",
+            "middle": "the mid joint, as in the talk",
+            "root": "the root joint, as in the article",
+            "foot": "the projection of the mid joint, where the direction starts",
         },
         rare=True,
     )
@@ -53,7 +53,7 @@ class PlacementOptions(OneCharacter):
         help="The locator's axes.",
         values={
             "world": "the world's",
-            "limb": "those of the limb's root (the article)",
+            "limb": "those of the limb's root joint, as in the article",
             "aim": "aiming at the mid joint",
         },
         rare=True,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rigtri.model.options import option
-from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.axis_presets import PRESETS, WORDS
 
 # The option of the plane that axes are mirrored about.
 BETWEEN_SIDES = "The plane between the sides, of the space of the joints.  [that about which most pairs lie]"
@@ -22,7 +22,7 @@ def preset() -> Any:
     return option(
         None,
         choices=PRESETS,
-        values={name: style.words for name, style in PRESETS.items()},
+        values=WORDS,
         group="what",
         help="The axes of another program: aim, up and where up comes from.",
     )

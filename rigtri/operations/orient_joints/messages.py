@@ -165,8 +165,8 @@ def warn_straight(outcome: Outcome, report: Report) -> None:
     if guessed:
         report.warn(
             "unsure-hand",
-            f"{and_more(guessed, 3)}: no thumb and no bend shows to which side the fingers close, so it is "
-            "that to which hands that hang do. Names as index_01_l make it sure",
+            f"{and_more(guessed, 3)}: no thumb and no bend shows to which side the fingers close; they are "
+            "taken for those of hands hanging at the sides. Names such as index_01_l make it sure",
             geometry=True,
         )
     for joint in (joint for joint in outcome.targets.joints if ups.step[joint] >= 7):

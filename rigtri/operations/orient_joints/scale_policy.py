@@ -158,7 +158,7 @@ class ScalePolicy:
         what = "snapped to the nearest axes" if self.in_place == "snap" else "left as it was"
         scale, spread = str(first_uneven(self.rig, node, scales)), float(scales.spread[node])
         if scales.same[node] < SAME_SCALE:  # noise, but of something long
-            scale += f", by {spread:.2g}, and what hangs there reaches so far that it would be seen"
+            scale += f", by {spread:.2g}, and what it moves reaches so far that it would be seen"
         remedy = ""
         if alike:
             most = f" It is the farthest off of {len(alike)}." if len(alike) > 1 else ""

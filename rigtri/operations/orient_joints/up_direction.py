@@ -2,7 +2,7 @@
 
 Steps: 1 the stated source, 2 the limb's own triple, 3 its hinge in clips or the
 other pose, 4 the other side, 5 side, name and facing, 6 an adjoining triple,
-7 the parent joint's normal by parallel transport, 8 the joint's own present axis, 9 the
+7 the parent joint's normal by parallel transport, 8 the joint's own current axis, 9 the
 world axis least parallel to the bone. Steps 7 to 9 are invented: nothing in the
 file determines them.
 
@@ -28,18 +28,18 @@ from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.report import Report
 
-# Sources of up directions as messages call them, where files have shorter words.
+# Words for sources of up directions that files and reports keep, as messages have them.
 _TEXT = {
     "clips": "the animation clips",
     "other pose": "the other pose of the file",
     "carried from the joint above": "the parent joint (parallel transport)",
-    "its present axis": "the joint's present axis",
+    "its present axis": "the joint's current axis",
 }
 
 
 def up_text(source: str) -> str:
     """A source of `UpDirections` as messages call it."""
-    return _TEXT.get(source, f"the {source}")
+    return _TEXT.get(source, source if ":" in source else f"the {source}")
 
 
 class UpLadder:

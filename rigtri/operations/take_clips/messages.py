@@ -126,7 +126,7 @@ def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
     ]
     if behind:
         names = list_names(rig.names[node] for node in sorted(behind))
-        text = f"The keys of {names} are those of the motion before: rigtri bake makes them anew"
+        text = f"The keys of {names} are those of the motion before: rigtri bake makes them again"
         report.warn("followers-behind", text)
 
 

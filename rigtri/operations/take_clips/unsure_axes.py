@@ -75,8 +75,9 @@ class AxesEvidence:
             report.warn(
                 "unsure-axes",
                 "No skin of EDITED shows which axes some joints have. RIG's were assumed, though they are "
-                f"turned otherwise than where RIG rests or is bound, and in all keys ({names}). If that is no"
-                " pose but other axes, they and the joints below are twisted: export EDITED with its skin",
+                f"turned otherwise than where RIG rests or is bound, and in all keys ({names}). If these "
+                "are other axes and not a pose, they and the joints below are twisted: export EDITED with "
+                "its skin",
             )
 
 

@@ -79,7 +79,7 @@ def no_file(path: str) -> str:
     if stat.S_ISREG(mode):
         return ""
     what = next((word for is_one, word in _KINDS if is_one(mode)), "a device")
-    return f"{path} is no plain file but {what}"
+    return f"{path} is not a regular file but {what}"
 
 
 def newer(paths: Iterable[Path], moment: int) -> bool:

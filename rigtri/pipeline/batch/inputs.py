@@ -261,7 +261,7 @@ def _real(name: Path | str) -> str:
 def _relative(source: str, base: Path | str) -> str:
     """Where a file is below a folder; both are URLs or both are not."""
     if urls.is_url(source) != urls.is_url(base):
-        raise UsageError(f"--base {base} is no folder that {source} can lie in")
+        raise UsageError(f"--base {base} is not a folder above {source}")
     if urls.is_url(source):
         return relative_path(source, base)
     found = relative_path(os.path.abspath(source), os.path.abspath(base))

@@ -114,7 +114,7 @@ def _input(line: Any, folder: Path) -> Input:
     if not isinstance(line, dict):
         raise ValueError('a line is an object, as in {"input": "hero.glb", "variables": {"side": "left"}}')
     if unknown := sorted(line.keys() - _KEYS):
-        raise ValueError(f"'{unknown[0]}' is no key of a job; known are {', '.join(sorted(_KEYS))}")
+        raise ValueError(f"'{unknown[0]}' is not a key of a job: use {', '.join(sorted(_KEYS))}")
     for key in ("input", "output"):
         if not isinstance(line.get(key, "." if key == "output" else None), str) or line.get(key) == "":
             raise ValueError(f"'{key}' is the path of a file")

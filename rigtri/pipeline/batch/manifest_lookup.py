@@ -21,7 +21,7 @@ NAME = "rigtri-batch.sqlite"
 # Of this layout of the tables, and of manifests among other SQLite files.
 VERSION = 1
 APPLICATION = 0x52494742
-_WITHOUT = "A batch does all anew without it: with another --manifest, and --overwrite"
+_WITHOUT = "Without it a batch does everything again: with another --manifest, and --overwrite"
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def check(base: sqlite3.Connection, path: Path, *, empty: bool = False) -> None:
     if empty and not tables and not version:
         return
     if application != APPLICATION:
-        raise FileError(f"{path} is no manifest of rigtri batch; give another --manifest")
+        raise FileError(f"{path} is not a manifest of rigtri batch; give another --manifest")
     if version != VERSION:
         raise UsageError(
             f"{path} is a manifest of version {version}, and this rigtri knows version {VERSION}: use the "

@@ -34,7 +34,7 @@ def emit(folder: Path, entries: Sequence[Entry], words: Sequence[str]) -> int:
         if (folder / name).exists():
             raise UsageError(f"{folder / name} exists; remove it, or give --emit-openjd another folder")
     if folder.exists() and not folder.is_dir():
-        raise FileError(f"{folder} is no folder to write {TEMPLATE} into")
+        raise FileError(f"{folder} is not a folder to write {TEMPLATE} into")
     with as_file_error(folder):
         folder.mkdir(parents=True, exist_ok=True)
     parts = -(-len(entries) // FILES)

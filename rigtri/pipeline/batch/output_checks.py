@@ -58,7 +58,7 @@ def check(
         sides = [Entry(e.source, os.path.splitext(e.target)[0] + beside) for e in entries]
         _refuse(_clashes(sides), "more than one output for one file beside it", UsageError)
     _refuse(_inputs_written(entries), "an input that an output would replace; give another -O", UsageError)
-    shut = "nothing can be written there, as it is no folder or may not be changed; give another -O"
+    shut = "nothing can be written there, as it is not a folder or not writable; give another -O"
     _refuse(_shut(entries), shut, FileError)
     _try_stores(entries)
 

@@ -48,7 +48,7 @@ def without_secrets(url: str) -> str:
     """A URL as everybody may see it, in the one spelling that it has here. UsageError for no such store."""
     found = _PARTS.fullmatch(url)
     if found is None:
-        raise UsageError(f"{url!r} is no URL")
+        raise UsageError(f"{url!r} is not a URL")
     scheme, user, rest, query = found[1].lower(), found[2], found[3], found[4] or ""
     if is_web(scheme):
         plain = scheme + rest

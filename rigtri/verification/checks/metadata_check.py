@@ -59,7 +59,7 @@ def unknown(note: Any) -> str:
 def broken(note: Any, is_node: Callable[[str], bool]) -> str:
     """Why a note cannot be read, or which node or joint of it is not there; "" where all is well."""
     if not isinstance(note, dict):
-        return "what rigtri stored here is no object"
+        return "what rigtri stored here is not an object"
     if unknown(note):
         return ""
     for key, kind in (("v", "number"), ("type", "string")):

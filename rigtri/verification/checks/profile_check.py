@@ -83,7 +83,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
     (
         "pose",
         "warning",
-        "The rest pose is no T-pose, from which the engine retargets.",
+        "The rest pose is not a T-pose, from which the engine retargets.",
         "VRMC_vrm 1.0, tpose.md; Unity manual, Avatar Mapping; Godot, Retargeting 3D Skeletons",
         "Give it one with rigtri set-rest --pose tpose.",
     ),

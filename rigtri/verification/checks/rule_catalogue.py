@@ -19,8 +19,8 @@ _FILE = (
     Rule(
         UNREADABLE,
         "error",
-        "The file is no glTF, VRM or USD file at all, is cut off or damaged, or is not there.",
-        "Give a file that is there and of these formats; copy or export it again.",
+        "The file is not a glTF, VRM or USD file, is cut off or damaged, or does not exist.",
+        "Give an existing file of these formats; copy or export it again.",
     ),
 )
 _ORIENT = "Give it other axes with rigtri orient-joints, or leave it: nothing is broken."
@@ -54,7 +54,7 @@ _CLIPS = (
         "warning",
         "A key of a clip moves a joint or node so far, or scales it so much, that float32 has one number "
         "left for all points: more than 2²⁴ times the size of the skeleton.",
-        "Remove the key, or export the clip anew with the program that wrote it.",
+        "Remove the key, or export the clip again with the program that wrote it.",
     ),
 )
 RULES: Mapping[str, Rule] = {

@@ -45,7 +45,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         scale = " ".join(f"{x:.8g}" for x in before.scale[noisy[0]])
         names = ", ".join(f"'{before.title(node)}'" for node in noisy[:4])
         return (
-            f" The scale of {names} is nearly uniform but not quite ({scale}), and what hangs there "
+            f" The scale of {names} is nearly uniform but not quite ({scale}), and what they move "
             f"reaches far. Leave {'it' if len(noisy) == 1 else 'them'} out with --exclude "
             f"{before.title(noisy[0])}, or {allow}"
         )
@@ -76,8 +76,8 @@ def why_far(rig: Rig, result: Comparison) -> str:
     if not largest >= _NEAR * result.shown:
         return ""
     return (
-        f"{found}: the float32 of the file rounds what hangs there by {largest:.1g} sizes. Remove those "
-        "keys, or export the clip anew with the program that wrote it"
+        f"{found}: the float32 of the file rounds what they move by {largest:.1g} sizes. Remove those "
+        "keys, or export the clip again with the program that wrote it"
     )
 
 

@@ -39,7 +39,7 @@ def tokens(text: str, where: str) -> Any:
     try:
         return json.loads(text, parse_float=Token, parse_int=Token, parse_constant=Token)
     except (ValueError, RecursionError) as error:
-        raise FileError(f"{where}: this is no valid JSON: {error}") from None
+        raise FileError(f"{where}: this is not valid JSON: {error}") from None
 
 
 def json_changes(before: Any, after: Any, contents: Contents, tolerance: float) -> list[Change]:

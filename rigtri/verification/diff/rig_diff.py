@@ -132,7 +132,7 @@ def _axes(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Itera
     far = ~(degrees <= np.degrees(max(DERIVED, tolerance)))
     for j in np.flatnonzero(far & ~_equal(axes[0][mine], axes[1][theirs])).tolist():
         text = f"turned {degrees[j]:.4g}° about its own {axis_words(lines[j])}"
-        description = text if np.isfinite(degrees[j]) else "is no frame"
+        description = text if np.isfinite(degrees[j]) else "is not a frame"
         yield Change("axes", "changed", before.title(int(mine[j])), description)
     there = worlds[1][theirs, 3, :3]
     with np.errstate(invalid="ignore", over="ignore"):

@@ -133,7 +133,7 @@ BAD: dict[str, tuple[Spoil, str]] = {
         (b"\x89PNG\r\n\x1a\n", "begins with the bytes 89 50 4e 47,"),
         (b"glTF", "ends after 4 bytes"),
         (b"", "is empty"),
-        (b'\xef\xbb\xbf  {"asset": }', "no valid JSON"),
+        (b'\xef\xbb\xbf  {"asset": }', "not valid JSON"),
     ],
 )
 def test_what_is_no_gltf_is_reported_by_how_it_begins(content: bytes, words: str, tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ def test_what_cannot_be_copied_along_is_advised_to_be_relinked(options: ReadOpti
         moved(source, tmp_path / "out", options)
     assert "--allow-external-paths" not in str(e.value)
     assert list((tmp_path / "out").iterdir()) == []
-    relinked = ReadOptions(allow_external_paths=options.allow_external_paths, relink=True)
+    relinked = ReadOptions(allow_external_paths=options.allow_external_paths, resources="relink")
     moved(source, tmp_path / "other", relinked)
     uri = json.loads((tmp_path / "other" / "out.gltf").read_text("utf-8"))["images"][0]["uri"]
     assert (tmp_path / "other" / uri).resolve() == tmp_path / "secret.png"
@@ -59,10 +59,12 @@ def test_what_cannot_be_copied_along_is_advised_to_be_relinked(options: ReadOpti
 
 def test_a_device_is_no_missing_file(tmp_path: Path) -> None:
     source = referring(tmp_path / "in", buffer=os.devnull)
-    with pytest.raises(FileError, match=f"'{os.devnull}' is no plain file but a folder, a device or a pipe"):
+    with pytest.raises(
+        FileError, match=f"'{os.devnull}' is not a regular file but a folder, a device or a pipe"
+    ):
         read(source, ALLOWED)
     (finding,) = [f for f in check(source, allow_external_paths=True) if f.id == "gltf.buffer.missing"]
-    assert "is no plain file" in finding.message
+    assert "is not a regular file" in finding.message
 
 
 def test_a_missing_file_is_named_as_the_file_names_it(tmp_path: Path) -> None:
@@ -72,7 +74,9 @@ def test_a_missing_file_is_named_as_the_file_names_it(tmp_path: Path) -> None:
         read(referring(tmp_path / "in", buffer="sub/../gone.bin"), ALLOWED)
 
 
-@pytest.mark.parametrize("options", [ReadOptions(), ReadOptions(relink=True)], ids=["copied", "relinked"])
+@pytest.mark.parametrize(
+    "options", [ReadOptions(), ReadOptions(resources="relink")], ids=["copied", "linked"]
+)
 def test_a_missing_image_is_reported_where_a_file_moves_and_only_there(
     options: ReadOptions, tmp_path: Path
 ) -> None:
@@ -97,8 +101,8 @@ def test_a_file_cut_off_at_once_is_a_fault_of_the_file(content: bytes, suffix: s
 
 IMAGES = {
     "gone.png": "the file 'gone.png' is missing",
-    "pipe.png": "'pipe.png' is no plain file but a folder, a device or a pipe",
-    "link.png": "'link.png' is no plain file but a folder, a device or a pipe",
+    "pipe.png": "'pipe.png' is not a regular file but a folder, a device or a pipe",
+    "link.png": "'link.png' is not a regular file but a folder, a device or a pipe",
     "https://example.com/x.png": "rigtri fetches nothing from 'https://example.com/x.png'",
 }
 

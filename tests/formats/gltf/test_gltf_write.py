@@ -214,7 +214,7 @@ def test_in_another_folder_the_resources_come_along(tmp_path: Path) -> None:
 
 def test_relinked_uris_lead_back_to_the_old_resources(tmp_path: Path) -> None:
     small().gltf_file(tmp_path / "a.gltf")
-    document = GltfDocument.read(tmp_path / "a.gltf", ReadOptions(relink=True))
+    document = GltfDocument.read(tmp_path / "a.gltf", ReadOptions(resources="relink"))
     target = tmp_path / "deep" / "a.gltf"
     target.parent.mkdir()
     assert not document.write(document.rig, target, target)

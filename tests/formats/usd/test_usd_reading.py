@@ -247,12 +247,12 @@ WRONG = {
     "nan in a key": (
         {},
         {"translations": "float3[] translations = [(0, 2, 0), (nan, 0, 0), (0, 2, 1)]"},
-        "</Root/Anim.translations> holds values that are no numbers (NaN or infinite) for joint 'a' at time",
+        "</Root/Anim.translations> holds values that are not numbers (NaN or infinite) for joint 'a' at time",
     ),
     "no rotation in a key": (
         {},
         {"rotations": "quatf[] rotations.timeSamples = {2: [(1, 0, 0, 0), (0, 0, 0, 0), (1, 0, 0, 0)]}"},
-        "</Root/Anim.rotations> holds the quaternion 0 0 0 0, which is no rotation, for joint 'a' at",
+        "</Root/Anim.rotations> holds the quaternion 0 0 0 0, which is not a rotation, for joint 'a' at",
     ),
     "a joint twice in an animation": (
         {},

@@ -330,4 +330,4 @@ def test_the_notice_of_a_reset_stack_is_true_of_every_command(tmp_path: Path) ->
     said = cli("freeze", save(tmp_path, SMOOTH), "-o", tmp_path / "out.usda", "--root", "/Rig").output
     joints = [read(tmp_path / "in.usda", root=root).rig.skins[0].joints for root in ("/Rig", "loose")]
     assert not set(joints[0]) & set(joints[1])
-    assert "are no joints of --root /Rig. To have them as joints, run again with --root /Rig/thigh" in said
+    assert "are not joints of --root /Rig. To have them as joints, run again with --root /Rig/thigh" in said

@@ -387,7 +387,7 @@ def test_a_manifest_of_another_version_or_another_file_is_refused(batch: Batch) 
     with sqlite3.connect(manifest) as base:
         base.execute("CREATE TABLE other(x)")
     base.close()
-    assert "no manifest of rigtri batch" in batch().stderr
+    assert "not a manifest of rigtri batch" in batch().stderr
 
 
 def test_two_batches_do_not_write_one_manifest_at_once(batch: Batch) -> None:
@@ -460,13 +460,13 @@ def test_what_a_pattern_finds_that_is_no_file_is_reported_and_holds_nobody_up(
     assert {name: line["status"] for name, line in found.items() if line["status"] != "ok"} == dict.fromkeys(
         ("pipe.glb", "link.glb", "device.glb"), "error"
     )
-    assert found["pipe.glb"]["message"] == "in/pipe.glb is no plain file but a pipe"
+    assert found["pipe.glb"]["message"] == "in/pipe.glb is not a regular file but a pipe"
     assert found["link.glb"]["message"] == "in/link.glb is a link to gone.glb, and that is not there"
-    assert found["device.glb"]["message"] == "in/device.glb is no plain file but a device"
+    assert found["device.glb"]["message"] == "in/device.glb is not a regular file but a device"
     named = batch(inputs=("in/pipe.glb", "in/link.glb"))
     assert named.exit_code == 3
     assert "only plain files can be read: in/link.glb is a link to gone.glb" in named.stderr
-    assert "in/pipe.glb is no plain file but a pipe" in named.stderr
+    assert "in/pipe.glb is not a regular file but a pipe" in named.stderr
     # What was done from a file that is a pipe now is no reason to wait.
     Path("in/a.glb").unlink()
     os.mkfifo("in/a.glb")

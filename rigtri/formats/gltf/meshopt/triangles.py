@@ -36,7 +36,7 @@ def decode_triangles(stream: memoryview, count: int, stride: int) -> Bytes:
     if first != bytes([_FIRST_BYTE]):
         raise ValueError(f"the compressed data begin with {first.hex() or 'nothing'}, not e1")
     if count % 3:
-        raise ValueError(f"{count} corners are no whole number of triangles")
+        raise ValueError(f"{count} corners are not a whole number of triangles")
     if len(stream) < 1 + count // 3 + _TABLE:
         raise ValueError(f"{len(stream)} bytes cannot hold {count} compressed corners of triangles")
     packed = bytes(stream)

@@ -44,7 +44,7 @@ def decode_view(view: Value, buffers: Buffers) -> memoryview:
     try:
         elements = _DECODERS[mode](stream, count, stride)
     except ValueError as error:
-        view.fail(f"{error}; pack the file anew")
+        view.fail(f"{error}; pack the file again")
     undo = FILTERS[kind][0]
     # Of numbers of two bytes the decoders leave every second pair out.
     return np.ascontiguousarray(elements if undo is None else undo(elements)).data.cast("B")
@@ -53,13 +53,13 @@ def decode_view(view: Value, buffers: Buffers) -> memoryview:
 def _check(how: Value, mode: str, kind: object, stride: int) -> None:
     """Refuse what no stream can be."""
     if mode not in _DECODERS:
-        how.fail(f"mode '{mode}' is none that rigtri knows")
+        how.fail(f"mode '{mode}' is unknown to rigtri")
     if not isinstance(kind, str) or kind not in FILTERS:
-        how.fail(f"filter {kind!r} is none that rigtri knows")
+        how.fail(f"filter {kind!r} is unknown to rigtri")
     indices = mode != "ATTRIBUTES"
     fit = stride in (2, 4) if indices else 4 <= stride <= 256 and stride % 4 == 0
     if not fit:
-        how.fail(f"byteStride {stride} is none that {mode} can have")
+        how.fail(f"byteStride {stride} is not valid for {mode}")
     strides = FILTERS[kind][1]
     if (strides and stride not in strides) or (indices and kind != "NONE"):
         how.fail(f"filter {kind} does not go with {mode} of byteStride {stride}")

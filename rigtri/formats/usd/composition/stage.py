@@ -87,10 +87,10 @@ def quiet(doing: str) -> Iterator[list[str]]:
     except Tf.ErrorException as error:
         raise FileError(f"{doing}: {first_line(error)}") from None
     except UnicodeDecodeError:
-        raise FileError(f"{doing}: a name in it is made of bytes that are no text") from None
+        raise FileError(f"{doing}: a name in it is made of bytes that are not text") from None
     finally:
         for item in delegate.TakeUncoalescedDiagnostics():
-            with suppress(UnicodeDecodeError):  # it quotes bytes that are no text
+            with suppress(UnicodeDecodeError):  # it quotes bytes that are not text
                 texts.append(str(item.commentary))
         del delegate
 
@@ -180,7 +180,7 @@ def first_line(error: Exception) -> str:
         text = " ".join(str(error.args[0] if error.args else error).split())
     except UnicodeDecodeError:
         # pxr quotes the file, and what it quotes may be no text at all.
-        text = "it holds bytes that are no text"
+        text = "it holds bytes that are not text"
     text = text.partition(" : ")[2] or text
     return _shortened(re.sub(r"\bpxrInternal\w*::", "", text).strip("' ")) or type(error).__name__
 

@@ -58,7 +58,7 @@ def check(content: memoryview, name: str) -> None:
         _Crate(content).check()
     except (ValueError, struct.error) as error:
         raise FileError(
-            f"{name}: a damaged USD file: {error}. Export it anew with the program that wrote it"
+            f"{name}: a damaged USD file: {error}. Export it again with the program that wrote it"
         ) from None
 
 

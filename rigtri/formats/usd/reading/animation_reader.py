@@ -124,7 +124,7 @@ def _read(prim: Any, warnings: list[Notice]) -> Animation | None:
             )
         )
     if not prim.IsActive():
-        text = f"Animation <{path}> is not active, so it is no clip. It is re-oriented all the same."
+        text = f"Animation <{path}> is not active, so it is not a clip. It is re-oriented anyway."
         warnings.append(Notice("animation-inactive", text))
     warnings += _off_unit(path, tokens, present)
     return Animation(path, prim.GetName(), tokens, present, bool(missing) or not prim.IsActive())
@@ -205,9 +205,9 @@ def _joined(values: Sequence[Any]) -> np.ndarray:
 
 def _check_values(attribute: Any, times: Sequence[Any], values: np.ndarray, tokens: Sequence[str]) -> None:
     """FileError for what is no number, or no rotation, naming joint and time; values: (k, j, c)."""
-    wrong, what = ~np.isfinite(values).all(axis=2), "values that are no numbers (NaN or infinite)"
+    wrong, what = ~np.isfinite(values).all(axis=2), "values that are not numbers (NaN or infinite)"
     if values.shape[2] == 4 and not wrong.any():
-        wrong, what = ~values.any(axis=2), "the quaternion 0 0 0 0, which is no rotation,"
+        wrong, what = ~values.any(axis=2), "the quaternion 0 0 0 0, which is not a rotation,"
     if wrong.any():
         row, column = map(int, np.unravel_index(wrong.argmax(), wrong.shape))
         raise FileError(

@@ -73,7 +73,7 @@ def read_skeleton(
         return None
     for number, token in enumerate(tokens):
         if not Sdf.Path.IsValidPathString(token):
-            what = f"is '{token}', which is no path" if token else "has no name"
+            what = f"is '{token}', which is not a path" if token else "has no name"
             text = f"Skeleton <{path}>: joint {number} {what}; it counts as a root, as in UsdSkel"
             warnings.append(Notice("joint-unnamed", text))
             break

@@ -103,7 +103,7 @@ def read_meshes(source: Source, notices: list[Notice]) -> list[Mesh]:
         found = mesh_reader.read_meshes(prims, source.bindings.every, nodes, skins, tokens, playing)
     for mesh in found:
         if mesh.skin is not None and not np.isfinite(mesh.weights).all():
-            text = f"mesh '{mesh.name}' has weights that are no numbers; how it looks was not measured"
+            text = f"mesh '{mesh.name}' has weights that are not numbers; how it looks was not measured"
             if (notice := Notice("mesh-unread", text)) not in notices:
                 notices.append(notice)
     return found

@@ -135,7 +135,7 @@ def _notice_resets(rig: Rig, stage: Any, top: int, warnings: list[Notice]) -> No
             continue
         text = (
             f"<{label}> does not follow what is above it (!resetXformStack!); it and what follows it are "
-            f"no joints of --root {rig.labels[top]}. To have them as joints, run again with --root {label}."
+            f"not joints of --root {rig.labels[top]}. To have them as joints, run again with --root {label}."
         )
         if UsdGeom.Xformable(stage.GetPrimAtPath(label)).GetResetXformStack():
             warnings.append(Notice("reset-stack", text))

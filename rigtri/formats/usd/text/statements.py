@@ -230,7 +230,7 @@ class Text:
         try:
             key = repr(float(time[1])).encode()
         except ValueError:
-            raise self.unknown(at, "a time that is no number") from None
+            raise self.unknown(at, "a time that is not a number") from None
         end = self._value(time.end())
         return Item(key, at, time.end(1), (time.end(), end), None, None, end)
 

@@ -99,7 +99,7 @@ def _note_other(target: Item) -> None:
     if path == "pointer" and pointer_of(target.raw) is not None:
         return  # a property of something else than a node: nothing of a rig
     if path not in (*WIDTH, "weights"):
-        text = f"the path {short_repr(path)} is none that glTF knows"
+        text = f"the path {short_repr(path)} is not defined by glTF"
         target.add("gltf.animation.path-unknown", text, "path")
     elif "node" not in target.raw:
         target.add("gltf.animation.without-node", "names no node")

@@ -83,7 +83,7 @@ def _opened(path: Path, findings: Findings) -> Container:
     except FileError as error:
         container = open_container(path, lenient=True)
         if "glb-length" not in {notice.code for notice in container.notices}:
-            text = str(error).removeprefix(f"{path}: this is no valid JSON: ")
+            text = str(error).removeprefix(f"{path}: this is not valid JSON: ")
             findings.add("gltf.json.key-twice", "file", "", text)
     for notice in container.notices:
         if notice.code in _NOTICES:

@@ -32,7 +32,7 @@ def _check_tree(view: View, skin: Item, joints: list[int]) -> None:
     top = _topmost(view)
     roots = sorted({top[joint] for joint in joints})
     if len(roots) > 1:
-        text = f"its joints hang in {len(roots)} trees, below {and_more(view.titles(roots))}"
+        text = f"its joints are in {len(roots)} hierarchies, below {and_more(view.titles(roots))}"
         skin.add("gltf.skin.no-common-root", text, "joints")
     pivot = skin.reference("skeleton", "node")
     outside = [] if pivot is None else joints_outside(joints, pivot, view.above)

@@ -311,7 +311,7 @@ class View:
         except (OSError, ValueError):
             there = False
         if not there:
-            what = "is no plain file" if _exists(path) else "is not there"
+            what = "is not a regular file" if _exists(path) else "is not there"
             self.add("gltf.buffer.missing", place, f"{pointer}/uri", f"the file '{uri[:60]}' {what}")
             self._broken.add(index)
 

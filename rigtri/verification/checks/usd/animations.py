@@ -49,7 +49,7 @@ def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...], users: list[
     known = {token for user in users for token in scene.tokens.get(user, ())}
     unknown = [token for token in tokens if token not in known]
     if users and unknown:
-        text = f"{len(unknown)} of its joints are none of <{users[0]}>: {and_more(unknown, 3)}"
+        text = f"{len(unknown)} of its joints are not in <{users[0]}>: {and_more(unknown, 3)}"
         scene.add("usd.anim.joint-unknown", prim, "joints", text)
 
 

@@ -84,7 +84,7 @@ def _check_bind(scene: Scene, prim: Any) -> None:
         return
     matrix = matrix.reshape(1, 4, 4)
     if not np.isfinite(matrix).all():
-        scene.add("usd.binding.bind-transform", prim, BIND, "it has values that are no numbers")
+        scene.add("usd.binding.bind-transform", prim, BIND, "it has values that are not numbers")
     elif singular(matrix)[0]:
         scene.add("usd.binding.bind-transform", prim, BIND, "it has no inverse")
 

@@ -153,7 +153,7 @@ def _check_joint_notes(scene: Scene, prim: Any, is_joint: Any) -> None:
             if newer := metadata_check.unknown(note):
                 scene.add("usd.note.unknown", prim, JOINT_NOTES[1], f"joint '{token}': {newer}")
         except (ValueError, RecursionError) as error:
-            why = f"its note is no JSON: {error}"
+            why = f"its metadata is not JSON: {error}"
         if token not in own:
             why = why or "there is no such joint"
         if why:

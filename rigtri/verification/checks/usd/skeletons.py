@@ -68,7 +68,7 @@ def _animation(prim: Any) -> Any:
 def _check_tokens(scene: Scene, prim: Any, tokens: tuple[str, ...]) -> None:
     odd = [k for k, token in enumerate(tokens) if not Sdf.Path.IsValidPathString(token)]
     if odd:
-        text = f"joint {odd[0]} is '{tokens[odd[0]]}', which is no path"
+        text = f"joint {odd[0]} is '{tokens[odd[0]]}', which is not a path"
         scene.add("usd.skel.joint-empty", prim, "joints", text)
     for token, count in Counter(tokens).items():
         if count > 1 and token:

@@ -42,7 +42,7 @@ def _message(error: Any) -> str:
     try:
         return str(error.GetMessage())
     except UnicodeDecodeError:
-        return "what it says of the file quotes bytes that are no text"
+        return "its text about the file quotes bytes that are not text"
 
 
 def _site(site: Any) -> str:
