@@ -82,6 +82,29 @@ def test_a_file_takes_nothing_from_itself_nor_from_itself_with_other_axes(path: 
         assert not {"sampled", "other-proportions", "no-such-node"} & set(notices(report))
 
 
+def test_only_nodes_that_carry_nothing_of_rig_lose_their_motion() -> None:
+    """The motion of an armature that RIG lacks is in what is below it; that of a flag is lost."""
+    rig = rig_of(SAMPLES / "biped.glb")
+    above, count = (
+        rig.with_nodes(["Armature", "flag"], [-1, 0], np.zeros((2, 3)), np.eye(4)[[3, 3]]),
+        len(rig),
+    )
+    parents = np.where(above.parents < 0, count, above.parents)
+    parents[count] = -1
+    edited = replace(above, parents=parents).reordered([count, *range(count), count + 1])
+    places = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]])
+    tracks = tuple(
+        Track(edited.names.index(name), "translation", "LINEAR", np.array([0.0, 1.0]), places)
+        for name in ("Armature", "flag")
+    )
+    clips = (replace(c, tracks=(*c.tracks, *tracks)) if c.name == "walk" else c for c in edited.clips)
+    edited, report = replace(edited, clips=tuple(clips)), Report()
+    taken = take_clips(rig, from_=edited, report=report)
+    (lost,) = [notice.text for notice in report.warnings if notice.code == "no-such-node"]
+    assert lost == "RIG has no 'flag'; their motion in 'walk' was left out"
+    assert apart(taken, edited, "walk") < CLOSE < apart(taken, rig, "walk")
+
+
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])
 def test_a_key_that_was_moved_under_other_axes_comes_home_alone(name: str) -> None:
     rig = rig_of(SAMPLES / name)

@@ -65,12 +65,14 @@ class Transfer:
         return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
     def nodes(self) -> list[int]:
-        """The nodes of the rig that the clip moves: by keys of their own, or joints by what stands between.
+        """The nodes of the rig that the clip moves: by keys of their own, or joints and what is above them
+        by what stands between.
 
         A mesh with another parent in the other file is drawn otherwise; it has no motion of its own.
         """
         both, rig = self.both, self.both.rig
-        carried = [n for n in both.of if (rig.is_joint[n] or n in rig.own) and self.is_carried(n)]
+        body = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist()).union(rig.own)
+        carried = [n for n in both.of if n in body and self.is_carried(n)]
         return sorted({n for n in both.of if both.of[n] in self.driven}.union(carried))
 
     def is_carried(self, node: int) -> bool:

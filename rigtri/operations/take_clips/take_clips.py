@@ -346,7 +346,10 @@ class _Taking:
     def _warn(self) -> None:
         name, report = self.taken.name, self.report
         warn_tracks(report, name, self.sampled, self.kept, self.splines)
-        lost = [self.both.other.names[n] for n in self._movers() if n not in self.both.back]
+        other = self.both.other
+        # What is above a node that RIG has moves that, which was sampled.
+        known = other.with_ancestors(self.both.back)
+        lost = [other.names[node] for node in self._movers() if node not in known]
         if lost:
             report.warn(
                 "no-such-node", f"RIG has no {list_names(lost)}; their motion in '{name}' was left out"
