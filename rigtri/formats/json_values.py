@@ -129,6 +129,29 @@ def name_in(raw: Mapping[str, Any]) -> str:
     return name if name.isprintable() else name.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
+def index_of(raw: Any, among: int) -> int | None:
+    """The index of one of ``among`` things, for whom what is none is no error: then None.
+
+    >>> index_of(3.0, 4), index_of(4, 4), index_of([3], 4), index_of(True, 4)
+    (3, None, None, None)
+    """
+    is_one = type(raw) in (int, float) and 0 <= raw < among and raw == int(raw)
+    return int(raw) if is_one else None
+
+
+def object_in(holder: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """The object under a key that nobody has checked; an empty one for anything else."""
+    found = holder.get(key)
+    return found if isinstance(found, dict) else {}
+
+
+def object_at(among: Any, index: Any) -> dict[str, Any] | None:
+    """The object at an index of a list that nobody has checked; None where there is none."""
+    place = index_of(index, len(among)) if isinstance(among, list) else None
+    found = None if place is None else among[place]
+    return found if isinstance(found, dict) else None
+
+
 def short_repr(raw: Any) -> str:
     """A value as Python writes it; of a long one only the start."""
     text = repr(raw)

@@ -10,6 +10,7 @@ from hashlib import sha256
 from typing import Any
 
 from rigtri.errors import FileError
+from rigtri.formats.json_values import object_at
 
 VARIANTS = "KHR_materials_variants"
 # What members mean that are not there: stating it adds nothing.
@@ -115,7 +116,4 @@ class Materials:
 
     def _item(self, key: str, index: Any) -> dict[str, Any] | None:
         """An item of a list of the file; None where the index leads nowhere."""
-        among = self._gltf.get(key)
-        whole = isinstance(among, list) and type(index) is int and 0 <= index < len(among)
-        item = among[index] if whole and isinstance(among, list) else None
-        return item if isinstance(item, dict) else None
+        return object_at(self._gltf.get(key), index)

@@ -11,6 +11,7 @@ from typing import Any
 
 from rigtri.formats.gltf.node_reader import Tree
 from rigtri.formats.gltf.structure import shows
+from rigtri.formats.json_values import object_at, object_in
 from rigtri.model.scene_facts import Scenery, flat
 
 LIGHTS = "KHR_lights_punctual"
@@ -53,45 +54,33 @@ def _hidden(nodes: Sequence[Mapping[str, Any]], tree: Tree) -> list[bool]:
     found = [False] * len(nodes)
     for index in tree.order:
         above = tree.above[index]
-        off = _object(_object(nodes[index], "extensions"), VISIBILITY).get("visible") is False
+        off = object_in(object_in(nodes[index], "extensions"), VISIBILITY).get("visible") is False
         found[index] = off or (above >= 0 and found[above])
     return found
 
 
 def _lens(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     if "camera" in node:
-        yield from flat(_item(gltf.get("cameras"), node["camera"]), "camera")
+        yield from flat(object_at(gltf.get("cameras"), node["camera"]), "camera")
 
 
 def _light(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    used = _object(_object(node, "extensions"), LIGHTS)
+    used = object_in(object_in(node, "extensions"), LIGHTS)
     if used:
-        among = _object(_object(gltf, "extensions"), LIGHTS).get("lights")
-        yield from flat(_item(among, used.get("light")), "light")
+        among = object_in(object_in(gltf, "extensions"), LIGHTS).get("lights")
+        yield from flat(object_at(among, used.get("light")), "light")
 
 
 def _primitives(gltf: Mapping[str, Any], node: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     if "mesh" not in node:
         return
-    mesh = _item(gltf.get("meshes"), node["mesh"]) or {}
+    mesh = object_at(gltf.get("meshes"), node["mesh"]) or {}
     primitives = mesh.get("primitives")
     primitives = primitives if isinstance(primitives, list) else []
     yield "number of primitives", len(primitives)
     for number, primitive in enumerate(primitives):
         material = primitive.get("material") if isinstance(primitive, dict) else None
         if material is not None:
-            item = _item(gltf.get("materials"), material) or {}
+            item = object_at(gltf.get("materials"), material) or {}
             yield f"material of primitive {number}", item.get("name") or f"#{material}"
-    yield "morph target names", _object(mesh, "extras").get("targetNames")
-
-
-def _item(among: Any, index: Any) -> Any:
-    """An item of a list that may be none, at an index that may lead nowhere."""
-    whole = isinstance(among, list) and isinstance(index, int) and 0 <= index < len(among)
-    return among[index] if whole and isinstance(among[index], dict) else None
-
-
-def _object(holder: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """The object under a key; an empty one for anything else, as nobody has checked what stands there."""
-    found = holder.get(key)
-    return found if isinstance(found, dict) else {}
+    yield "morph target names", object_in(mesh, "extras").get("targetNames")

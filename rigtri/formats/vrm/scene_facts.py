@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
+from rigtri.formats.json_values import index_of
 from rigtri.formats.vrm.bindings import CONSTRAINT, Pointer
 from rigtri.model.scene_facts import Reference
 
@@ -53,10 +54,11 @@ class _Reader:
     def __init__(self, gltf: Mapping[str, Any], place: Sequence[int], turned: set[tuple[str, ...]]) -> None:
         self._turned = turned
         self._place, self._count = place, len(gltf.get("nodes", []))
-        self._showing: dict[Any, list[int]] = {}
+        self._showing: dict[int, list[int]] = {}
+        self._meshes = len(gltf.get("meshes", []))
         for index, node in enumerate(gltf.get("nodes", [])):
-            if type(node.get("mesh")) is int:
-                self._showing.setdefault(node["mesh"], []).append(index)
+            if (mesh := index_of(node.get("mesh"), self._meshes)) is not None:
+                self._showing.setdefault(mesh, []).append(index)
 
     def facts(self, value: Any, path: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
         """Each number and word below ``value``, called by the way down to it."""
@@ -71,8 +73,8 @@ class _Reader:
             way = (*path, str(key))
             if key in _NODES:
                 yield " ".join(way), self._nodes(item, any(part in _SHOWN for part in path))
-            elif key == "mesh":
-                shown = [Reference(self._place[k], shows=True) for k in self._showing.get(item, ())]
+            elif key == "mesh" and (mesh := index_of(item, self._meshes)) is not None:
+                shown = [Reference(self._place[k], shows=True) for k in self._showing.get(mesh, ())]
                 yield " ".join(way), shown or item
             elif way not in self._turned and key != "extras" and not (key in _AXES and CONSTRAINT in path):
                 yield from self.facts(item, way)
@@ -81,5 +83,5 @@ class _Reader:
         """References in place of the numbers of nodes; anything else as it stands."""
         if isinstance(value, list):
             return [self._nodes(item, shows) for item in value]
-        whole = isinstance(value, int | float) and 0 <= value < self._count and value == int(value)
-        return Reference(self._place[int(value)], shows) if whole else value
+        node = index_of(value, self._count)
+        return value if node is None else Reference(self._place[node], shows)

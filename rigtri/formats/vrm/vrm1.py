@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, index_of, object_in, short_repr
 from rigtri.formats.vrm.bindings import CONSTRAINT, Bindings, Pointer, read_constraint, report_cycles
 from rigtri.formats.vrm.vrm0 import demand, read_vrm_0
 from rigtri.report import Notice
@@ -44,7 +44,7 @@ def read_bindings(gltf: Value, above: Sequence[int]) -> Bindings:
     if found.orient_locked:
         demand(gltf, above, found)
     report_cycles(above, found)
-    _notice_dangling(extensions.raw if extensions is not None else {}, len(above), found)
+    _notice_dangling(gltf, found)
     return found
 
 
@@ -120,33 +120,43 @@ def _animation(extension: Value, above: Sequence[int], found: Bindings) -> None:
         found.fix(above[node], "a node below it holds VRMA data in its own axes")
 
 
-def _notice_dangling(extensions: Any, count: int, found: Bindings) -> None:
-    """Say which expressions and annotations refer to nothing."""
-    for path in mesh_references(extensions if isinstance(extensions, dict) else {}):
-        node: Any = extensions
-        for key in path:
-            node = node[key]
-        if type(node) not in (int, float) or not 0 <= node < count or node != int(node):
-            place = ".".join(map(str, path))
-            text = f"extensions.{place} is {node!r}, which is not a node of this file"
-            found.notices.append(Notice("vrm-reference", text))
+def _notice_dangling(gltf: Value, found: Bindings) -> None:
+    """Say which expressions and annotations refer to nothing: nodes in VRM 1.0, meshes in VRM 0.x."""
+    held = gltf.object()
+    extensions = held.get("extensions") or {}
+    for paths, kind, section in ((mesh_references, "node", "nodes"), (mesh_references_0, "mesh", "meshes")):
+        for path in paths(extensions):
+            stands: Any = extensions
+            for key in path:
+                stands = stands[key]
+            if index_of(stands, len(held.get(section, []))) is None:
+                place = ".".join(map(str, path))
+                text = f"extensions.{place} is {short_repr(stands)}, which is not a {kind} of this file"
+                found.notices.append(Notice("vrm-reference", text))
 
 
 def mesh_references(extensions: Mapping[str, Any]) -> Iterator[Pointer]:
     """Where VRM 1.0 refers to the node that shows a mesh: expressions and first-person annotations."""
-    vrm = extensions.get("VRMC_vrm")
-    vrm = vrm if isinstance(vrm, dict) else {}
-    expressions, person = vrm.get("expressions"), vrm.get("firstPerson")
+    vrm = object_in(extensions, "VRMC_vrm")
     for kind in ("preset", "custom"):
-        group = expressions.get(kind) if isinstance(expressions, dict) else None
-        for name, item in group.items() if isinstance(group, dict) else ():
+        for name, item in object_in(object_in(vrm, "expressions"), kind).items():
             path: Pointer = ("VRMC_vrm", "expressions", kind, name, "morphTargetBinds")
-            yield from _entries(item, path)
-    yield from _entries(person, ("VRMC_vrm", "firstPerson", "meshAnnotations"))
+            yield from _entries(item, path, "node")
+    yield from _entries(vrm.get("firstPerson"), ("VRMC_vrm", "firstPerson", "meshAnnotations"), "node")
 
 
-def _entries(holder: Any, path: Pointer) -> Iterator[Pointer]:
+def mesh_references_0(extensions: Mapping[str, Any]) -> Iterator[Pointer]:
+    """Where VRM 0.x refers to meshes: expressions and first-person annotations."""
+    vrm = object_in(extensions, "VRM")
+    groups = object_in(vrm, "blendShapeMaster").get("blendShapeGroups")
+    for number, group in enumerate(groups if isinstance(groups, list) else ()):
+        path: Pointer = ("VRM", "blendShapeMaster", "blendShapeGroups", number, "binds")
+        yield from _entries(group, path, "mesh")
+    yield from _entries(vrm.get("firstPerson"), ("VRM", "firstPerson", "meshAnnotations"), "mesh")
+
+
+def _entries(holder: Any, path: Pointer, key: str) -> Iterator[Pointer]:
     entries = holder.get(path[-1]) if isinstance(holder, dict) else None
     for number, entry in enumerate(entries if isinstance(entries, list) else ()):
-        if isinstance(entry, dict) and "node" in entry:
-            yield (*path, number, "node")
+        if isinstance(entry, dict) and key in entry:
+            yield (*path, number, key)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ from rigtri.formats.gltf.document import GltfDocument
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.orient import OrientJointsOptions, orient_joints
 from rigtri.report import Report
-from rigtri.verification.compare.compare import self_check
+from rigtri.verification.compare.compare import self_check, verify
 
 WRONG: list[object] = [None, True, -1, 1.5, 3.0, 1e300, "node", [], {}, [1, 2, 3], {"node": 0}, [[]], 10**20]
 
@@ -33,6 +35,17 @@ def vrma() -> Builder:
         }
     }
     return builder
+
+
+def _spoiled(text: str, at: tuple[Any, ...], wrong: object, builder: Builder, path: Path) -> Path:
+    """The file with another value at one place."""
+    gltf = json.loads(text)
+    holder = gltf
+    for key in at[:-1]:
+        holder = holder[key]
+    holder[at[-1]] = wrong
+    path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
+    return path
 
 
 @pytest.mark.parametrize(
@@ -50,16 +63,16 @@ def test_every_value_of_a_block_may_be_wrong(
         ("nodes", k, "extensions") for k, n in enumerate(builder.gltf["nodes"]) if "extensions" in n
     ]
     trials = [at for at in places(builder.gltf) if any(at[: len(block)] == block for block in blocks)]
+    for number, at in enumerate(trials):
+        with suppress(RigtriError):  # of all others, what is compared of the file as it is
+            wrong = _spoiled(text, at, WRONG[number % len(WRONG)], builder, path)
+            GltfDocument.read(wrong).scenery(closely=True)
     random, outcomes = np.random.default_rng(0), {"edited": 0, "refused": 0}
     for at in (trials * 3)[:: 1 + len(trials) // 15]:
-        gltf = json.loads(text)
-        holder = gltf
-        for key in at[:-1]:
-            holder = holder[key]
-        holder[at[-1]] = WRONG[random.integers(len(WRONG))]
-        path.write_bytes(glb_bytes(gltf, bytes(builder.binary)))
         try:
-            document = GltfDocument.read(path)
+            document = GltfDocument.read(
+                _spoiled(text, at, WRONG[random.integers(len(WRONG))], builder, path)
+            )
             rig = orient_joints(document.rig, options=OrientJointsOptions(**axes_of(style)), report=Report())
             document.write(rig, out, out)
         except RigtriError:
@@ -68,3 +81,20 @@ def test_every_value_of_a_block_may_be_wrong(
             assert self_check(document, GltfDocument.read(out)).passes(1e-6), at
             outcomes["edited"] += 1
     assert min(outcomes.values()) > 3, outcomes
+
+
+@pytest.mark.parametrize("wrong", [{}, [[]], {"node": 0}, 99, -1, "x"], ids=str)
+@pytest.mark.parametrize("block", ["firstPerson meshAnnotations", "blendShapeMaster blendShapeGroups"])
+def test_a_mesh_of_vrm_0_that_is_none_is_reported_and_kept(block: str, wrong: object, tmp_path: Path) -> None:
+    builder = avatar_0(1)
+    first, second = block.split()
+    bind = {"mesh": wrong, "index": 0, "weight": 100}
+    vrm = builder.gltf["extensions"]["VRM"]
+    vrm.setdefault(first, {})[second] = [
+        bind if second == "meshAnnotations" else {"name": "a", "binds": [bind]}
+    ]
+    path = builder.glb(tmp_path / "a.vrm")
+    document = GltfDocument.read(path)
+    (found,) = (notice.text for notice in document.notices if notice.code == "vrm-reference")
+    assert f"mesh is {wrong!r}, which is not a mesh of this file" in found
+    assert verify(document, GltfDocument.read(path)).passes()
