@@ -25,7 +25,7 @@ def summary(report: Report) -> str:
     elif root["status"] == "kept":
         text = f"'{root['joint']}' is the root already; its name stays"
     else:
-        text = f"'{root['joint']}' stands on the ground, above the joints of the character"
+        text = f"'{root['joint']}' added on the ground, above the joints of the character"
     new = sum(bone["status"] == "added" for bone in bones)
     done = [f"{counted(new, 'IK bone')} added"] if new else []
     done += [f"{counted(len(bones) - new, 'IK bone')} made to follow again"] if len(bones) > new else []

@@ -45,7 +45,7 @@ def command(name: str, as_json: bool) -> None:
     known, name = _known(), name.lower()
     if name not in known:
         meant = "".join(f"did you mean '{close}'? " for close in get_close_matches(name, known, n=1))
-        raise UsageError(f"'{name}' is not a valid schema: {meant}Use {', '.join(known)}")
+        raise UsageError(f"'{name}' is not a valid schema: {meant}use {', '.join(known)}")
     click.echo(_whole(name), nl=False)
 
 

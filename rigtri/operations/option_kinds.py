@@ -162,7 +162,7 @@ OnNonuniformScale = Annotated[
     NonuniformScale,
     Kind(
         "choice",
-        help="What becomes of a joint whose scale would shear.",
+        help="What to do with a joint whose scale would shear.",
         values=(
             ("snap", "gets the nearest axes that are exact"),
             ("skip", "stays as it is"),
@@ -175,7 +175,7 @@ OnConstraint = Annotated[
     ConstraintPolicy,
     Kind(
         "choice",
-        help="What becomes of a joint whose new axes would change what a VRM node constraint does.",
+        help="What to do with a joint whose new axes would change what a VRM node constraint does.",
         values=(
             ("freeze", "is rotated as the constraint allows or not at all, with a warning"),
             ("error", "nothing is written"),

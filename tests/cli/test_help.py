@@ -117,7 +117,7 @@ def test_a_command_that_is_none_names_what_may_be_meant(word: str, meant: str) -
             "orient-joints a.glb --joints hips spine -o b.glb",
             "extra argument (spine). Give each value its option: --joints hips --joints spine. Help:",
         ),
-        ("schema verfy", "did you mean 'verify'? Use batch"),
+        ("schema verfy", "did you mean 'verify'? use batch"),
         ("help frobnicate", "No such command 'frobnicate'. Help: rigtri --help"),
     ],
 )

@@ -229,7 +229,7 @@ def test_a_second_run_finds_its_joints_and_changes_nothing() -> None:
     [
         (AddTwistOptions(), "name the bones"),
         (replace(LOWER, count=0), "at least 1 and at most 64"),
-        (replace(LOWER, weights=(0.5,)), "1 weights for 3"),
+        (replace(LOWER, weights=(0.5,)), "each of 3 twist joints, not 1"),
         (replace(LOWER, weights=(0.5, 1.5, 0.0)), "between -1 and 1"),
         (AddTwistOptions(limb=(Limb(0, 1, 2),), weights=(0.1, 0.2)), "--upper or --lower"),
         (replace(LOWER, axis=(0.0, 0.0, 0.0)), "not a valid direction"),

@@ -132,7 +132,7 @@ def test_hips_below_a_node_are_no_child_of_their_root_and_the_error_names_it(
 ) -> None:
     source = _with_nodes(_source("root-motion", folder)[0], "above", tmp_path / "in.glb", only=["hips"])
     error = cli("root-motion", source, "-o", tmp_path / "out.glb", code=5).stderr
-    assert f"'hips' is no child of 'root', for '{BETWEEN}' stands between" in error
+    assert f"'hips' is not a child of 'root': '{BETWEEN}' is between them" in error
 
 
 @pytest.mark.parametrize("place", PLACES)

@@ -13,10 +13,10 @@ from rigtri.operations.option_kinds import Name, Node
 class AddRootOptions:
     """Options of add-root."""
 
-    name: Name = option("root", help="What it is called.", group="what")
-    above: Node | None = option(None, help="The joint that it is put above. [the topmost joint of the body]")
+    name: Name = option("root", help="Name of the root joint.", group="what")
+    above: Node | None = option(None, help="Insert the root above this joint. [the body's top joint]")
     profile: Literal["unreal"] | None = option(
         None,
-        help="Put the joints below it, too, with which an engine animates hands and feet.",
+        help="Also add the joints with which an engine animates hands and feet.",
         values={"unreal": "ik_foot_root, ik_foot_l … ik_hand_gun, ik_hand_r, with keys that follow"},
     )

@@ -86,7 +86,9 @@ class AddTwistOptions(OneCharacter):
                 "name the bones: --limb ROOT MIDDLE END, --joint JOINT --to CHILD, or --limbs auto"
             )
         if self.weights and len(self.weights) != self.count:
-            raise UsageError(f"--weights: {len(self.weights)} weights for {self.count} twist joints")
+            raise UsageError(
+                f"--weights: give one weight for each of {self.count} twist joints, not {len(self.weights)}"
+            )
         if not all(-1.0 <= weight <= 1.0 for weight in self.weights):
             raise UsageError("--weights: each lies between -1 and 1")
         if self.weights and (self.limb or self.limbs) and self.upper == self.lower:

@@ -129,11 +129,11 @@ class ConstrainOptions(OneCharacter):
         (1.0, 0.0, 0.0), help="aim: the axis of the child that points at the driver.", rare=True
     )
     up_axis: Direction = option(
-        (0.0, 1.0, 0.0), help="aim: the axis of the child that leans to --world-up.", rare=True
+        (0.0, 1.0, 0.0), help="aim: the axis of the child that aligns with --world-up.", rare=True
     )
     world_up: WorldUp = option(
         "vector",
-        help="aim: what the up axis leans to.",
+        help="aim: what the up axis aligns with.",
         values={
             "vector": "a direction of the world",
             "object": "a node's position",

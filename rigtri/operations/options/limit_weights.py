@@ -15,8 +15,6 @@ class LimitWeightsOptions:
     """Options of limit-weights."""
 
     max_influences: Influences = option(
-        4, help="The joints that a point may have; those that weigh most stay.", group="what"
+        4, help="Joints per vertex; those with the largest weights stay.", group="what"
     )
-    normalise: bool = option(
-        False, help="Also let the weights of every point sum to 1, where they do not.", group="what"
-    )
+    normalise: bool = option(False, help="Also make the weights of every vertex sum to 1.", group="what")

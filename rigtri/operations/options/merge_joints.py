@@ -19,11 +19,11 @@ class MergeJointsOptions:
 
     joints: Nodes = option((), help="These joints, with all below them.", group="what")
     still: bool = option(
-        False, help="Joints that never move against the one above, with all below them.", group="what"
+        False, help="Joints that never move relative to their parent, with all below them.", group="what"
     )
     max_joints: Count | None = option(
         None,
-        help="As many joints as it takes to have so few; those that move points least go first.",
+        help="Merge until at most N joints are left; those that move vertices least go first.",
         group="what",
     )
     exclude: Nodes = option((), help="Not these joints.")
@@ -31,4 +31,4 @@ class MergeJointsOptions:
     def check(self, given: Collection[str]) -> None:
         """UsageError where nothing says what is to be merged."""
         if not (self.joints or self.still or self.max_joints):
-            raise UsageError("say what is to be merged: --joints GLOB, --still or --max-joints N")
+            raise UsageError("name joints to merge: --joints GLOB, --still or --max-joints N")

@@ -131,7 +131,7 @@ class OrientJointsOptions(OneCharacter):
         "tip",
         help="What a joint without child aims at.",
         values={
-            "tip": "its bare leaf node, such as hand_end; without one a foot aims ahead, others as parent",
+            "tip": "its leaf node, such as hand_end; without one a foot aims ahead, others as parent",
             "parent": "has the axes of the joint above",
             "incoming": "on along the bone that ends here",
             "keep": "leaves the joint as it is",

@@ -13,7 +13,7 @@ class PruneJointsOptions:
 
     sockets: bool = option(
         False,
-        help="Also sockets, which are there to hold something, as weapon slots, and hold nothing.",
+        help="Also remove empty sockets, such as weapon slots.",
         group="what",
     )
     ends: bool = option(

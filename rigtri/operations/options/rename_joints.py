@@ -18,19 +18,15 @@ class RenameJointsOptions(OneCharacter):
     to: str | None = option(
         None,
         metavar="SCHEME|FILE.toml",
-        help="The naming scheme: mixamo, unreal, unity, vrm, godot, rigify, hik, … or a file of one's own.",
+        help="The naming scheme: mixamo, unreal, unity, vrm, godot, rigify, hik, … or your own file.",
         group="what",
     )
-    name: JointNames = option({}, help="The name of one joint, whatever it is; repeatable.", group="what")
-    map: JsonFile | None = option(
-        None, help="The names that --save-map has written, of this file or one like it.", group="what"
-    )
+    name: JointNames = option({}, help="Give one joint this name; repeatable.", group="what")
+    map: JsonFile | None = option(None, help="Rename by a file that --save-map has written.", group="what")
     inverse: bool = option(False, help="With --map: back to the names that joints had.", group="what")
-    prefix: str | None = option(
-        None, help="What new names begin with, in place of the scheme's own namespace (mixamorig:)."
-    )
+    prefix: str | None = option(None, help="Prefix of new names, instead of the scheme's own (mixamorig:).")
     side_style: Literal["Left", "left", "_l", "_L", ".l", ".L", "_left", "l_", "L_", "left_"] | None = option(
-        None, help="How new names say their side, in place of the scheme's own way."
+        None, help="How new names show their side, instead of the scheme's own style."
     )
     below: Node | None = option(None, help="Only this joint and all below it: of two characters, one.")
     exclude: Nodes = option((), help="Not these joints.")

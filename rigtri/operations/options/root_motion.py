@@ -15,14 +15,15 @@ class RootMotionOptions:
 
     mode: Literal["extract", "remove"] = option(
         "extract",
-        help="What becomes of the motion over the ground.",
-        values={"extract": "the root has it; nothing moves", "remove": "the character stays in place"},
+        help="What to do with the motion over the ground.",
+        values={
+            "extract": "the root gets it; nothing moves",
+            "remove": "the character stays in place",
+        },
         group="what",
     )
-    yaw: bool = option(False, help="What hips turn about the up axis, too.")
-    axis: Literal["x", "y", "z"] | None = option(
-        None, help="Only along this axis of the world, one of the ground. [both]"
-    )
+    yaw: bool = option(False, help="Also move the hips' yaw to the root.")
+    axis: Literal["x", "y", "z"] | None = option(None, help="Only along this axis of the ground. [both]")
     clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]")
     hips: Node | None = option(None, help="The joint that moves. [the hips of the body]")
     to: Node | None = option(None, help="The joint that gets its motion. [the one above the hips]")
