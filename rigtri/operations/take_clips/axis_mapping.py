@@ -38,7 +38,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
-from rigtri.model.skin import Skin
+from rigtri.operations.take_clips.bind_axes import BoundAxes, median_ratio
 from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, most_apart, world_turns
 from rigtri.operations.take_clips.node_matching import pairs
 
@@ -48,12 +48,6 @@ def _moved(exact: Floats, rounded: Floats) -> float:
     size = float(length(rounded[:3, :3]).max())
     far = float(np.abs(exact[:3, :3] - rounded[:3, :3]).max())
     return far / size if np.isfinite(far) and size > 0 else 0.0
-
-
-def _median(ours: Floats, theirs: Floats) -> float | None:
-    """The median of ratios of what has a size, (k,); None where nothing has."""
-    fit = np.isfinite(ours) & np.isfinite(theirs) & (ours > 0) & (theirs > 0)
-    return float(np.median(ours[fit] / theirs[fit])) if fit.any() else None
 
 
 class Counterparts:
@@ -70,9 +64,8 @@ class Counterparts:
         self.of, self.unclear, self.placed = found.of, found.unclear, found.placed
         self.back = {theirs: ours for ours, theirs in self.of.items()}
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
-        self.proportions = 0.0  # how far bind poses are apart beside turn, size and place
-        self.bind_turn: Floats | None = None  # of EDITED's bind poses to RIG's, (3, 3)
-        self._bound = self._from_binds()
+        binds = BoundAxes(rig, other, self.of)
+        self._bound, self.proportions, self.bind_turn = binds.turns, binds.apart, binds.turn
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}
         self._between: dict[int, Floats] = {}
         self.turns: dict[int, Floats] = {}
@@ -199,14 +192,14 @@ class Counterparts:
             length(world[nodes, 0, :3])
             for world, nodes in ((rig.world, joints), (other.world, [self.of[n] for n in joints]))
         )
-        exact = _median(ours, turns * its)
+        exact = median_ratio(ours, turns * its)
         above = {n: int(rig.parents[n]) for n in self.of if rig.is_joint[n]}
         bones = [n for n, k in above.items() if k in self.of and self.of[k] == other.parents[self.of[n]]]
         theirs = [self.of[n] for n in bones]
         ours = length(rig.world[bones, 3, :3] - rig.world[rig.parents[bones], 3, :3])
         its = length(other.world[theirs, 3, :3] - other.world[other.parents[theirs], 3, :3])
         long = ours > SAME_PLACE * self.size
-        found = _median(ours[long], its[long])
+        found = median_ratio(ours[long], its[long])
         if exact is not None:
             return found if found and abs(exact / found - 1.0) <= SAME_SIZE else exact
         return 1.0 if found and 1.0 / ONE_UNIT <= found <= ONE_UNIT else found
@@ -215,48 +208,6 @@ class Counterparts:
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, or of all nodes, in units of the rig."""
         return size_of(self.rig)
-
-    def _from_binds(self) -> dict[int, Floats]:
-        """C of joints that a skin of each file holds."""
-        found: dict[int, Floats] = {}
-        for skin in self.rig.skins:
-            for theirs in self.other.skins:
-                rows = {int(j): row for row, j in enumerate(theirs.joints)}
-                both = [
-                    (row, int(j), rows[self.of[int(j)]])
-                    for row, j in enumerate(skin.joints)
-                    if self.of.get(int(j)) in rows and int(j) not in found
-                ]
-                if both and skin.stored and theirs.stored:
-                    found |= self._of_skins(skin, theirs, both)
-        return found
-
-    def _of_skins(self, skin: Skin, theirs: Skin, both: list[tuple[int, int, int]]) -> dict[int, Floats]:
-        mine, its = [row for row, _, _ in both], [row for _, _, row in both]
-        ours, bind = inverse(skin.inverse_bind[mine]), inverse(theirs.inverse_bind[its])
-        usable = np.isfinite(ours).all(axis=(1, 2)) & np.isfinite(bind).all(axis=(1, 2))
-        if not usable.any():
-            return {}
-        points = bind[usable, 3, :3], ours[usable, 3, :3]
-        fit = fit_similarity(*points, about_origin=False)
-        if fit.residual > OTHER_SHAPE:
-            # No size fits all of them; that of most bones keeps most lengths.
-            fit = fit_similarity(*points, about_origin=False, ratio=self._bind_ratio(both, ours, bind))
-        self.proportions = max(self.proportions, fit.residual)
-        if self.bind_turn is None:
-            self.bind_turn = nearest_rotation(fit.matrix)
-        turns = multiply(multiply(ours, inverse(fit.matrix)), theirs.inverse_bind[its])
-        # A joint that lies elsewhere turns about its own place: what other lengths do to translations
-        # is said in `rigtri.operations.take_clips.proportions`.
-        turns[:, 3, :3] = 0.0
-        return {both[k][1]: turns[k] for k in np.flatnonzero(usable).tolist()}
-
-    def _bind_ratio(self, both: list[tuple[int, int, int]], ours: Floats, bind: Floats) -> float | None:
-        """How long a bone is here for one there, in bind poses, (k, 4, 4); None without bones."""
-        rows = {joint: k for k, (_, joint, _) in enumerate(both)}
-        bones = [(k, rows[above]) for j, k in rows.items() if (above := int(self.rig.parents[j])) in rows]
-        a, b = np.array(bones, dtype=np.intp).reshape(-1, 2).T
-        return _median(length(ours[a, 3, :3] - ours[b, 3, :3]), length(bind[a, 3, :3] - bind[b, 3, :3]))
 
     def _turn(self, node: int) -> Floats:
         if node in self._bound:
