@@ -11,7 +11,17 @@ import numpy as np
 import pytest
 from gltf_files import glb_bytes, glb_json, glb_parts
 from program import cli
-from taken_clips import BIPED, apart, notices, rig_of, shown_at, turned_key, with_tracks, without_skin
+from taken_clips import (
+    BIPED,
+    apart,
+    notices,
+    resting,
+    rig_of,
+    shown_at,
+    turned_key,
+    with_tracks,
+    without_skin,
+)
 
 from rigtri import check
 from rigtri.errors import GeometryError
@@ -48,6 +58,30 @@ def test_other_axes_without_a_skin_are_refused_with_the_worst_joints_and_degrees
     # With its skin, whose bind poses show the axes, it is taken.
     edited = turned_key(orient_joints(rig), "forearm_L")
     assert apart(take_clips(rig, from_=edited), edited, "walk") < CLOSE
+
+
+@pytest.mark.ci
+def test_other_axes_of_most_nodes_are_refused_where_the_rig_has_no_skin() -> None:
+    """Before, joints were a metre beside in silence."""
+    rig = without_skin(rig_of())
+    with pytest.raises(GeometryError, match="another skeleton"):
+        take_clips(rig, from_=without_skin(orient_joints(rig_of())))
+    # One that somebody has put elsewhere is no other axes.
+    edited, forearm = turned_key(rig, "thigh_L"), rig.find("forearm_L")
+    translation = edited.translation.copy()
+    translation[forearm] = translation[forearm][[1, 2, 0]]
+    assert take_clips(rig, from_=resting(edited, translation=translation)) is not rig
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("shown", [None, 0.3])
+def test_a_rig_without_a_skin_takes_clips_of_a_file_with_one_that_rests_in_a_frame(
+    shown: float | None,
+) -> None:
+    """Before, what the frame shows was taken for axes: joints were a metre beside in silence."""
+    rig, edited = rig_of(), turned_key(rig_of(), "thigh_L")
+    home = take_clips(without_skin(rig), from_=edited if shown is None else shown_at(edited, shown))
+    assert apart(replace(home, skins=rig.skins), edited, "walk") < CLOSE
 
 
 @pytest.mark.ci

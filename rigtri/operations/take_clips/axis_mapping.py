@@ -218,7 +218,7 @@ class Counterparts:
             return self._inherited(node, between)
         if self.rig.is_joint[node]:
             return self._bare(node, between)
-        if theirs not in self.moving or self.other.is_joint[theirs]:
+        if theirs not in self.moving:
             return drawn
         turned, in_place = self._rests_alike(node)
         if not turned:

@@ -18,6 +18,7 @@ import numpy as np
 
 from rigtri.evaluation.active_controls import size_of
 from rigtri.frames.skeleton import reference, skeleton
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
 from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, SAME_SIZE
 from rigtri.maths.trigonometry import Floats
@@ -57,7 +58,7 @@ class Proportions:
 
     def __init__(self, both: Counterparts) -> None:
         self.both = both
-        self.bones = _bones(both)
+        self.bones = bones_of(both, both.rig.is_joint)
 
     def place(self, node: int) -> Floats | None:
         """What EDITED's place of a node in the axes of the node above becomes, (4, 4); None: it stays."""
@@ -263,7 +264,8 @@ def _names(both: Counterparts, nodes: Iterable[int]) -> str:
     return list_names(both.rig.names[node] for node in nodes)
 
 
-def _bones(both: Counterparts) -> dict[int, Bone]:
+def bones_of(both: Counterparts, counts: Booleans) -> dict[int, Bone]:
+    """The bones whose both ends are nodes of RIG that count, (n,)."""
     rig, held = both.rig, keys(both.other, "translation")
     other = _as_keyed(both.other, held)
     ours, theirs = bind_poses(rig), bind_poses(other)
@@ -271,7 +273,7 @@ def _bones(both: Counterparts) -> dict[int, Bone]:
     found = {}
     for node in sorted(both.of):
         between, own, above = both.line(node)
-        if above < 0 or not (rig.is_joint[node] and rig.is_joint[above]):
+        if above < 0 or not (counts[node] and counts[above]):
             continue
         here, there = both.of[node], both.of[above]
         bound = {node, above} <= both.bound

@@ -8,7 +8,8 @@ node of a file without a skin has no bind pose.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +23,14 @@ from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT
 from rigtri.operations.take_clips.clip_matching import Taken
 from rigtri.operations.take_clips.infinite_motion import refuse_infinite_motion
 from rigtri.operations.take_clips.messages import list_names, warn_differences, warn_facing
-from rigtri.operations.take_clips.proportions import Proportions, keys, varying, warn_lengths
+from rigtri.operations.take_clips.proportions import (
+    Bone,
+    Proportions,
+    bones_of,
+    keys,
+    varying,
+    warn_lengths,
+)
 from rigtri.operations.take_clips.retargeting import rest_parts
 from rigtri.operations.take_clips.standing import stood_up
 from rigtri.report import Report
@@ -80,9 +88,9 @@ def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
 def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Collection[int]) -> None:
     """GeometryError where bones or bind poses differ by more than the bounds; ``moved``: nodes of RIG."""
     rig = both.rig
-    bones = _measured(both, bodies, moved)
-    turned = sorted((bone for bone in bones if bone.degrees > MOST_DEGREES), key=lambda b: -b.degrees)
-    long = sorted((bone for bone in bones if bone.stretch > MOST_STRETCH), key=lambda b: -b.stretch)
+    found = _measured(both, bodies.bones, moved) if rig.is_joint.any() else _other_axes(both, moved)
+    turned = sorted((bone for bone in found if bone.degrees > MOST_DEGREES), key=lambda b: -b.degrees)
+    long = sorted((bone for bone in found if bone.stretch > MOST_STRETCH), key=lambda b: -b.stretch)
     why = ""
     if turned:
         names = list_names(f"{rig.title(bone.joint)}: {bone.degrees:.3g}°" for bone in turned)
@@ -90,20 +98,20 @@ def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Colle
     elif long:
         names = list_names(f"{rig.title(bone.joint)}: {bone.stretch:.3g}" for bone in long)
         why = f"its keys would make bones so many times longer or shorter ({names}; limit {MOST_STRETCH:g})"
-    elif bones and both.proportions > MOST_APART:
+    elif found and both.proportions > MOST_APART:
         why = f"bind poses differ by {both.proportions:.2g} of the size (limit {MOST_APART:g})"
     if why:
         raise GeometryError(
-            f"EDITED has another skeleton than RIG, or other axes without a skin that shows them: {why}. "
-            "Its rotations would give another motion: retarget it in a DCC, or export EDITED with its skin"
+            f"EDITED has another skeleton than RIG, or other axes, which only skins of both show: {why}. "
+            "Its rotations would give another motion: retarget it in a DCC, or export it with its skin"
         )
 
 
-def _measured(both: Counterparts, bodies: Proportions, moved: Collection[int]) -> list[_Off]:
+def _measured(both: Counterparts, bones: Mapping[int, Bone], moved: Collection[int]) -> list[_Off]:
     held, scales = keys(both.other, "translation"), keys(both.other, "scale")
     steady = scales.keys() - varying(scales)
     found = []
-    for node, bone in bodies.bones.items():
+    for node, bone in bones.items():
         lengths = [float(length(offset)) * bone.unit for offset in (bone.ours, bone.theirs)]
         if bone.slides or both.line(node)[2] not in moved or min(lengths) <= SHORT * both.size:
             continue
@@ -115,6 +123,13 @@ def _measured(both: Counterparts, bodies: Proportions, moved: Collection[int]) -
             far = max(stretch, grown, 1.0 / stretch, 1.0 / grown)
         found.append(_Off(node, float(np.degrees(angle(bone.ours, bone.theirs))), far))
     return found
+
+
+def _other_axes(both: Counterparts, moved: Collection[int]) -> list[_Off]:
+    """What is off of plain nodes, where most are: anybody may put one elsewhere in its parent."""
+    found = _measured(both, bones_of(both, ~both.rig.is_joint), moved)
+    off = [replace(each, stretch=1.0) for each in found if each.degrees > MOST_DEGREES]
+    return off if 2 * len(off) > len(found) > 1 else []
 
 
 def _growth(both: Counterparts, node: int, scale: Floats) -> float:
