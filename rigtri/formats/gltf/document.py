@@ -36,6 +36,7 @@ from rigtri.formats.gltf.structure import (
     check_lists,
     check_references,
     extension_in_axes,
+    referred_frames,
     shows,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
@@ -327,8 +328,10 @@ class GltfDocument:
         for node in self.rest.sheared:
             if rig.is_joint[node]:
                 fixed.setdefault(node, "its matrix is sheared or flat, which glTF forbids")
+        referred = referred_frames(self.container.gltf, self.tree.above)
         for node, raw in enumerate(ordered):
             name, why = extension_in_axes(raw)
+            name, why = (name, why) if name else referred.get(self.tree.order[node], ("", ""))
             if not name or self.options.unknown_node_ext == "ignore":
                 continue
             if self.options.unknown_node_ext == "error":

@@ -5,12 +5,13 @@ Source: glTF 2.0 §3.2 (JSON encoding), §3.12 (extensions).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rigtri.formats.json_values import Value
+from rigtri.formats.json_values import Value, index_of
 from rigtri.report import Notice
 
 LISTS = (
@@ -44,6 +45,12 @@ _HARMLESS_REQUIRED = (
     "KHR_texture",
     "KHR_xmp",
     "VRM",
+)
+
+
+# A JSON pointer to what a node does: its number, or a template that a graph fills in.
+_TRANSFORM = re.compile(
+    r"/nodes/([0-9]{1,9}|{[^/]*})/(translation|rotation|scale|matrix|globalMatrix)(?=/|$)"
 )
 
 
@@ -123,6 +130,41 @@ def _has(content: object, path: Sequence[str]) -> bool:
     if not isinstance(content, dict) or first not in content:
         return False
     return not rest or _has(content[first], rest)
+
+
+def referred_frames(gltf: Mapping[str, Any], above: Sequence[int]) -> dict[int, tuple[str, str]]:
+    """Nodes whose axes an extension of others, or of the file, means: its name and why, by file index."""
+    found: dict[int, tuple[str, str]] = {}
+    nodes = gltf.get("nodes", [])
+    for number, node in enumerate(nodes):
+        for name, content in (node.get("extensions") or {}).items():
+            for path in _node_extensions().get(name, {}).get("frames", ()):
+                item: object = content
+                for key in path.split("."):
+                    item = item.get(key) if isinstance(item, dict) else None
+                if (other := index_of(item, len(nodes))) is not None:
+                    why = f"the extension {name} of node #{number} measures by its axes: '{path}' names it"
+                    found.setdefault(other, (name, why))
+    for name, content in (gltf.get("extensions") or {}).items():
+        if _node_extensions().get(name, {}).get("pointers"):
+            for node, pointer in _addressed(content, above):
+                found.setdefault(
+                    node, (name, f"the extension {name} addresses '{pointer}', numbers in its axes")
+                )
+    return found
+
+
+def _addressed(content: object, above: Sequence[int]) -> Iterator[tuple[int, str]]:
+    """The nodes in whose axes transforms are that pointers address: node or parent, of a template all."""
+    left = [content]
+    for item in left:  # it grows as it is walked
+        if isinstance(item, dict | list):
+            left += item.values() if isinstance(item, dict) else item
+        elif isinstance(item, str) and (match := _TRANSFORM.match(item)):
+            named = range(len(above)) if match[1].startswith("{") else [int(match[1])]
+            for node in named:
+                if node < len(above):
+                    yield from ((k, item) for k in (node, above[node]) if k >= 0)
 
 
 def shows(node: Mapping[str, Any]) -> bool:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from gltf_files import small
+from gltf_files import Builder, small
 from program import cli
 
 from rigtri.formats.gltf.structure import _node_extensions, extension_in_axes
@@ -32,6 +32,7 @@ FROZEN = [
     ("OMI_seat", {"back": [0, 0, 0]}, "holds 'back' in its axes"),
     ("OMI_physics_gravity", {"type": "directional", "gravity": 9.8}, "holds 'type' in its axes"),
     ("OMI_physics_joint", {"constraints": [0]}, "holds 'constraints' in its axes"),
+    ("OMI_physics_joint", {"joint": 0}, "holds 'joint' in its axes"),
     ("KHR_audio", {"emitter": 0}, "holds 'emitter' in its axes"),
     ("MSFT_audio_emitter", {"emitters": [0]}, "holds 'emitters' in its axes"),
     ("EXT_unheard_of", {}, "may hold directions in its axes; rigtri does not know it"),
@@ -73,3 +74,51 @@ def test_every_known_extension_has_its_source() -> None:
     for name, known in _node_extensions().items():
         assert all(known[key] for key in ("keeps", "source")), name
         assert all(isinstance(path, str) for path in known["axes"])
+
+
+def _records(builder: Builder, folder: Path) -> dict[str, Any]:
+    """What orient-joints reports of each joint."""
+    builder.glb(path := folder / "in.glb")
+    done = cli("orient-joints", path, "-o", folder / "out.glb", "--aim", "z", "--up", "x", "--json", code=0)
+    return {record["joint"]: record for record in done.json["joints"]}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "member"),
+    [
+        (BODY, {"joint": {"joint": 0, "connectedNode": 1}}, "joint.connectedNode"),
+        ("OMI_physics_joint", {"joint": 0, "connectedNode": 1}, "connectedNode"),
+    ],
+)
+def test_a_joint_keeps_its_axes_where_another_node_is_tied_to_it(
+    name: str, content: Any, member: str, tmp_path: Path
+) -> None:
+    builder = small()
+    builder.gltf["nodes"].append({"name": "pivot", "extensions": {name: content}})
+    builder.gltf["extensionsUsed"] = [name]
+    records = _records(builder, tmp_path)
+    assert f"the extension {name} of node #4 measures by its axes: '{member}' names it" in json.dumps(
+        records["joint 1"]
+    )
+    assert name not in json.dumps(records["joint 0"])
+
+
+@pytest.mark.parametrize(
+    ("pointer", "kept"),
+    [
+        ("/nodes/1/rotation", ["joint 0", "joint 1"]),
+        ("/nodes/{index}/translation", ["joint 0", "joint 1", "joint 2"]),
+        ("/nodes/99/rotation", []),
+        ("/nodes/1/weights", []),
+        ("/materials/1/rotation", []),
+    ],
+)
+def test_joints_keep_their_axes_where_a_graph_addresses_their_transforms(
+    pointer: str, kept: list[str], tmp_path: Path
+) -> None:
+    builder = small()
+    graph = {"nodes": [{"declaration": 0, "configuration": {"pointer": {"value": [pointer]}}}]}
+    builder.gltf["extensions"] = {"KHR_interactivity": {"graphs": [graph]}}
+    builder.gltf["extensionsUsed"] = ["KHR_interactivity"]
+    records = _records(builder, tmp_path)
+    assert [name for name, record in records.items() if "KHR_interactivity" in json.dumps(record)] == kept
