@@ -8,7 +8,7 @@ from rigtri.model.options import option
 from rigtri.operations.axis_presets import PRESETS, WORDS
 
 # The option of the plane that axes are mirrored about.
-BETWEEN_SIDES = "The plane between the sides, of the space of the joints.  [that about which most pairs lie]"
+BETWEEN_SIDES = "The mirror plane, in the space of the joints.  [between most pairs]"
 # What mirrored axes are, by the word that says it.
 MIRRORED = {
     "behavior": "equal rotations mirror the motion, as in Maya and Unreal",
