@@ -31,6 +31,10 @@ _STUNTED = 0.25
 _IN_LINE = 0.9
 # Below this, what says where a body faces contradicts itself or is little, so that sides are in doubt.
 _DOUBT = 0.25
+# What goes from left to right by this (a cosine) is not up.
+_LATERAL = 0.7
+# Legs that go down by less than this (a cosine) as the file has it do not stand on its ground.
+_LYING = 0.3
 # Of a body of many legs it has to be so sure before any side is given.
 _SEEN = 0.5
 # Another way to see the body that is as good as this speaks against both.
@@ -225,7 +229,6 @@ def _body_confidence(draft: Draft, body: Body, limbs: Limbs) -> float:
 def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]) -> None:
     """Left and ahead as the names have them, up as the body or the file has it."""
     body = draft.shape.body
-    up = body.up if body is not None and _is_clear(body) else Vector(*draft.tree.rig.rules.up)
     at, across = draft.tree.at, Vector()
     paired = (each for each in pairs if each.pair is not None and each.pair.kind == each.kind)
     sided = [*named, *(replace(each, side=_side_in_names(draft, each.joints)) for each in paired)]
@@ -234,7 +237,16 @@ def _stand_by_names(draft: Draft, named: Sequence[Found], pairs: Sequence[Found]
             if one.side == "left" and other.side == "right" and _are_twins(one, other):
                 apart = at[one.joints[0]] - at[other.joints[0]]
                 across = across + (apart if any(apart) else at[one.joints[2]] - at[other.joints[2]])
+    up = Vector(*draft.tree.rig.rules.up)
+    if body is not None and (_is_clear(body) or abs(across.unit.dot(up)) > _LATERAL or _lies(body, up)):
+        up = body.up
     draft.stand(up, across.cross(up))
+
+
+def _lies(body: Body, up: Vector) -> bool:
+    """Whether legs alone, as of a bird, go nowhere near to down, as the file has it."""
+    legs = body.legs
+    return legs is not None and body.arms is None and (legs.starts - legs.ends).unit.dot(up) < _LYING
 
 
 def _are_twins(one: Found, other: Found) -> bool:
@@ -273,7 +285,7 @@ def _faces(draft: Draft, body: Body, by_names: bool) -> tuple[float, tuple[str, 
     plane = draft.shape.plane
     assert plane is not None
     named = draft.facing if by_names else None
-    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named)
+    ahead, sure, why = facing_of(draft.tree, body, plane, draft.poses, named=named, legs=draft.shape.legs)
     if not by_names:
         draft.stand(body.up, ahead)
     elif sure > 0.6 and draft.facing.dot(ahead) < -0.5:

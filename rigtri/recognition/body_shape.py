@@ -42,6 +42,9 @@ _LEFT_OVER = 0.1
 ALIKE, LEG = 0.6, 0.2
 # Legs that go down by this (a cosine), as the file has it, or a trunk that goes up leave no doubt what is up.
 _STANDS = 0.7
+# Legs go aside from a trunk that lies, or leans as a dinosaur does (cosines). How long its tail is at least,
+# as a part of the legs.
+_ASIDE, _LEANING, _TAIL = 0.5, 0.8, 0.2
 # What legs lose that begin deeper in the tree than arms.
 _DEEPER = 0.15
 # What legs lose that go the way of the spine.
@@ -175,7 +178,7 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
     """The ways to take pairs for legs and arms, the likeliest first; one alone where it may be that."""
     if plane is None:
         return []
-    even = [pair for pair in limbs if pair.kind != "other" and _across(tree, pair, plane)][:_TRIED]
+    even = [pair for pair in limbs if pair.kind != "other" and across(tree, pair, plane)][:_TRIED]
     both = [_with_arms(tree, legs, even) for legs in even]
     clear = any(way.score > _ALONE for ways in both for way in ways)
     alone = [() if clear else _alone(tree, legs, even) for legs in even]
@@ -189,33 +192,10 @@ def bodies(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> list[Body
     return [replace(best, lead=best.score - max(turned, default=0.0)), *ways[1:]]
 
 
-def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[Limbs, ...]:
-    """Three pairs or more that are all alike and reach as low: the legs of an insect, a spider or a centaur.
-
-    () for bodies with fewer.
-    """
-    if plane is None:
-        return ()
-    up = Vector(*tree.rig.rules.up)
-    even = [k for k in limbs if len(k.at) == 3 and k.kind in ("leg", "") and _across(tree, k, plane)]
-    even = [k for k in even if k.quality > LEG and not any(k.pair.above in o.pair.nodes for o in even)]
-    for first in sorted(even, key=lambda k: -k.size):
-        ground = lowest(tree, first, up)
-        alike = [k for k in even if k.size > ALIKE * first.size]
-        alike = [k for k in alike if abs(lowest(tree, k, up) - ground) < LEVEL * first.size]
-        if len(alike) >= 3 and _lowest_of_all(tree, up) > ground - LEVEL * first.size:
-            return tuple(alike)
-    return ()
-
-
-def _lowest_of_all(tree: Tree, up: Vector) -> float:
-    return min(tree.at[k].dot(up) for k in tree.nodes)
-
-
-def _across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
+def across(tree: Tree, limbs: Limbs, plane: Plane) -> bool:
     """Whether the plane lies between the two."""
-    middle, across = between(tree, limbs.pair)
-    if not abs(across.dot(plane.normal)) > _SQUARE:
+    middle, line = between(tree, limbs.pair)
+    if not abs(line.dot(plane.normal)) > _SQUARE:
         return False
     widest = max((tree.at[a] - tree.at[b]).length for a, b in zip(*limbs.pair.paths, strict=True))
     return widest > 3.0 * abs(plane.side_of(middle))
@@ -240,10 +220,32 @@ def _alone(tree: Tree, limbs: Limbs, others: Sequence[Limbs]) -> tuple[Body, Bod
     return _legs_alone(tree, limbs, longest), _arms_alone(tree, limbs, longest)
 
 
-def _ups(tree: Tree, *others: Vector) -> list[tuple[Vector, float]]:
-    """Directions that may be up, unit, each with how far it is trusted: the file's, and ``others``."""
-    found = [(Vector(*tree.rig.rules.up), 1.0)]
-    return found + [(up.unit, _OTHER_UP) for up in others if any(up.unit)]
+def _ups(tree: Tree, legs: Limbs, arms: Limbs) -> list[tuple[Vector, float]]:
+    """Directions that may be up for a pair as legs and another as arms, unit, with how far each is trusted.
+
+    The file's, and others where neither legs nor trunk stand on that; not what goes from left to right. Where
+    a trunk goes on in a tail, or has both pairs beside it, legs go down from it, however the file stands.
+    """
+    standing, spine = Vector(*tree.rig.rules.up), arms.starts - legs.starts
+    on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
+    limbs = arms.starts - arms.ends + legs.starts - legs.ends
+    loose = down.dot(-standing) < _ASIDE
+    four = loose and down.dot(out) > _STANDS and max(abs(down.dot(on)), abs(out.dot(on))) < _ASIDE
+    if four or (loose and abs(down.dot(on)) < _LEANING and _has_tail(tree, legs, arms, on)):
+        return [((limbs if four else legs.starts - legs.ends).unit, _OTHER_UP)]
+    if abs(between(tree, legs.pair)[1].dot(standing)) > _STANDS:
+        return [(up.unit, _OTHER_UP) for up in (spine, limbs) if any(up.unit)]
+    upright = down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS
+    others = [] if upright else [(up.unit, _OTHER_UP) for up in (spine, limbs) if any(up.unit)]
+    return [(standing, 1.0), *others]
+
+
+def _has_tail(tree: Tree, legs: Limbs, arms: Limbs, on: Vector) -> bool:
+    """Whether something hangs where the legs do that goes the other way than the trunk, and is no limb."""
+    limbs = {path[0] for pair in (legs, arms) for path in pair.pair.paths}
+    free = [k for k in tree.below[legs.pair.above] if not any(tree.is_below(first, k) for first in limbs)]
+    behind = (-(tree.at[node] - legs.starts).dot(on) for k in free for node in tree.branch(k))
+    return max(behind, default=0.0) > _TAIL * legs.size
 
 
 def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
@@ -276,10 +278,7 @@ def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest
     cost = (_UPWARDS if down.dot(on) > 0.3 else 0.0) + (_DEEPER if tier < 0 else 0.0)
     cost += _MISNAMED * (legs.place == "front" or arms.place == "hind")
     beyond, seen = _beyond(tree, legs, arms), []
-    standing = Vector(*tree.rig.rules.up)
-    upright = down.dot(-standing) > _STANDS or on.dot(standing) > _STANDS
-    others_up = () if upright else (spine, arms.starts - arms.ends + legs.starts - legs.ends)
-    for up, trust in _ups(tree, *others_up):
+    for up, trust in _ups(tree, legs, arms):
         tall, stands, hangs = on.dot(up), down.dot(-up), out.dot(-up)
         above = abs(lowest(tree, legs, up) - lowest(tree, arms, up)) / max(legs.size, 1e-30)
         lies = abs(tall) < 0.6 and hangs > 0.75 and stands > 0.75
@@ -339,7 +338,8 @@ def _passed_over(tree: Tree, arms: Limbs, others: Sequence[Limbs], common: int) 
 def _legs_alone(tree: Tree, legs: Limbs, longest: float) -> Body:
     """A pair as legs, and no arms: a bird, or the lower part of a body."""
     down = legs.ends - legs.starts
-    stands = [(trust * within(down.unit.dot(-up), 0.2, 0.8), up) for up, trust in _ups(tree, -down)]
+    ups = [(Vector(*tree.rig.rules.up), 1.0), ((-down).unit, _OTHER_UP)]
+    stands = [(trust * within(down.unit.dot(-up), 0.2, 0.8), up) for up, trust in ups]
     upright, up = max(stands, key=lambda each: each[0])
     points = [(1.0, upright), (0.6, within(legs.quality, 0.3, 0.7)), (1.0, legs.size / longest), (1.0, 0.0)]
     return Body(legs, None, "biped", up, _mean(points) - _MISNAMED * (legs.kind == "arm"))

@@ -71,6 +71,7 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     by_name = _is_named(draft, each)
     return (
         _other_limb(draft, each)
+        or _trunk_aside(draft, each)
         or _other_side(draft, each)
         or _against_the_tree(draft, each)
         or (by_name and (_unnamed_between(draft, each) or _unlike_twin(draft, each, found)))
@@ -98,6 +99,16 @@ def _other_limb(draft: Draft, each: Found) -> str:
         return ""
     other = next(k for k, kind in kinds if kind and kind != each.kind)
     return f"the name of {_title(draft, other)} is of another limb"
+
+
+def _trunk_aside(draft: Draft, each: Found) -> str:
+    """A joint of one side before the limb that is called as the trunk is: names may be one joint off."""
+    paths = each.pair.pair.paths if each.pair is not None else ()
+    for path in (path for path in paths if each.joints[0] in path):
+        for node in path[: path.index(each.joints[0])]:
+            if draft.words.get(node, NO_WORDS).trunk:
+                return f"{_title(draft, node)} before it has a name of the trunk"
+    return ""
 
 
 def _other_side(draft: Draft, each: Found) -> str:

@@ -16,6 +16,7 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.recognition.body_shape import Body, Limbs
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.limb_triples import offset, thumb_of
+from rigtri.recognition.many_legs import ends_of_trunk
 from rigtri.recognition.naming_schemes import roles_in_name
 from rigtri.recognition.pose_samples import Poses, finite
 from rigtri.recognition.symmetry import Plane
@@ -44,19 +45,28 @@ _ENDS = ("face", "skull", "tail")
 
 
 def facing_of(
-    tree: Tree, body: Body, plane: Plane, poses: Poses, *, bends: bool = True, named: Vector | None = None
+    tree: Tree,
+    body: Body,
+    plane: Plane,
+    poses: Poses,
+    *,
+    bends: bool = True,
+    named: Vector | None = None,
+    legs: Sequence[Limbs] = (),
 ) -> tuple[Vector, float, tuple[str, ...]]:
     """Where a body looks, unit, how sure that is, 0 to 1, and why, in words.
 
     bends: ask knees and elbows, too: it is known which joints these are. named: where it looks, unit, by
-    the names of its sides. Bends below 10° are sure of nothing that these and the format deny.
+    the names of its sides. Bends below 10° are sure of nothing that these and the format deny. legs: of a
+    body with more than two pairs of them.
     """
     ahead = plane.normal.cross(body.up)
     ahead = (ahead - body.up * ahead.dot(body.up)).unit
-    clear, slight = list(_votes(tree, body, plane, ahead, poses)), []
+    votes = _votes(tree, body, plane, ahead, poses) if not legs else ends_of_trunk(tree, legs, plane, ahead)
+    clear, slight = [*_moving(tree, body, ahead, poses), *votes], []
     custom = Vector(*(tree.rig.rules.facing or ())).dot(ahead)
     said = custom + (named.dot(ahead) if named is not None else 0.0)
-    for weight, small, noise, words in _bends(tree, body, plane, ahead, poses) if bends else ():
+    for weight, small, noise, words in _bends(tree, body, plane, ahead, poses) if bends and not legs else ():
         denied = small * said < -_DENIED * abs(small)
         clear.append((weight if denied else weight + small, words))
         slight.append((noise + small if denied else noise, words))
@@ -68,11 +78,15 @@ def facing_of(
     return (ahead if total >= 0 else -ahead), sure, why
 
 
-def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
+def _moving(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
     """What says that a body looks ahead: weights, negative for the other way, with words."""
     yield 3.0 * _named(tree, body, ahead), "what its names call the head is there"
     way = poses.travel(tree.nodes)
     yield 1.5 * way.dot(ahead) / max(way.length, _STEP * tree.span, 1e-30), "it goes there"
+
+
+def _votes(tree: Tree, body: Body, plane: Plane, ahead: Vector, poses: Poses) -> Iterator[tuple[float, str]]:
+    """As `_moving`, of how the limbs of a body of two or four legs stand."""
     if body.legs and body.arms:
         along = (body.arms.starts - body.legs.starts).unit.dot(ahead)
         if body.form == "quadruped" and body.lead > 0.02:

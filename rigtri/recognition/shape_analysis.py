@@ -12,12 +12,13 @@ from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot, length
 from rigtri.model.dataclass import dataclass
-from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of, many_legs
+from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
 from rigtri.recognition.layout import LimbKind
 from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
+from rigtri.recognition.many_legs import many_legs
 from rigtri.recognition.pose_samples import Poses
 from rigtri.recognition.symmetry import Pair, Plane, opposite, pairs_of, plane_of
 
@@ -86,7 +87,9 @@ def _seen(
             limbs, ways = paws, others
     if any(names.get(node, NO_WORDS).animal for node in tree.nodes):
         ways = [replace(way, doubt=False) for way in ways]
-    legs = many_legs(tree, limbs, plane)
+    legs, up = many_legs(tree, limbs, plane)
+    if legs and ways:
+        ways = [replace(ways[0], up=up), *ways[1:]]
     if plane is not None and ways and not legs:
         known = _pointed(tree, ways[0], plane, poses, names)
         limbs = [known.get(one, one) for one in limbs]

@@ -99,3 +99,9 @@ def test_a_spine_is_no_leg_although_its_bones_are_as_long_as_those_of_one() -> N
     body += [(name, twin[above] if above == "hips" else above, place) for name, above, place in LEG]
     body += [(twin[name], twin[above], (-x, y, z)) for name, above, (x, y, z) in LEG]
     assert [name for name, _ in sure(recognise(rig_with(body)))] == ["left leg"]
+
+
+def test_a_joint_at_the_side_with_a_name_of_the_trunk_makes_its_limb_unsure() -> None:
+    layout = recognise(called(rig_with(MAN), {"clavicle.L": "chest.001", "clavicle.R": "chest.002"}))
+    assert sorted(name for name, _ in sure(layout)) == ["left leg", "right leg"]
+    assert any("'chest.001' before it has a name of the trunk" in remark for remark in layout.remarks)

@@ -352,7 +352,7 @@ def mech(random: Random) -> Skeleton:
 
 def many_legs(random: Random, pairs: int) -> Skeleton:
     """An insect (three pairs) or a spider (four): with or without a coxa before the long bones."""
-    body = Skeleton("creature", words=[{**way, "pairs": str(pairs)} for way in LEGS], looks=False)
+    body = Skeleton("creature", words=[{**way, "pairs": str(pairs)} for way in LEGS])
     size = random.uniform(0.1, 2.0)
     coxa, foot = random.random() < 0.5, random.random() < 0.7
     body.add("thorax", "", (0, 0.5 * size, 0))

@@ -1,0 +1,69 @@
+"""Bodies on more than four legs, insects and spiders: which pairs are legs, what is up and what is ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.body_shape import ALIKE, LEG, LEVEL, Limbs, across, lowest
+from rigtri.recognition.joint_tree import Tree
+from rigtri.recognition.symmetry import Plane, pairs_of
+
+# Legs go down by this (a cosine), as the file has it, all together.
+_STANDS = 0.5
+# Joints beside the plane by less than this part of the whole are in the middle.
+_MIDDLE = 0.02
+# An abdomen is longer than a head by this, as a part of both, to count in full.
+_LONGER = 0.2
+# A pair of feelers, of jaws or of eyes begins so far from the legs, as a part of one of them.
+_FAR = 0.15
+
+
+def many_legs(tree: Tree, limbs: Sequence[Limbs], plane: Plane | None) -> tuple[tuple[Limbs, ...], Vector]:
+    """Three pairs or more that are all alike and reach as low, and what is up there, unit.
+
+    () for bodies with fewer. Up is what the file has as such, or else where the legs come from.
+    """
+    standing = Vector(*tree.rig.rules.up)
+    if plane is None:
+        return (), standing
+    even = [k for k in limbs if len(k.at) == 3 and k.kind in ("leg", "") and across(tree, k, plane)]
+    even = [k for k in even if k.quality > LEG and not any(k.pair.above in o.pair.nodes for o in even)]
+    total, longest = Vector(), max((k.size for k in even), default=0.0)
+    for k in even:
+        if k.size > ALIKE * longest:
+            total = total + k.starts - k.ends
+    legs = (total - plane.normal * total.dot(plane.normal)).unit
+    up = standing if legs.dot(standing) > _STANDS else legs
+    for first in sorted(even, key=lambda k: -k.size) if len(even) > 2 else ():
+        ground = lowest(tree, first, up)
+        alike = [k for k in even if k.size > ALIKE * first.size]
+        alike = [k for k in alike if abs(lowest(tree, k, up) - ground) < LEVEL * first.size]
+        least = min(tree.at[k].dot(up) for k in tree.nodes)
+        if len(alike) >= 3 and least > ground - LEVEL * first.size:
+            return tuple(alike), up
+    return (), standing
+
+
+def ends_of_trunk(
+    tree: Tree, legs: Sequence[Limbs], plane: Plane, ahead: Vector
+) -> Iterator[tuple[float, str]]:
+    """What the trunk of many legs says of ahead: weights, negative for the other way, with words."""
+    starts = Vector()
+    for each in legs:
+        starts = starts + each.starts * (1.0 / len(legs))
+    taken = frozenset[int]().union(*(each.pair.nodes for each in legs))
+    free = [k for k in tree.nodes if not any(leg in taken for leg in tree.way(-1, k))]
+    middle = [k for k in free if abs(plane.side_of(tree.at[k])) < _MIDDLE * tree.span]
+    along = [(tree.at[k] - starts).dot(ahead) for k in middle]
+    front, back = max([*along, 0.0]), -min([*along, 0.0])
+    if front + back > 0.0:
+        longer = (back - front) / (_LONGER * (front + back))
+        yield 1.5 * max(-1.0, min(1.0, longer)), "the abdomen is behind"
+    size = max(each.size for each in legs)
+    for pair in pairs_of(tree):
+        if taken.isdisjoint(pair.nodes) and pair.above in middle:
+            far = (tree.at[pair.above] - starts).dot(ahead)
+            if abs(far) > _FAR * size:
+                yield 1.0 if far > 0 else -1.0, "feelers, jaws or eyes are there"
+                return

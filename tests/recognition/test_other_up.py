@@ -1,0 +1,63 @@
+"""Animals whose file has another up than they stand in, and on which side the legs of insects are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import islice
+
+import pytest
+from recognition_bodies.cases import Case
+from recognition_bodies.measure import stands_right
+from recognition_bodies.population import population
+from recognition_bodies.skeletons import HORSE, MAN, SITTING, Joint, rig_with
+from recognition_bodies.truth import nameless
+
+from rigtri.model.rig import Rig
+from rigtri.recognition.recognise import recognise
+
+
+def lying(joints: list[Joint], *, named: bool = True) -> Rig:
+    """As a tool with z up has written it that says nothing of it: y is up, by the file."""
+    return rig_with([(name, above, (x, -z, y)) for name, above, (x, y, z) in joints], named=named)
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_horse_stands_on_its_legs_whatever_the_file_has_for_up(named: bool) -> None:
+    """Before, with the names of arms and legs, it was a man who stood on nothing and looked down."""
+    (horse,) = recognise(lying(HORSE, named=named)).characters
+    assert horse.form == "quadruped" if not named else {chain.kind for chain in horse.limbs} >= {"leg"}
+    assert horse.facing[1] < -0.9
+    assert horse.up[2] > 0.9
+
+
+@pytest.mark.parametrize("joints", [MAN, SITTING], ids=["standing", "sitting"])
+def test_a_man_in_the_pose_of_a_horse_is_none(joints: list[Joint]) -> None:
+    (man,) = recognise(rig_with(joints)).characters
+    assert man.form == "biped"
+    assert man.up[1] > 0.9
+
+
+def with_y_up(case: Case) -> Rig:
+    return replace(case.rig, rules=replace(case.rig.rules, up=(0.0, 1.0, 0.0), facing=(0.0, 0.0, 1.0)))
+
+
+@pytest.mark.parametrize("kind", ["quadruped", "dinosaur", "bird", "insect"])
+@pytest.mark.slow
+def test_animals_with_z_up_in_files_with_y_up_face_where_they_do(kind: str) -> None:
+    for case in population(0):
+        if case.name.startswith(kind) and case.rig.rules.up[2] > 0.5:
+            rig = with_y_up(case)
+            for each in (rig, nameless(rig)):
+                (truth,), (character,) = case.truth.characters, recognise(each).characters
+                assert stands_right(truth, character) is not False, case.name
+
+
+def test_the_legs_of_an_insect_have_sides_although_nothing_is_named() -> None:
+    """Before, each leg had none, though it was known where it looks: the abdomen is behind the head."""
+    for case in islice((case for case in population(0) if case.name.startswith("insect")), 2):
+        (character,) = recognise(nameless(case.rig)).characters
+        sides = {chain.bend[0]: chain.side for chain in character.limbs}
+        assert {part.side for part in case.truth.parts if "leg" in part.kinds} == {"left", "right"}
+        for part in (part for part in case.truth.parts if "leg" in part.kinds):
+            assert sides[min(part.joints[0])] == part.side
+        assert not any(chain.is_sure for chain in character.limbs)
