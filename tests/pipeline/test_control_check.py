@@ -146,6 +146,14 @@ def test_a_control_that_follows_a_constraint_is_not_tried() -> None:
     assert "hand_L_ik_ctl" not in {each.control for each in check_controls(rig)}
 
 
+def test_a_control_of_a_joint_that_a_constraint_moves_is_not_tried() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
+    rig = rigtri.constrain(rig, type="orient", child="neck", driver=("chest",))
+    checked = {each.control: each.fault for each in check_controls(rig)}
+    assert not checked.keys() & {"neck_ctl", "head_ctl"}
+    assert not any(checked.values())
+
+
 @pytest.mark.parametrize("path", asset_files(), ids=lambda path: path.name)
 def test_what_auto_builds_of_a_real_character_does_what_it_is_for(path: Path, tmp_path: Path) -> None:
     result = cli("auto", path, "-o", tmp_path / f"out{path.suffix}", "--no-spec", "--json")

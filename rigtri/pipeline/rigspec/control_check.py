@@ -83,7 +83,8 @@ def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, .
         run = _Run(solver, [each for each in _trials(solver) if (each.kind == "fk") is only_fk], tree)
         found |= {each.control: run.checked(row + 1, each) for row, each in enumerate(run.trials)}
     for node, record in sorted(records.items()):
-        if node not in found and not _is_ruled(solver, node):
+        joint = rig.known(record.joint)
+        if node not in found and not _is_ruled(solver, node, *(() if joint is None else (joint,))):
             why = "its limb is not solved" if record.kind == "ik" else "its joint is not in the file"
             found[node] = CheckedControl(rig.title(node), record.kind, record.joint, 0, why)
     return tuple(found[node] for node in sorted(found))
