@@ -300,8 +300,7 @@ def _build(rig: Rig, shape: _Shape, options: MakeLimbOptions, report: Report) ->
         parent = rig.find(options.parent, "parent")
     if options.parent is not None and rig.is_joint[parent] and not options.skin:
         raise UsageError(
-            f"--no-skin: children of the joint '{rig.title(parent)}' are part of its skins; leave out "
-            "--parent or --no-skin"
+            f"--no-skin: children of '{rig.title(parent)}' join its skins; leave out --parent or --no-skin"
         )
     own = options.skin and not rig.is_joint[parent]
     axes = _handed(rig, parent, shape.axes, options, report)
