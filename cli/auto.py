@@ -164,7 +164,8 @@ class _Job:
         lines = [text(found.rig, found.layout) + "\n"] if whole else list(recognised_lines(found.layout))
         lines.append(step_lines(self.built))
         tried = f"{len(found.checked)} controls and pole vectors tried"
-        lines.append(f"{tried}: each moves its joint and the mesh, and nothing else")
+        moves = "its joint and the mesh" if found.rig.meshes else "its joint (the file has no mesh)"
+        lines.append(f"{tried}: each moves {moves}, and nothing else")
         if self.values["spec_out"] is not None and not self.values["dry_run"]:
             lines.append(f"Wrote {self.values['spec_out']}")
         return "\n".join(lines)

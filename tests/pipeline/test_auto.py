@@ -359,3 +359,16 @@ def test_a_spec_that_somebody_has_edited_is_not_replaced_unasked(tmp_path: Path)
     assert spec.read_bytes() == edited
     cli(*line, "--spec-out", spec, code=0)
     assert spec.read_bytes() != edited
+
+
+def test_auto_of_a_file_without_a_mesh_does_not_report_that_one_moves(tmp_path: Path) -> None:
+    text = json.loads((SAMPLES / "biped.gltf").read_text("utf-8"))
+    for node in text["nodes"]:
+        node.pop("mesh", None)
+    del text["meshes"]
+    for buffer in text["buffers"]:
+        if not buffer["uri"].startswith("data:"):
+            (tmp_path / buffer["uri"]).write_bytes((SAMPLES / buffer["uri"]).read_bytes())
+    (tmp_path / "bare.gltf").write_text(json.dumps(text), "utf-8")
+    done = cli("auto", tmp_path / "bare.gltf", "-o", tmp_path / "out.gltf", code=0)
+    assert "each moves its joint (the file has no mesh), and nothing else" in f"{done.stdout}{done.stderr}"

@@ -117,7 +117,8 @@ def _rows(found: Sequence[Result]) -> Iterator[str]:
     yield "|---|---|" + "---|" * (len(_GROUPS) + 3)
     for one in found:
         groups = " | ".join(_count(by_group(one.named)[group]) for group in _GROUPS)
-        sure = sum(finding.outcome == "surely wrong" for finding in (*one.named, *one.unnamed))
+        both = [finding for finding in (*one.named, *one.unnamed) if finding.group == "limbs"]
+        sure = sum(finding.outcome == "surely wrong" for finding in both)
         joints = int(one.case.rig.is_joint.sum())
         name = one.case.name.rsplit("/", 1)[-1]
         bare = _count(by_group(one.unnamed)["limbs"])
