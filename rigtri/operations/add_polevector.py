@@ -52,9 +52,9 @@ SHAKY = 1.0471784116245793e-2
 def add_polevector(rig: Rig, *, options: AddPolevectorOptions, report: Report) -> Rig:
     """Place a pole vector for each limb; a second run finds it by its chain and moves it.
 
-    The locators hang under the root node ``rigtri_controls``. Each limb's record goes
+    The locators are children of the root node ``rigtri_controls``. Each limb's record goes
     to ``report.limbs``. Raises NameNotFoundError, UsageError, and GeometryError for a
-    straight limb of which nothing tells the side.
+    straight limb whose bend direction nothing shows.
     """
     return built_at_zero(rig, lambda rig: _with_poles(rig, options, report))
 

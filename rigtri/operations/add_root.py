@@ -36,7 +36,7 @@ _LOW = 0.25
 def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     """The rig with a joint on the ground, with the world's axes, between a top joint and its parent.
 
-    It is a joint of every skin that has the top joint, and moves no point. A joint of the name above the body
+    It is a joint of each skin that has the top joint, and moves no vertex. A joint of the name above the body
     is the root already. In USD the paths of all joints below it begin with it. GeometryError where no body is
     known, UsageError for a name that is taken.
     """
@@ -58,7 +58,7 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
 def root_above(rig: Rig, start: int) -> int:
     """The joint above the first of a body that is its root, whatever its name; -1 where there is none.
 
-    A root moves no point of the body itself, and stands near the ground.
+    A root moves no vertex of the body itself, and stands near the ground.
     """
     weighted, up = weighted_joints(rig), np.array(rig.rules.up)
     low = float(dot(_ground(rig, start), up))
@@ -115,6 +115,11 @@ def _start(rig: Rig) -> int:
         raise GeometryError(f"{found}: name the joint below the root with --above")
     (body,) = layout.characters
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
+    if not joints and body.hips < 0:
+        raise GeometryError(
+            "There is no skeleton in this file: no skin lists joints. "
+            "Name the node below the root with --above"
+        )
     return body.hips if body.hips >= 0 else min(joints)
 
 

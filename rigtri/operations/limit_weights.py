@@ -1,4 +1,4 @@
-"""limit-weights: no point follows more joints than an engine shows, and weights sum to 1."""
+"""limit-weights: no vertex has more joints than an engine supports, and weights sum to 1."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rigtri.report import Report
 
 @operation(LimitWeightsOptions)
 def limit_weights(rig: Rig, *, options: LimitWeightsOptions, report: Report) -> Rig:
-    """The rig whose points follow the joints that weigh most, with as much weight as before, or with 1.
+    """The rig whose vertices keep the joints of the largest weights, which sum to as much as before, or to 1.
 
     How far vertices move is measured when the file is written. What changes is in ``report.added``, by mesh.
     """

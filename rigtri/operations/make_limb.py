@@ -52,7 +52,7 @@ Point = tuple[float, float, float]
 
 @operation(MakeLimbOptions)
 def make_limb(rig: Rig, *, options: MakeLimbOptions, report: Report) -> Rig:
-    """Stand joints at points, orient them, and add a limb's pole vector; a second run moves them.
+    """Place joints at points, orient them, and add a limb's pole vector; a second run moves them.
 
     The record of each joint goes to ``report.added``, that of the pole vector to ``report.limbs``.
     Raises UsageError (a single point, a name that is taken), NameNotFoundError, and

@@ -36,10 +36,10 @@ _SAMPLES = 8
 
 @operation(MergeJointsOptions)
 def merge_joints(rig: Rig, *, options: MergeJointsOptions, report: Report) -> Rig:
-    """The rig without some joints; points follow the nearest joint above that stays in their place.
+    """The rig without some joints; their vertices follow the nearest remaining ancestor.
 
     A joint goes with all below it. How far vertices move is measured when the file is written, and refused
-    above the tolerance. Raises GeometryError where a mesh hangs below a joint that is named, or something
+    above the tolerance. Raises GeometryError where a joint that is named has a mesh below it, or something
     names it.
     """
     if not rig.shown_clips:

@@ -18,9 +18,9 @@ from rigtri.report import Report
 
 @operation(PruneJointsOptions)
 def prune_joints(rig: Rig, *, options: PruneJointsOptions, report: Report) -> Rig:
-    """The rig without joints that move no point, nor anything below them; nothing that is seen moves.
+    """The rig without joints that move no vertex, nor does anything below them; nothing that is seen moves.
 
-    Kept are joints that a mesh, camera or light hangs below, that a format or a constraint names, that
+    Kept are joints with a mesh, camera or light below them, that a format or a constraint names, that
     rigtri's metadata are about, and that are there to hold something. What went is in ``report.joints``.
     """
     gone = sorted(_unneeded(rig, options))
@@ -34,7 +34,7 @@ def prune_joints(rig: Rig, *, options: PruneJointsOptions, report: Report) -> Ri
 
 
 def _unneeded(rig: Rig, options: PruneJointsOptions) -> set[int]:
-    """The nodes that go: joints, and what hangs below them and shows nothing."""
+    """The nodes that go: joints, and their descendants that show nothing."""
     needed = weighted_joints(rig) | (rig.attachment >= 0)
     needed[sorted(named_nodes(rig))] = True
     ends = rig.at_or_below(rig.is_joint) & ~rig.is_joint

@@ -431,3 +431,10 @@ def test_controls_of_joints_that_are_known_by_their_paths_find_them_below_the_ro
     )
     assert before == after
     assert sum(title.startswith("hand (") for title in after) == 4
+
+
+def test_a_file_without_a_skin_has_no_body_to_put_a_root_below() -> None:
+    """Before, it ended in a traceback."""
+    reason = cli("add-root", SAMPLES / "arm.gltf", "-n", code=5).stderr
+    assert "There is no skeleton in this file" in reason
+    assert "--above" in reason
