@@ -92,6 +92,17 @@ def test_a_name_that_rig_has_not_is_reported_as_new_with_suggestions() -> None:
     assert "Did you mean 'walk'?" in notices["new-clip"]
 
 
+def test_a_new_clip_that_moves_nothing_is_none_and_is_not_called_one() -> None:
+    report, rig = Report(), playing()
+    still = Track(1, "translation", "LINEAR", np.array([0.0, LONG]), rig.translation[[1, 1]])
+    edited = replace(rig, clips=(Clip("walk", (still,)),))
+    done = take_clips(rig, options=TakeClipsOptions(from_=edited, as_={"walk": "run"}), report=report)
+    assert done is rig
+    (notice,) = (notice.text for notice in report.warnings if notice.code == "new-clip")
+    assert "RIG has no clip 'run', and it moves nothing in EDITED, so none is written." in notice
+    assert [record["new"] for record in report.added] == [False]
+
+
 def test_a_clip_that_was_declared_new_is_no_warning() -> None:
     far, notices = taken(playing(walk=(LONG, 0.1)), playing(walk=(LONG, 0.1), run=(LONG, 0.7)), run="run")
     assert far == {"walk": 0.1, "run": 0.7}

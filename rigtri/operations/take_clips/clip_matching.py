@@ -57,6 +57,7 @@ class ClipNames:
         self.made = MadeNames(edited, self.theirs, {*rig.names, *edited.names} - {""})
         self.unclear: dict[str, str] = {}  # of parts of some clip: why it is not known of which
         self.paired: dict[str, str] = {}  # of clips that were matched by something else than a name: why
+        self.unmatched: dict[str, str] = {}  # of clips that RIG has not: which it may be
         self.homes = {id(timeline): self._home_of(timeline) for timeline in self.theirs}
         self._gather()
         self._pair()
@@ -194,7 +195,7 @@ class ClipNames:
         return bool(unclear)
 
     def _warn_unmatched(self, together: Mapping[str, Sequence[Timeline]]) -> None:
-        """Warn of clips that were not matched by name."""
+        """Warn of clips that were not matched by name, and keep those for which RIG may need a new one."""
         left = [name for name in self.known if name not in together]
         # What has no motion at all gets its one clip, whatever that is called.
         motionless = self.one_timeline and not self.ours
@@ -206,11 +207,13 @@ class ClipNames:
             if self.user_names.get(called) != called:
                 close = get_close_matches(name, list(self.known), n=3) or left[:3]
                 hint = f" Did you mean {', '.join(map(repr, close))}?" if close else ""
-                self.report.warn(
-                    "new-clip",
-                    f"RIG has no clip '{name}', so it gets a new one.{hint} "
-                    f"Name the clip of RIG with --as '{called}=CLIP'",
-                )
+                self.unmatched[name] = f"{hint} Name the clip of RIG with --as '{called}=CLIP'"
+
+    def warn_new(self, name: str, *, written: bool) -> None:
+        """Warn of a clip that was not matched by name, once it is known whether RIG gets it."""
+        if name in self.unmatched:
+            what = "so it gets a new one" if written else "and it moves nothing in EDITED, so none is written"
+            self.report.warn("new-clip", f"RIG has no clip '{name}', {what}.{self.unmatched[name]}")
 
     # --- clips together
 

@@ -98,6 +98,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             )
             continue
         before, rig = rig, taking.done()
+        names.warn_new(taken.name, written=rig is not before)
         taking.refuse_other_motion(rig, axes)
         moved.update(track.node for track in taking.changed)
         taken_all.add(taken.name)
@@ -359,7 +360,7 @@ class _Taking:
             {
                 "type": "clip",
                 "node": name,
-                "new": self.taken.home is None,
+                "new": self.taken.home is None and bool(self.changed),
                 "clip": name,
                 "from": list(self.taken.parts),
                 "changed": sorted({self.rig.names[t.node] for t in self.changed}),
