@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Sequence
+from collections.abc import Collection, Container, Mapping, Sequence
 
 from rigtri.errors import GeometryError, NameNotFoundError, UsageError
 from rigtri.frames.skeleton import ReferencePose, Skeleton
@@ -10,6 +10,8 @@ from rigtri.model.rig import Rig
 from rigtri.operations.aim_targets import EYES, chain_child
 from rigtri.operations.option_kinds import Selection
 from rigtri.recognition.limbs import along
+from rigtri.report import Report
+from rigtri.text import and_more
 
 EXCLUDED = "excluded"
 ROOT = "root joint: its motion is root motion"
@@ -68,6 +70,16 @@ def select(
         else:
             turning.append(joint)
     return turning, kept
+
+
+def warn_held(rig: Rig, kept: Mapping[int, str], report: Report) -> None:
+    """Warn of the joints among those kept whose axes the file itself holds, once per reason."""
+    reasons: dict[str, list[str]] = {}
+    for joint, reason in kept.items():
+        if rig.rules.fixed.get(joint) == reason:
+            reasons.setdefault(reason, []).append(rig.title(joint))
+    for reason, names in reasons.items():
+        report.warn("fixed", f"skipped: {and_more(names, 3)}: {reason}")
 
 
 def chosen(tree: Skeleton, selection: Selection) -> list[int]:

@@ -70,6 +70,17 @@ def test_the_axes_of_twins_are_mirror_images(samples: Path, name: str, mode: Mir
     assert not found.worse(tolerance=1e-5, degrees=1e-4)
 
 
+@pytest.mark.parametrize(("name", "count"), [("forearm_L", 1), ("forearm_R", 0), ("spine", 0)])
+def test_a_joint_that_the_file_holds_is_reported(samples: Path, name: str, count: int) -> None:
+    rig, report = read(samples / "biped.glb").rig, Report()
+    joint = rig.find(name)
+    rig = replace(rig, rules=replace(rig.rules, fixed={joint: "an extension holds it"}))
+    out = mirror(rig, options=MirrorOptions(from_side="right"), report=report)
+    assert_allclose(out.world[joint], rig.world[joint], atol=1e-6)
+    found = [notice.text for notice in report.warnings if notice.code == "fixed"]
+    assert found == [f"skipped: {name}: an extension holds it"] * count
+
+
 def test_equal_rotations_of_behaviour_mirrored_joints_give_a_mirrored_skin(samples: Path) -> None:
     """The law of the mode: the same delta in both joints' frames mirrors every point that they carry."""
     out = mirror(read(samples / "biped.glb").rig)

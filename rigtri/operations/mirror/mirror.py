@@ -21,7 +21,7 @@ from rigtri.maths.quaternions import normalise_for_storage
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.rig import Rig
 from rigtri.operations.constrain.constrain import NOT_VRM
-from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, chosen, select
+from rigtri.operations.joint_selection import LONE, ROOT, WEIGHTLESS, chosen, select, warn_held
 from rigtri.operations.mirror.constraints import mirror_constraints
 from rigtri.operations.mirror.controls import mirror_controls, mirror_poles
 from rigtri.operations.mirror.counterparts import refuse_without_sides
@@ -104,7 +104,7 @@ def _joints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
             raise GeometryError(f"{locked}, so the axes of no joint are mirrored")
         report.warn("not-mirrored", f"Joints keep their axes: {locked}. What is built on them is mirrored.")
         return rig
-    both = _both_sides(rig, options)
+    both = _both_sides(rig, options, report)
     if not both.named:
         return rig
     oriented = OrientJointsOptions(
@@ -139,15 +139,20 @@ def _as_written(rig: Rig, before: Rig) -> Rig:
     return replace(rig, rotation=np.where(turned, normalise_for_storage(rig.rotation), rig.rotation))
 
 
-def _both_sides(rig: Rig, options: MirrorOptions) -> Selection:
-    """The joints on either side that may turn, of those that the user has named; all unless any are."""
+def _both_sides(rig: Rig, options: MirrorOptions, report: Report) -> Selection:
+    """The joints on either side that may turn, of those that the user has named; all unless any are.
+
+    Warns of joints of the other side that the file holds in place.
+    """
     tree = skeleton(rig, options.root)
     turning, kept = select(tree, reference(tree, options.pose), Selection())
     # A twin may be turned for its own sake, where orient-joints has no reason to.
     may = {*turning, *(joint for joint, why in kept.items() if why in (ROOT, WEIGHTLESS, LONE))}
     named = set(chosen(tree, options.selection))
     named |= {other for joint in named if (other := twin_of(rig, joint)) is not None}
-    joints = [joint for joint in tree.joints if joint in named & may and side_of(rig, joint)]
+    sides = {joint: side for joint in tree.joints if joint in named and (side := side_of(rig, joint))}
+    warn_held(rig, {k: kept[k] for k in sides if k in kept and sides[k] != options.from_side}, report)
+    joints = [joint for joint in sides if joint in may]
     return Selection(joints=tuple(rig.address(joint) for joint in joints))
 
 

@@ -19,6 +19,7 @@ from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
+from rigtri.operations.joint_selection import warn_held
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
@@ -67,19 +68,14 @@ class Outcome:
 
 
 def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
-    """Warn of joints that the file itself holds in place, once per reason; and of data that was named."""
+    """Warn of joints that the file itself holds in place, and of data that was named."""
     rig = outcome.targets.tree.rig
     chains = (name for chain in selection.chains for name in chain)
     for name in filter(rig.has, (*selection.joints, *selection.below, *chains)):
         node = rig.find(name)
         if node in rig.rules.data_nodes:
             report.warn("fixed", f"skipped: {rig.title(node)}: {rig.rules.fixed[node]}")
-    reasons: dict[str, list[str]] = {}
-    for joint, reason in outcome.skipped.items():
-        if rig.rules.fixed.get(joint) == reason:
-            reasons.setdefault(reason, []).append(rig.title(joint))
-    for reason, names in reasons.items():
-        report.warn("fixed", f"skipped: {and_more(names, 3)}: {reason}")
+    warn_held(rig, outcome.skipped, report)
 
 
 _OF_BONES = "joints take the planes of their own bones, not those of a body. Name limbs with --limb"
