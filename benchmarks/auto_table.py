@@ -16,7 +16,7 @@ from pathlib import Path
 import rigtri
 from rigtri.errors import RigtriError
 from rigtri.formats import ReadOptions, read
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord, TwistRecord
+from rigtri.model.metadata import PIVOTS, ControlRecord, PoleVectorRecord, TwistRecord
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.pipeline.rigspec.control_check import check_controls
 from rigtri.report import Report
@@ -71,7 +71,8 @@ def built(path: Path, out: Path, preset: str) -> str:
     poles, twists = len(rig.records(PoleVectorRecord)), len(rig.records(TwistRecord))
     if wrong or len(checked) != sum(kinds.values()) + poles:
         return f"**wrong: {', '.join(wrong) or 'not all can be moved'}**"
-    return f"{kinds['fk'] + kinds['root']} controls, {kinds['ik']} IK, {poles} poles, {twists} twist"
+    pivots = f"{rolls} pivots, " if (rolls := sum(kinds[kind] for kind in PIVOTS)) else ""
+    return f"{kinds['fk'] + kinds['root']} controls, {kinds['ik']} IK, {poles} poles, {pivots}{twists} twist"
 
 
 def reason(text: str) -> str:

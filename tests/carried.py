@@ -36,7 +36,7 @@ from rigtri.evaluation.timelines import timelines
 from rigtri.maths.quaternions import multiply
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.limbs import recognise
@@ -142,8 +142,24 @@ def _poses(rig: Rig) -> tuple[str, ...]:
     return "rest", f"up={clip.name}@{times[len(times) // 2]:g}"
 
 
+def _rolling(rig: Rig) -> Rig:
+    """Feet that roll about all of their pivots in the first clip, on top of its motion."""
+    rig = rigtri.bake(rig, to="controls")
+    pivots = [node for node, one in rig.records(ControlRecord).items() if one.kind in PIVOTS]
+    if not pivots:
+        raise GeometryError("no foot can roll")
+    clip = rig.clips[0]
+    times = np.linspace(0.0, 1.0, 3) * max(track.times[-1] for track in clip.tracks)
+    still = (0.0, 0.0, 0.0, 1.0)
+    turned = np.array([still, (0.0, np.sin(0.08), 0.0, np.cos(0.08)), still])
+    tracks = [Track(node, "rotation", "LINEAR", times, turned) for node in pivots]
+    rolled = replace(rig, clips=(replace(clip, tracks=(*clip.tracks, *tracks)), *rig.clips[1:]))
+    return rigtri.bake(rolled, to="joints", fps=FPS)
+
+
 THINGS: dict[str, Step] = {
     "controls": lambda rig: rig,
+    "foot roll": _rolling,
     "control joints": _built("control joints"),
     "pole vectors": _built("poles"),
     "constraint: parent": _constrained("parent"),
@@ -280,7 +296,7 @@ def source_of(path: Path, thing: str, folder: Path) -> Path:
         if thing == "control joints":
             rig = THINGS[thing](rig)
         else:
-            rig = THINGS[thing](rigtri.add_controls(rig, whole_character=True))
+            rig = THINGS[thing](rigtri.add_controls(rig, whole_character=True, foot_roll=True))
         rigtri.write(rigtri.bake(rig, to="controls") if rig.clips else rig, out, verify=False)
     return out
 

@@ -22,7 +22,8 @@ from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver_steps import weighted
 from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
 from rigtri.evaluation.zero_pose import SAME_PLACE, ControlsAtZero, IkLimb
-from rigtri.maths.matrices import from_frame, inverse, transform_directions, transform_points
+from rigtri.maths.arrays import level
+from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
 from rigtri.maths.quaternions import conjugate, rotate, to_axes
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -62,7 +63,8 @@ class Ik:
     """One limb of a rig. fk: the FK controls of its joints, by joint. rule: what moves its pole besides.
 
     carries: offsets of those controls that must stand where the limb has come to, parents first,
-    because something looks at what is below them.
+    because something looks at what is below them. rolls: whether pivots of its foot are at work, so that
+    one of them carries the toe.
     """
 
     reference: ControlsAtZero
@@ -70,6 +72,7 @@ class Ik:
     fk: dict[int, Fk]
     rule: Constraint | None = None
     carries: tuple[int, ...] = ()
+    rolls: bool = False
 
     @property
     def rig(self) -> Rig:
@@ -91,7 +94,8 @@ class Ik:
     def sets(self) -> tuple[int, ...]:
         a, _, _ = self.limb.chain
         upper, lower = self.paths
-        return (a, *upper, *lower) if self.limb.stretch else self.limb.chain
+        limb = (a, *upper, *lower) if self.limb.stretch else self.limb.chain
+        return (*limb, self.limb.toe) if self.rolls else limb
 
     @cached_property
     def controls(self) -> tuple[int, ...]:
@@ -107,7 +111,7 @@ class Ik:
 
     @property
     def needs(self) -> tuple[int, ...]:
-        nodes = [self.above, self.limb.control, self.limb.pole, *(self.rule.sources if self.rule else ())]
+        nodes = [self.above, self.limb.holder, self.limb.pole, *(self.rule.sources if self.rule else ())]
         if self.limb.detached:
             nodes.append(int(self.rig.parents[self.limb.chain[2]]))
         return tuple(node for node in nodes if node >= 0)
@@ -134,13 +138,16 @@ class Ik:
 
     @cached_property
     def _seat(self) -> Floats:
-        """From the control to the limb's target, seen from how the control is turned, (3,), whatever its
-        scale: to the end joint, where but rounding parts the two."""
-        control = self.limb.control
-        apart = self._points[2] - self.reference.world[control, 3, :3]
-        if length(apart) > SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
-            return np.zeros(3)
-        return rotate(conjugate(self.reference.world_rotation(control)), apart)
+        """From what holds the limb to its target, seen from how that is turned, (3,), whatever its scale.
+
+        The target is the control, but the end joint, where but rounding parts the two.
+        """
+        target, end = self.reference.world[self.limb.control, 3, :3], self._points[2]
+        if length(end - target) <= SAME_PLACE * float(np.abs(self.rig.world[:, 3, :3]).max(initial=0.0)):
+            target = end
+        holder = self.limb.holder
+        turn = conjugate(self.reference.world_rotation(holder))
+        return rotate(turn, target - self.reference.world[holder, 3, :3])
 
     @cached_property
     def _aside(self) -> tuple[Floats, Floats]:
@@ -227,9 +234,9 @@ class Ik:
 
     def solve(self, posed: PoseCache, target: Floats, place: Floats) -> Solved:
         """The limb's triangle for a target and a pole, (f, 3) each, in the world."""
-        rest, turn = self.rest, _rotation_of(posed, self.above)
+        rest, turn = self.rest, posed.turn(self.above)
         root = transform_points(self.start, posed.world(self.above))
-        root, target, place, first, second = _level(root, target, place, *self.lengths(posed))
+        root, target, place, first, second = level(root, target, place, *self.lengths(posed))
         return two_bone(
             root,
             (first, second),
@@ -245,7 +252,7 @@ class Ik:
     def solved(self, posed: PoseCache, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
         """Local parts of the limb's joints, before their FK controls. hand: the turn of the end, (f, 4)."""
         found = self.solve(posed, target, place)
-        rest, turn = self.rest, _rotation_of(posed, self.above)
+        rest, turn = self.rest, posed.turn(self.above)
         start, mid, end = self.limb.chain
         upper = product(product(conjugate(turn), found.upper), conjugate(rest.upper))
         fold = product(product(conjugate(found.upper), found.lower), conjugate(rest.lower))
@@ -258,11 +265,14 @@ class Ik:
         if self.limb.detached:
             parent = int(self.rig.parents[end])
             place = transform_points(target, inverse(posed.world(parent)))
-            turned = product(conjugate(_rotation_of(posed, parent)), hand)
+            turned = product(conjugate(posed.turn(parent)), hand)
             result[end] = parts[end]._replace(translation=place, rotation=turned)
         else:
             below = product(product(found.lower, conjugate(rest.lower)), rest.last)
             result[end] = parts[end]._replace(rotation=product(conjugate(below), hand))
+        if self.rolls:
+            toe, turned = self._own(self.limb.toe), product(posed.turn(self.limb.pivots[-2]), self._toe)
+            result[self.limb.toe] = toe._replace(rotation=product(conjugate(hand), turned))
         if self.limb.stretch:
             for node in (*self.paths[0], *(() if self.limb.detached else self.paths[1])):
                 own = result.get(node) or self._own(node)
@@ -272,16 +282,23 @@ class Ik:
 
     @cached_property
     def grip(self) -> Floats:
-        """The end joint's turn seen from the control's, (4,): ``hand = control · grip``."""
-        _, _, end = self.limb.chain
-        joint = product(self.reference.world_rotation(int(self.rig.parents[end])), self._own(end).rotation[0])
-        return product(conjugate(self.reference.world_rotation(self.limb.control)), joint)
+        """The end joint's turn seen from what holds it, (4,): ``hand = holder · grip``."""
+        return self._seen_from(self.limb.holder, self.limb.chain[2])
+
+    @cached_property
+    def _toe(self) -> Floats:
+        """The toe's turn seen from the pivot that carries it, (4,)."""
+        return self._seen_from(self.limb.pivots[-2], self.limb.toe)
+
+    def _seen_from(self, holder: int, node: int) -> Floats:
+        joint = product(
+            self.reference.world_rotation(int(self.rig.parents[node])), self._own(node).rotation[0]
+        )
+        return product(conjugate(self.reference.world_rotation(holder)), joint)
 
     def run(self, posed: PoseCache) -> None:
         """Move the limb's joints to where control and pole vector direct them."""
-        control = self.limb.control
-        hand = product(_rotation_of(posed, control), self.grip)
-        found = self.solved(posed, self.target(posed), self.place(posed), hand)
+        found = self.solved(posed, self.target(posed), self.place(posed), self.hand(posed))
         for node, parts in found.items():
             if node in self.fk:
                 parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
@@ -296,8 +313,12 @@ class Ik:
 
     def target(self, posed: PoseCache) -> Floats:
         """Where the limb is to end, (1 or f, 3), by its control."""
-        control = self.limb.control
-        return posed.world(control)[:, 3, :3] + rotate(_rotation_of(posed, control), self._seat)
+        holder = self.limb.holder
+        return posed.world(holder)[:, 3, :3] + rotate(posed.turn(holder), self._seat)
+
+    def hand(self, posed: PoseCache) -> Floats:
+        """How the end is to be turned, (1 or f, 4), by its control."""
+        return product(posed.turn(self.limb.holder), self.grip)
 
     def place(self, posed: PoseCache) -> Floats:
         """Where the pole is, (1 or f, 3)."""
@@ -316,7 +337,7 @@ class Ik:
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]
         # Without a pole it bends to where it bends at rest.
-        turn = _rotation_of(posed, self.above)
+        turn = posed.turn(self.above)
         root = transform_points(self.start, posed.world(self.above))
         return root + rotate(turn, self.rest.side)
 
@@ -326,7 +347,7 @@ class Ik:
         built: the rig above the limb as controls make it. The end of a soft limb is nearer than its target.
         """
         _, _, end = self.limb.chain
-        parent = _rotation_of(source, int(self.rig.parents[end]))
+        parent = source.turn(int(self.rig.parents[end]))
         turn = product(product(parent, source.part(end).rotation), conjugate(self.grip))
         place = source.world(end)[:, 3, :3]
         if self.limb.soft > 0 and not self.limb.stretch and not self.limb.detached:
@@ -336,7 +357,10 @@ class Ik:
             target_distance = distance_for(reach, first + second, self.limb.soft)
             share = np.where(reach > 0, target_distance / np.where(reach > 0, reach, 1.0), 1.0)
             place = place + away * (share - 1.0)[:, np.newaxis]
-        return from_frame(to_axes(turn), place - rotate(turn, self._seat))
+        holder = from_frame(to_axes(turn), place - rotate(turn, self._seat))
+        for node in self.limb.hanging:
+            holder = multiply(inverse(built.local(node)), holder)
+        return holder
 
     def side(self, source: PoseCache) -> Floats:
         """The pole position for the bend that the joints have in ``source``, (f, 3), in the world.
@@ -346,12 +370,12 @@ class Ik:
         bone to the line from root to end by the shortest way. So a pole never flips.
         """
         a, b, c = (source.world(node)[:, 3, :3] for node in self.limb.chain)
-        a, b, c = _level(a, b, c)
+        a, b, c = level(a, b, c)
         size = length(b - a) + length(c - b)
         line = normalise(c - a)
         bend = (b - a) - dot(b - a, line)[:, np.newaxis] * line
         start = self.limb.chain[0]
-        turned = product(_rotation_of(source, self.above), source.part(start).rotation)
+        turned = product(source.turn(self.above), source.part(start).rotation)
         inside = rotate(conjugate(self._own(start).rotation[0]), self.rest.side)
         as_turned = rotate(turned, inside)
         bone = normalise(b - a)
@@ -374,21 +398,3 @@ class Ik:
         """How far the pole stands from the mid joint, at rest as always."""
         place = self.reference.world[self.limb.pole, 3, :3] if self.limb.pole >= 0 else self._pole
         return float(length(place - self._points[1]))
-
-
-def _rotation_of(posed: PoseCache, node: int) -> Floats:
-    """How a node is turned in the world, (1 or f, 4); by rotations where a scale of zero leaves no axes."""
-    if node < 0:
-        return np.array([[0.0, 0.0, 0.0, 1.0]])
-    found = posed.world_rotation(node)
-    whole = np.isfinite(found).all(axis=-1, keepdims=True)
-    if whole.all():
-        return found
-    above = _rotation_of(posed, int(posed.rig.parents[node]))
-    return np.where(whole, found, product(above, posed.part(node).rotation))
-
-
-def _level(*arrays: Floats) -> list[Floats]:
-    """Arrays with as many rows as the longest of them."""
-    count = max(map(len, arrays))
-    return [np.broadcast_to(each, (count, *each.shape[1:])) for each in arrays]

@@ -8,7 +8,7 @@ the rig, so that rounding and reduced keys do not add up along chains. What an I
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field, fields, replace
 from functools import cached_property
 from itertools import zip_longest
 from typing import NamedTuple
@@ -23,7 +23,6 @@ from rigtri.evaluation.pose_cache import BLOCK, PoseCache, blocks, cut, frames, 
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.solver_steps import ConstraintStep, Step
 from rigtri.maths.matrices import inverse, multiply, transform_points
-from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -36,12 +35,14 @@ from rigtri.model.rig import Rig
 class FindControl:
     """A control, IK end or pole. needs: the nodes from whose places it is found; −1 is none.
 
-    find: its local parts, of the rig as far as controls make it, and of the motion as it was.
+    find: its local parts, of the rig as far as controls make it, and of the motion as it was. below: what
+    is below it, and counts.
     """
 
     control: int
     above: tuple[int, ...]
     find: Callable[[PoseCache, PoseCache], Parts]
+    below: tuple[int, ...] = ()
 
     @property
     def sets(self) -> tuple[int, ...]:
@@ -49,7 +50,7 @@ class FindControl:
 
     @property
     def reads(self) -> tuple[int, ...]:
-        return ()
+        return self.below
 
     @property
     def needs(self) -> tuple[int, ...]:
@@ -97,7 +98,8 @@ def inverse_steps(solver: Solver) -> list[Step]:
         )
         placed |= {each.control: each for each in own}
         if isinstance(step, Ik):
-            step = FindLimb(step.reference, step.limb, step.fk, step.rule, step.carries, solver.still)
+            own_parts = {key.name: getattr(step, key.name) for key in fields(Ik)}
+            step = FindLimb(**own_parts, still=solver.still)
         found.append(step)
     steps = [
         replace(step, base=placed.pop(step.child))
@@ -139,6 +141,7 @@ def find_limb_ends(ik: Ik, ruled: Collection[int]) -> list[FindControl]:
                 limb.control,
                 (above, ik.above),
                 lambda built, source: _seen(built, above, ik.grasp(built, source)),
+                limb.hanging,
             )
         )
     if limb.pole >= 0 and limb.pole not in ruled:
@@ -302,12 +305,7 @@ def _limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collection[in
 def _bend(found: SolvedControls, ik: Ik, source: PoseCache, still: Collection[int]) -> Requests:
     """What the limb's FK controls hold below the solver, but for those that keep ``still``; its joints."""
     built = found.posed
-    solved = ik.solved(
-        built,
-        ik.target(built),
-        ik.place(built),
-        product(built.world_rotation(ik.limb.control), ik.grip),
-    )
+    solved = ik.solved(built, ik.target(built), ik.place(built), ik.hand(built))
     turn = move = 0.0
     for node, parts in solved.items():
         if node in ik.fk:

@@ -11,6 +11,7 @@ from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import compose, determinant, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import from_axes, unit
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import by_component
 from rigtri.model.animation import Clip
@@ -111,6 +112,17 @@ class PoseCache:
     def world_rotation(self, node: int) -> Floats:
         """How a node is turned in the world, (1 or f, 4), without scale."""
         return from_axes(orthonormal_axes(self.world(node)))
+
+    def turn(self, node: int) -> Floats:
+        """As `world_rotation`, by rotations alone where a scale of zero leaves no axes; −1: not at all."""
+        if node < 0:
+            return np.array([[0.0, 0.0, 0.0, 1.0]])
+        found = self.world_rotation(node)
+        whole = np.isfinite(found).all(axis=-1, keepdims=True)
+        if whole.all():
+            return found
+        above = self.turn(int(self.rig.parents[node]))
+        return np.where(whole, found, product(above, self.part(node).rotation))
 
 
 def _finite(rows: Floats) -> Booleans:

@@ -55,12 +55,15 @@ class Solver:
         found, taken = [], set[int]()
         for limb in self.reference.limbs:
             rule = self.poles.get(limb.chain)
-            works = self._works(limb.control, *((limb.pole,) if limb.pole >= 0 else ()))
+            rolls = limb.toe >= 0 and self._works(*limb.pivots)
+            poles = (limb.pole,) if limb.pole >= 0 else ()
+            works = self._works(limb.control, *poles, *limb.pivots)
             if works and taken.isdisjoint(limb.chain):
                 taken.update(limb.chain)
+                moved = (*limb.chain, limb.toe) if rolls else limb.chain
                 fk = {
                     node: Fk(self.reference, self.reference.fk[node])
-                    for node in limb.chain
+                    for node in moved
                     if node in self.reference.fk
                 }
                 offsets = {each.own.offset for each in fk.values()}
@@ -71,6 +74,7 @@ class Solver:
                         fk,
                         rule,
                         tuple(sorted((offsets & self._looked_at) - self.still)),
+                        rolls,
                     )
                 )
         return found
@@ -82,7 +86,7 @@ class Solver:
         looking = [node for rule in constraints_of(self.rig).values() for node in rule.sources]
         looking += [int(self.rig.parents[child]) for child in self.rules if child not in own]
         for limb in self.reference.limbs:
-            looking += [limb.control, limb.pole]
+            looking += [limb.holder, limb.pole]
         looking += [node for own in self.reference.fk.values() for node in Fk(self.reference, own).needs]
         return self.rig.with_ancestors(looking)
 
@@ -200,6 +204,6 @@ def _refuse_unread(rig: Rig, rules: Iterable[Constraint]) -> None:
 
 def refuse_cycles(rig: Rig) -> None:
     """ControlCycleError where controls and constraints depend on each other, whichever are active."""
-    fk = {node for node, record in rig.records(ControlRecord).items() if record.kind != "ik"}
+    fk = {node for node, record in rig.records(ControlRecord).items() if record.kind in ("fk", "root")}
     for driven in (None, fk):
         _ = Solver(rig, driven).steps

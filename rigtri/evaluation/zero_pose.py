@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
+from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import (
     compose,
     decompose,
@@ -27,7 +29,14 @@ from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length, triple
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Quaternion, Triple
+from rigtri.model.metadata import (
+    PIVOTS,
+    ControlRecord,
+    OffsetRecord,
+    PoleVectorRecord,
+    Quaternion,
+    Triple,
+)
 from rigtri.model.rig import Rig
 
 # Offsets are float32 and some nodes deep; a pose that anybody has set is farther off than this.
@@ -54,7 +63,9 @@ class IkLimb:
     """A limb with an IK end. chain: root, mid and end joint. pole: −1 where there is none.
 
     detached: the end joint is no descendant of the mid joint, as the foot of a flat rig; it stands where
-    its control does, and the lower bone aims at it.
+    its control does, and the lower bone aims at it. pivots: of the foot, below the control, which carry the
+    end joint; the last but one carries the toe, −1 for none. hanging: all nodes from the last one up to the
+    control, without that.
     """
 
     chain: tuple[int, int, int]
@@ -63,6 +74,14 @@ class IkLimb:
     soft: float = 0.0
     stretch: bool = False
     detached: bool = False
+    pivots: tuple[int, ...] = ()
+    hanging: tuple[int, ...] = ()
+    toe: int = -1
+
+    @property
+    def holder(self) -> int:
+        """What the end joint follows: the control, or the last pivot of the foot."""
+        return self.pivots[-1] if self.pivots else self.control
 
 
 class ControlsAtZero:
@@ -75,7 +94,8 @@ class ControlsAtZero:
         self.roots: list[FkControl] = []
         offsets = rig.records(OffsetRecord)
         poles = {_chain(rig, record.chain): node for node, record in rig.records(PoleVectorRecord).items()}
-        for node, record in sorted(rig.records(ControlRecord).items()):
+        controls = sorted(rig.records(ControlRecord).items())
+        for node, record in controls:
             joint = rig.known(record.joint)
             if joint is None:
                 continue
@@ -85,8 +105,9 @@ class ControlsAtZero:
                 if chain is not None and not ik_obstacle(rig, chain):
                     pole, soft, stretch = poles.get(chain, -1), record.soft or 0.0, bool(record.stretch)
                     detached = not rig.is_below(chain[2], chain[1])
-                    self.limbs.append(IkLimb(chain, node, pole, soft, stretch, detached))
-            elif offset >= 0:
+                    limb = IkLimb(chain, node, pole, soft, stretch, detached)
+                    self.limbs.append(_with_foot(rig, limb, controls))
+            elif offset >= 0 and record.kind not in PIVOTS:
                 axes = offsets[offset].axes if offset in offsets else None
                 own = FkControl(node, offset, joint, int(rig.parents[offset]), axes)
                 if record.kind == "fk":
@@ -223,6 +244,31 @@ def ik_obstacle(rig: Rig, chain: tuple[int, int, int]) -> str:
     if rig.is_below(c, a) and not rig.is_below(c, b):
         return f"'{end}' is a descendant of '{start}', but not of '{mid}', so it does not follow the bend"
     return ""
+
+
+def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
+    """Why an IK end of a limb would move nothing; "" where it would. carries: as `Skeleton` has it."""
+    if carries[chain[0]]:
+        return ik_obstacle(rig, chain)
+    return f"no mesh follows '{rig.title(chain[0])}'"
+
+
+def _with_foot(rig: Rig, limb: IkLimb, controls: Sequence[tuple[int, ControlRecord]]) -> IkLimb:
+    """A limb with the pivots of its foot, where all of them are there, each below the one before."""
+    found = {
+        record.kind: (node, record) for node, record in controls if _chain(rig, record.chain) == limb.chain
+    }
+    if not found.keys() >= {*PIVOTS}:
+        return limb
+    pivots = tuple(found[kind][0] for kind in PIVOTS)
+    line = (limb.control, *pivots)
+    if not all(rig.is_below(node, above) for above, node in pairwise(line)):
+        return limb
+    toe = rig.known(found["ball"][1].joint)
+    follows = toe is not None and int(rig.parents[toe]) == limb.chain[2]
+    path = rig.path_to_root(pivots[-1])
+    hanging = tuple(path[: path.index(limb.control)])
+    return replace(limb, pivots=pivots, hanging=hanging, toe=toe if toe is not None and follows else -1)
 
 
 def _chain(rig: Rig, names: Sequence[str]) -> tuple[int, int, int] | None:

@@ -14,3 +14,9 @@ def runs(numbers: Integers) -> Integers:
     first = np.ones(len(numbers), dtype=bool)
     np.not_equal(numbers[1:], numbers[:-1], out=first[1:])
     return np.flatnonzero(first)
+
+
+def level(*arrays: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Arrays with as many rows as the longest of them."""
+    count = max(map(len, arrays))
+    return [np.broadcast_to(each, (count, *each.shape[1:])) for each in arrays]

@@ -25,7 +25,9 @@ Quaternion = tuple[float, float, float, float]
 Names = tuple[str, ...]
 # Rows of 4 × 4 matrices, one after another.
 Matrices = Annotated[tuple[float, ...], 16]
-ControlKind = Literal["fk", "ik", "root"]
+ControlKind = Literal["fk", "ik", "root", "heel", "tip", "ball"]
+# The controls about which a foot rolls, each a child of the one before, the first one of the IK control.
+PIVOTS: tuple[ControlKind, ...] = ("heel", "tip", "ball")
 ConstraintKind = Literal["parent", "point", "orient", "scale", "aim", "polevector"]
 ConstraintSpace = Literal["world", "local", "roll"]
 RollAxis = Literal["x", "y", "z", ""]

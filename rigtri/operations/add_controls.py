@@ -10,21 +10,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.sampling import world_of
-from rigtri.evaluation.zero_pose import ik_obstacle, moved_controls
+from rigtri.evaluation.zero_pose import idle_ik, ik_obstacle, moved_controls
 from rigtri.frames.skeleton import ReferencePose, Skeleton, reference, skeleton
-from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import dot
-from rigtri.model.control_shapes import COLORS, Kind
 from rigtri.model.joint_names import Side, side
 from rigtri.model.metadata import (
+    PIVOTS,
     ControlKind,
     ControlRecord,
     OffsetRecord,
@@ -35,9 +34,18 @@ from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
 from rigtri.operations.add_posereader.corrective_joints import driven_paths
 from rigtri.operations.aim_targets import Rules, aim_targets, limb_children
-from rigtri.operations.control_drawing import Drawing, draw, draw_anew, lines_of
+from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.control_drawing import (
+    Drawing,
+    draw,
+    draw_anew,
+    lines_of,
+    requested_drawing,
+    requested_members,
+)
 from rigtri.operations.control_frames import ControlAxes, stored_style
 from rigtri.operations.control_sizes import ControlSizes
+from rigtri.operations.foot_roll import Foot, rolling_feet
 from rigtri.operations.joint_selection import chosen
 from rigtri.operations.operation import operation
 from rigtri.operations.options.add_controls import NAME as NAME
@@ -63,16 +71,10 @@ from rigtri.recognition.limbs import Limb, forward, named_limbs, with_recognised
 from rigtri.recognition.one_character import bodies, within
 from rigtri.report import Report
 
+# What a control is below, its place, (3,), and its drawing.
+Seat = tuple[int, Floats, Drawing]
 # What {kind} stands for in a name, by the kind of control.
-_WORDS = {"fk": "ctl", "ik": "ik_ctl", "root": "root_ctl"}
-_SHAPES: dict[str, Kind] = {"fk": "circle", "ik": "cube", "root": "arrow", "pole": "diamond"}
-
-
-def idle_ik(rig: Rig, chain: tuple[int, int, int], carries: Booleans) -> str:
-    """Why an IK end of a limb would move nothing; "" where it would. carries: as `Skeleton` has it."""
-    if carries[chain[0]]:
-        return ik_obstacle(rig, chain)
-    return f"no mesh follows '{rig.title(chain[0])}'"
+_WORDS = {"fk": "ctl"} | {kind: f"{kind}_ctl" for kind in ("ik", "root", *PIVOTS)}
 
 
 @operation(AddControlsOptions)
@@ -115,6 +117,7 @@ class _Builder:
         self.bones = {node: bone for bone, node in rig.humanoid.items()}
         self.limb_sides: dict[int, Side] = {limb.start: limb.side for limb in self.limbs}
         self.sides: dict[int, Side] = {}
+        self.feet = rolling_feet(self.tree, self.limbs, self.sizes.sections, options, report)
         self.controls: dict[int, int] = {}
         self.above_controls = set[int]()
         # The controls of this run: node, kind and joint.
@@ -133,6 +136,9 @@ class _Builder:
             else:
                 yield limb
 
+    def _chain(self, limb: Limb) -> tuple[str, ...]:
+        return tuple(map(self.rig.address, limb.triple))
+
     def build(self) -> Rig:
         options = self.options
         self.rig, holder = group(self.rig)
@@ -149,8 +155,10 @@ class _Builder:
             self.controls[joint] = self._control(joint, "fk", self.fk.get(address), {"joint": address})
         self._add()
         for limb in dict.fromkeys(self.limbs):
-            chain = tuple(map(self.rig.address, limb.triple))
+            chain = self._chain(limb)
             self._ik(limb, {"joint": chain[-1], "chain": chain})
+        for foot in self.feet:
+            self._roll(foot)
         self._poles()
         self._give_names()
         _ = self.rig.world  # of all at once
@@ -179,7 +187,8 @@ class _Builder:
                 for reader in self.rig.records(PoseReaderRecord).values():
                     idle |= driven_paths(reader, self.rig).keys()
                 found = [joint for joint in found if joint not in idle]
-        missing = {node for limb in self.limbs for node in limb.triple}.difference(found)
+        held = {*(node for limb in self.limbs for node in limb.triple), *(foot.toe for foot in self.feet)}
+        missing = held.difference(found)
         return sorted({*found, *missing}) if missing else found
 
     def _root_carries(self, joints: list[int]) -> bool:
@@ -211,7 +220,7 @@ class _Builder:
         drawing = self._drawing("root", top, self.ref.extent * 0.25, up, front)
         if control is None:
             _, parent = group(self.rig)
-            control = self._new("root", top, parent, about, drawing, (place, np.eye(3)))
+            control = self._new("root", top, parent, about, drawing, place, np.eye(3))
             self._add()
         else:
             self._again(control, "root", top, drawing)
@@ -222,22 +231,48 @@ class _Builder:
     def _find(self, kind: ControlKind, about: Mapping[str, Any]) -> int | None:
         return find(self.rig, ControlRecord, kind=kind, **about)
 
-    def _control(self, joint: int, kind: ControlKind, known: int | None, about: Mapping[str, Any]) -> int:
-        """The control of a kind over a joint, found again or new, its offset at the joint."""
-        parent, frame = self._parent(joint, kind), self.axes.frames.get((joint, kind))
-        size, normal = self.sizes.of(joint, frame)
-        limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
-        drawing = self._drawing(kind, joint, size if limb is None else self.sizes.of_end(limb), normal)
+    def _roll(self, foot: Foot) -> None:
+        """The pivots of a foot, each below the one before, the first one below the IK control."""
+        chain = self._chain(foot.limb)
+        control = self._find("ik", {"chain": chain})
+        if control is None or self.rig.is_joint[control]:
+            return
+        style = self.options.style or AxisStyle()
+        for kind, joint, place in foot.pivots:
+            about = {"joint": self.rig.address(joint), "chain": chain}
+            self.axes.styles[joint, kind], self.axes.frames[joint, kind] = style, foot.axes
+            drawing = self._drawing(kind, joint, foot.size, foot.normal)
+            control = self._control(joint, kind, self._find(kind, about), about, (control, place, drawing))
+        self._add()
+
+    def _control(
+        self,
+        joint: int,
+        kind: ControlKind,
+        known: int | None,
+        about: Mapping[str, Any],
+        at: Seat | None = None,
+    ) -> int:
+        """The control of a kind over a joint, found again or new, its offset at the joint, or elsewhere."""
+        parent, place, drawing = at or self._seat(joint, kind)
         if known is None:
-            control = self._new(kind, joint, parent, about, drawing)
+            control = self._new(kind, joint, parent, about, drawing, place)
         else:
             control = known
-            self._known(control, kind, joint, parent, drawing)
+            self._known(control, kind, joint, parent, drawing, place)
         self.made.append((control, kind, joint))
         return control
 
-    def _known(self, control: int, kind: ControlKind, joint: int, parent: int, drawing: Drawing) -> None:
-        """A control that is there already: its drawing as requested, its offset at the joint."""
+    def _seat(self, joint: int, kind: ControlKind) -> Seat:
+        size, normal = self.sizes.of(joint, self.axes.frames.get((joint, kind)))
+        limb = next((limb for limb in self.limbs if kind == "ik" and limb.end == joint), None)
+        drawing = self._drawing(kind, joint, size if limb is None else self.sizes.of_end(limb), normal)
+        return self._parent(joint, kind), self.world[joint, 3, :3], drawing
+
+    def _known(
+        self, control: int, kind: ControlKind, joint: int, parent: int, drawing: Drawing, place: Floats
+    ) -> None:
+        """A control that is there already: its drawing as requested, its offset at its place."""
         self._again(control, kind, joint, drawing)
         offset = int(self.rig.parents[control])
         record = self.rig.records(OffsetRecord).get(offset)
@@ -246,7 +281,7 @@ class _Builder:
         axes, record = self.axes.of_offset(control, joint, kind, record)
         if record is not None:
             self.rig = with_record(self.rig, offset, record)
-        self._stand(control, self.world[joint, 3, :3], axes)
+        self._stand(control, place, axes)
 
     def _add(self) -> None:
         """Add what is new to the rig."""
@@ -315,16 +350,17 @@ class _Builder:
         parent: int,
         about: Mapping[str, Any],
         drawing: Drawing,
-        at: tuple[Floats, Floats] | None = None,
+        place: Floats,
+        axes: Floats | None = None,
     ) -> int:
-        """A control and its offset, which `_add` adds. at: its place and axes, (3, 3); else of its joint."""
+        """A control and its offset at a place, which `_add` adds. axes: (3, 3); else those of its style."""
         name, new = self._name(joint, kind), self.new
         record, lines = lines_of(ControlRecord(kind=kind, **about, side=self._side(joint)), drawing)
         stored = OffsetRecord(kind=kind, joint=record.joint)
-        if at is None:
+        if axes is None:
             axes, found = self.axes.of_offset(-1, joint, kind, stored)
-            at, stored = (self.world[joint, 3, :3], axes), found or stored
-        local, noise = seen_from(new.unposed(parent), *at)
+            stored = found or stored
+        local, noise = seen_from(new.unposed(parent), place, axes)
         offset = new.add(f"{name}_offset", parent, stored, local, noise)
         control = new.add(name, offset, record, None)
         new.shapes[control] = lines
@@ -338,7 +374,10 @@ class _Builder:
         drawing: Drawing,
     ) -> None:
         """A control that is there already gets what was requested; drawn again where its axes are others."""
-        requested, offset = self._requested(kind, joint), int(self.rig.parents[control])
+        requested, offset = (
+            requested_members(self.options, self._side(joint), kind),
+            int(self.rig.parents[control]),
+        )
         record = self.rig.records(OffsetRecord).get(offset)
         turned = record is not None and stored_style(record) != self.axes.styles.get((joint, kind))
         self.rig = draw_anew(self.rig, control, drawing, requested, self.report, turned=turned)
@@ -346,20 +385,7 @@ class _Builder:
     def _drawing(
         self, kind: str, joint: int, size: float, normal: Floats, front: Floats | None = None
     ) -> Drawing:
-        options, which = self.options, self._side(joint)
-        size = size * (1.0 if options.size is None else options.size)
-        shape = cast("Kind", options.shape.get(kind, _SHAPES[kind]))
-        return Drawing(shape, size, options.color.get(which, COLORS[which]), normal, front)
-
-    def _requested(self, kind: str, joint: int) -> frozenset[str]:
-        """What of a drawing the options name."""
-        options = self.options
-        requested = {
-            "shape": kind in options.shape,
-            "size": options.size is not None,
-            "color": self._side(joint) in options.color,
-        }
-        return frozenset(key for key, given in requested.items() if given)
+        return requested_drawing(self.options, self._side(joint), kind, size, normal, front)
 
     def _parent(self, joint: int, kind: ControlKind) -> int:
         """The control of the nearest joint above that has one; IK ends hang under the root control."""
@@ -407,7 +433,7 @@ class _Builder:
             if node not in before:
                 self.rig = draw(self.rig, node, drawing)
             elif record.shape:
-                requested = self._requested("pole", middle)
+                requested = requested_members(self.options, self._side(middle), "pole")
                 self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
 
     def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:

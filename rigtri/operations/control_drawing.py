@@ -10,10 +10,12 @@ from dataclasses import replace
 from typing import TypeVar, cast
 
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.control_shapes import Kind, Shape, drawn
+from rigtri.model.control_shapes import COLORS, Kind, Shape, drawn
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import ControlRecord, PoleVectorRecord
+from rigtri.model.joint_names import Side
+from rigtri.model.metadata import PIVOTS, ControlRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.operations.rigtri_nodes import with_record
 from rigtri.report import Report
 
@@ -21,6 +23,8 @@ D = TypeVar("D", bound=ControlRecord | PoleVectorRecord)
 
 # Sizes that differ by less, as a share, are one: what float32 leaves of a bone's length.
 _SAME_SIZE = 1e-5
+# Shapes by the kind of control; of all others circles.
+_SHAPES: dict[str, Kind] = {"ik": "cube", "root": "arrow", "pole": "diamond"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +36,30 @@ class Drawing:
     color: tuple[float, float, float]
     normal: Floats
     ahead: Floats | None = None
+
+
+def requested_drawing(
+    options: AddControlsOptions, which: Side, kind: str, size: float, normal: Floats, front: Floats | None
+) -> Drawing:
+    """How a control of a kind on a side is drawn, as the options have it."""
+    shape = cast("Kind", options.shape.get(_as_shaped(kind), _SHAPES.get(kind, "circle")))
+    size *= 1.0 if options.size is None else options.size
+    return Drawing(shape, size, options.color.get(which, COLORS[which]), normal, front)
+
+
+def requested_members(options: AddControlsOptions, which: Side, kind: str) -> frozenset[str]:
+    """What of a drawing the options name."""
+    requested = {
+        "shape": _as_shaped(kind) in options.shape,
+        "size": options.size is not None,
+        "color": which in options.color,
+    }
+    return frozenset(key for key, given in requested.items() if given)
+
+
+def _as_shaped(kind: str) -> str:
+    """What ``--shape`` calls a kind of control."""
+    return "roll" if kind in PIVOTS else kind
 
 
 def draw(rig: Rig, node: int, drawing: Drawing) -> Rig:

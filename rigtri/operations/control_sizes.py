@@ -120,6 +120,11 @@ class SkinSections:
         near = [(skinned, skinned.triangles_of(vertices)) for skinned, vertices in self._of(joints)]
         return _half([skinned.cut(corners, place, normal) for skinned, corners in near], normal)
 
+    def points_of(self, joints: list[int]) -> Floats:
+        """The points, (v, 3), that joints move most, in the world at rest."""
+        found = [skinned.points[vertices] for skinned, vertices in self._of(joints)]
+        return np.concatenate([*found, np.zeros((0, 3))])
+
     def _near(self, joint: int) -> list[tuple[_Skinned, Integers]]:
         """As `_of` a joint, or its neighbours where it has none."""
         return self._of([joint]) or self._of([int(self.rig.parents[joint]), *self.rig.children[joint]])

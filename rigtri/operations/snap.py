@@ -109,10 +109,12 @@ class _Limb:
     def snapped(self) -> Rig:
         ik = self._ik()
         ends = [node for node in (ik.limb.control, ik.limb.pole) if node >= 0]
+        pivots = ik.limb.pivots if self.to == "fk" else ()
         fks = self._fks(ik)
         controls = [fk.own.control for fk in fks.values()]
+        offsets = [fk.own.offset for fk in ik.fk.values()]
         at_work = self._at_work(self.rig)
-        was_ik = bool(at_work.intersection(ends))
+        was_ik = bool(at_work.intersection((*ends, *ik.limb.pivots)))
         already = was_ik if self.to == "ik" else not was_ik and at_work.issuperset(controls)
         # What takes over is to show all of the motion that it had without.
         times = self.times if already or self.timeline is None else self._all_times(self.timeline)
@@ -126,18 +128,17 @@ class _Limb:
         if self.timeline is None:
             if self.to == "fk" and was_ik:
                 zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
-                channels[ik.limb.control] = zero
+                channels |= dict.fromkeys((ik.limb.control, *pivots), zero)
             rig, _ = at_rest(self.rig, channels, np.full(len(self.rig), 0.1 * NOTHING * size_of(self.rig)))
         elif already:
             rig = self._set(channels)
         else:
-            offsets = [fk.own.offset for fk in ik.fk.values()]
             working = ends if self.to == "ik" else controls
-            rig = self._replaced(channels, times, {*ends, *controls, *offsets}, working)
+            rig = self._replaced(channels, times, {*ends, *controls, *offsets, *pivots}, working)
         rig = rig if self.timeline is None else rig.with_parts(channels)
         # What controls show, and tracks that go, are so on purpose.
         self.report.reposed |= rig is not self.rig
-        self._record(rig, times, {*ends, *controls, *ik.sets, *(fk.own.offset for fk in ik.fk.values())})
+        self._record(rig, times, {*ends, *controls, *pivots, *ik.sets, *offsets})
         return rig
 
     def _all_times(self, timeline: Timeline) -> Floats:
@@ -186,12 +187,13 @@ class _Limb:
 
     def _ik(self) -> Ik:
         limb = next(limb for limb in self.reference.limbs if limb.chain == self.chain)
-        solver = Solver(self.rig, {limb.control}, self.reference)
+        rolling = self._at_work(self.rig).intersection(limb.pivots)
+        solver = Solver(self.rig, {limb.control, *rolling}, self.reference)
         return next(ik for ik in solver.limbs if ik.limb.chain == self.chain)
 
     def _fks(self, ik: Ik) -> dict[int, Fk]:
         """The FK controls of what IK moves, by joint, parents first."""
-        nodes = (self.chain[0], *ik.paths[0], *ik.paths[1])
+        nodes = (self.chain[0], *ik.paths[0], *ik.paths[1], ik.limb.toe)
         moved = [node for node in nodes if node in ik.sets and node in ik.reference.fk]
         return {node: Fk(ik.reference, ik.reference.fk[node]) for node in moved}
 

@@ -115,7 +115,7 @@ def rigged(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     made = {}
     for name in ("biped.glb", "biped.usda"):
         made[name] = folder / name
-        line = ["add-controls", SAMPLES / name, "-o", made[name], "--whole-character", "-q"]
+        line = ["add-controls", SAMPLES / name, "-o", made[name], "--whole-character", "--foot-roll", "-q"]
         cli(*line, code=0)
     return made
 
@@ -144,12 +144,21 @@ BOTH = {
     "fingers_L_ctl": ONE | {"rotation": turn("z", 30)},
     "hips_root_ctl": ONE | {"translation": [0.2, 0.0, 0.1], "rotation": turn("y", 35)},
 }
+# A foot that rolls about its ball, tip and heel, with a toe on top.
+ROLL = {
+    "foot_R_ik_ctl": ONE | {"translation": [0.02, 0.1, 0.05], "rotation": turn("y", 15)},
+    "foot_R_heel_ctl": ONE | {"rotation": turn("y", -10)},
+    "foot_R_tip_ctl": ONE | {"rotation": turn("y", 12)},
+    "toe_R_ball_ctl": ONE | {"rotation": turn("y", 30)},
+    "toe_R_ctl": ONE | {"rotation": turn("z", 8)},
+    "hips_root_ctl": ONE | {"translation": [0.2, 0.0, 0.1], "rotation": turn("y", 35)},
+}
 
 
 def poses_for(rig: Rig) -> list[dict[str, Any]]:
     pole = rig.find("shin_R_pole")
     place = rig.translation[pole] + np.array([0.3, 0.0, 0.0])
-    return [FK_POSE, IK_POSE | {"shin_R_pole": ONE | {"translation": place.tolist()}}, BOTH]
+    return [FK_POSE, IK_POSE | {"shin_R_pole": ONE | {"translation": place.tolist()}}, BOTH, ROLL]
 
 
 def compared(path: Path, folder: Path, **more: Any) -> tuple[Shown, list[float]]:

@@ -319,7 +319,12 @@ def test_objects_of_options_do_what_keywords_do() -> None:
         ("add_socket", {"on": "head"}, TypeError, "add_socket() needs name"),
         ("orient_joints", {"preset": "vrm", "aim": "x"}, UsageError, "parallel to the world"),
         ("add_controls", {"joints": "*", "color": {"top": (1, 0, 0)}}, UsageError, "the sides are left"),
-        ("add_controls", {"joints": "*", "shape": {"top": "cube"}}, UsageError, "fk, ik, root and pole"),
+        (
+            "add_controls",
+            {"joints": "*", "shape": {"top": "cube"}},
+            UsageError,
+            "fk, ik, root, pole and roll",
+        ),
         ("bake", {"to": "sky"}, UsageError, "'joints', 'controls'"),
         ("bake", {}, GeometryError, "nothing to bake"),
         ("add_twist", {"limbs": "auto", "count": True}, UsageError, "give a whole number"),

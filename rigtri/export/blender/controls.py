@@ -82,7 +82,7 @@ def _limb(plan: Plan, ik: Ik, pole: str | None) -> None:
         seat = plan.ride("seat", plan.node(above), stands)
         holder = plan.node(stands) if own else plan.ride("hold", "", stands)
         plan.constrain(holder, "COPY_TRANSFORMS", seat, _ride(plan, above))
-        grip = plan.ride("grip", plan.node(ik.limb.control), stands) if joint == end else ""
+        grip = plan.ride("grip", plan.node(ik.limb.holder), stands) if joint == end else ""
         if grip and ik.limb.detached:
             for kind in ("COPY_LOCATION", "COPY_ROTATION"):
                 plan.constrain(holder, kind, grip, name, limb=number)
@@ -95,6 +95,16 @@ def _limb(plan: Plan, ik: Ik, pole: str | None) -> None:
             _copy(plan, joint, own.own.control)
         else:
             plan.constrain(plan.node(joint), "COPY_TRANSFORMS", plan.ride("drive", holder, joint), name)
+    if ik.limb.toe >= 0:
+        _toe(plan, ik, name, number)
+
+
+def _toe(plan: Plan, ik: Ik, name: str, number: int) -> None:
+    """The toe of a foot with pivots: it turns with the one that is next to last."""
+    toe = ik.limb.toe
+    stands = plan.reference.fk[toe].offset if toe in plan.reference.fk else toe
+    grip = plan.ride("roll", plan.node(ik.limb.pivots[-2]), stands)
+    plan.constrain(plan.node(stands), "COPY_ROTATION", grip, name, limb=number)
 
 
 def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, str]:
@@ -128,6 +138,9 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, s
     elif pole is None:
         pole = plan.socket(f"{title} pole", f"b{base}", from_frame(np.eye(3), root + side), bone=True)
     target = plan.node(ik.limb.control)
+    if ik.limb.pivots:
+        ankle = from_frame(np.eye(3), world[ik.limb.control, 3, :3])
+        target = plan.socket(f"{title} ankle", plan.node(ik.limb.holder), ankle, bone=True)
     words = [f"b{bone}" for bone in (base, *marks, aim, upper, lower)]
     about = {"name": name, "bones": words, "target": target, "pole": pole, "rest": (root + side).tolist()}
     straight = ik.reach_at_rest >= 1.0 - STRAIGHT

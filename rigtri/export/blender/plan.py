@@ -21,7 +21,7 @@ from rigtri.maths.matrices import from_frame, orthonormal_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.constraints import Constraint
-from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord
+from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord
 from rigtri.model.rig import Rig
 from rigtri.recognition.recognise import sure_limbs
 
@@ -31,7 +31,7 @@ _TELLING = ("type", "kind", "joint", "chain", "child")
 Share = float | list[str]
 # Bones of the control armature, and for each kind the channels that mean nothing: they are locked.
 CONTROLS = (ControlRecord.type, OffsetRecord.type, PoleVectorRecord.type)
-_LOCKED = {"ik": "s", "pole": "rs", "offset": "trs"}
+_LOCKED = {"ik": "s", "pole": "rs", "offset": "trs"} | dict.fromkeys(PIVOTS, "s")
 # What else than its own kind a record is to the script: of controls whose kind cannot be read, FK.
 _KINDS = {PoleVectorRecord.type: "pole", ControlRecord.type: "fk"}
 

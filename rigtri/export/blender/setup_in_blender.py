@@ -38,6 +38,7 @@ DRIVE, SWITCH = "rigtri_drive", "rigtri_ik"
 # What an imported control was called before its bone took the name.
 NAME = "rigtri_name"
 GROUPS = {"root": "Root", "ik": "IK", "pole": "IK", "fk": "FK", "offset": "Offsets"}
+GROUPS |= {"heel": "IK", "tip": "IK", "ball": "IK"}
 # How much turns of bones may differ from those of the file's joints, in the numbers of a matrix.
 SAME = 1e-2
 # How far, as a share of a straight limb, its target may be from where it rests by Blender's rounding.

@@ -308,11 +308,15 @@ class _Baker:
         reference = self.reference
         # A joint that only the root control carries keeps its own keys; that control gets none.
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
-        solver = self._solver(self.movers - carrying)
-        # What an animator has put on a root control stays there: what is below it counts from that, unless
-        # it makes all of it flat.
+        # What an animator has put on pivots of feet stays there, and the IK control counts from it.
+        pivots = frozenset(node for limb in reference.limbs for node in limb.pivots)
+        moved = controls_with_keys(self.rig, timeline) | moved_at_rest(self.rig, self.size)
+        solver = self._solver(self.movers - carrying - (pivots - moved))
+        # So does what is on a root control: what is below it counts from that, unless it makes all of it
+        # flat.
         flat = {t.node for t in timeline.clip.tracks if t.path == "scale" and not key_values(t).all()}
-        made = (self.movers | solver.offsets).difference({own.control for own in reference.roots} - flat)
+        kept = {own.control for own in reference.roots} - flat
+        made = (self.movers | solver.offsets).difference(kept, pivots)
         timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)

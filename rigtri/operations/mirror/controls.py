@@ -12,7 +12,7 @@ from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.triangle import bend_sine
 from rigtri.maths.vectors import triple
-from rigtri.model.metadata import ControlRecord, OffsetRecord, PoleVectorRecord, Triple
+from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.control_frames import stored_style
@@ -61,6 +61,9 @@ def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 
 def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions, report: Report) -> Rig:
     there = existing_twin_record(rig, record)
+    if record.kind in PIVOTS:  # made with the IK control that it is below
+        twin = find(rig, ControlRecord, kind=record.kind, chain=there.chain)
+        return rig if twin is None else _edited(rig, node, twin, options)
     before = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     drawn = before is not None and rig.records(ControlRecord)[before].shape == record.shape
     shapes: Any = {record.kind: record.shape} if record.shape and not drawn else {}
@@ -76,6 +79,7 @@ def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions,
             as_=None if before is not None else "joint" if rig.is_joint[node] else "locator",
             soft=record.soft or 0.0,
             stretch=bool(record.stretch),
+            foot_roll=find(rig, ControlRecord, kind="ball", chain=record.chain) is not None or None,
         )
     rig = add_controls(rig, options=made, report=report)
     found = find(rig, ControlRecord, kind=record.kind, joint=there.joint)

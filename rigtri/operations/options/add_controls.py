@@ -52,7 +52,7 @@ COLORS: dict[str, Vector] = {
 }
 # What riggers call some shapes, too.
 _ALSO = {"box": "cube", "ball": "sphere", "plus": "cross"}
-_CONTROLS = ("fk", "ik", "root", "pole")
+_CONTROLS = ("fk", "ik", "root", "pole", "roll")
 
 
 def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
@@ -62,7 +62,7 @@ def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
         kind, mark, shape = text.lower().rpartition("=")
         shape = _ALSO.get(shape, shape)
         if mark and kind not in _CONTROLS:
-            raise UsageError(f"{flag} {text}: the kinds of control are fk, ik, root and pole")
+            raise UsageError(f"{flag} {text}: the kinds of control are fk, ik, root, pole and roll")
         found |= {kind: shape} if mark else {"fk": shape, "ik": shape}
     return found
 
@@ -137,7 +137,7 @@ class AddControlsOptions(OneCharacter):
     limbs: Auto | None = option(None, help="The same for every limb that is known.", group="joints")
     shape: Annotated[Mapping[str, str], Kind("assignments", "[KIND=]SHAPE", read=_shapes)] = option(
         {},
-        help=f"Shape of the controls, or of one kind (fk, ik, root, pole): {', '.join(KINDS)}.",
+        help=f"Shape of the controls, or of one kind (fk, ik, root, pole, roll): {', '.join(KINDS)}.",
         group="what",
     )
     preset: str | None = axes.preset()
@@ -151,6 +151,11 @@ class AddControlsOptions(OneCharacter):
             "bone": "aimed along the bone, whatever axes the joints have",
             "joint": "those of the joints",
         },
+        group="what",
+    )
+    foot_roll: bool | None = option(
+        None,
+        help="Pivots at heel, toe tip and ball of each foot, below its IK control. [as stored, or not]",
         group="what",
     )
     size: Above | None = option(
@@ -202,13 +207,17 @@ class AddControlsOptions(OneCharacter):
                 hint = did_you_mean(kind, [*KINDS, *_ALSO]) or f" Use {', '.join(KINDS)}"
                 raise UsageError(f"--shape: '{kind}' is not a valid shape.{hint}")
         if unknown := [kind for kind in self.shape if kind not in _CONTROLS]:
-            raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root and pole")
+            raise UsageError(f"--shape {unknown[0]}: the kinds of control are fk, ik, root, pole and roll")
         if any(not 0 <= part <= 1 for color in self.color.values() for part in color):
             raise UsageError("--color: red, green and blue lie between 0 and 1")
         if unknown := [side for side in self.color if side not in _SIDES.values()]:
             raise UsageError(f"--color {unknown[0]}: the sides are left, right and '' for the middle")
         if self.as_ is not None and not (self.ik or self.limbs or self.whole_character):
             raise UsageError("--as is for IK ends and pole vectors: give --ik, --limbs or --whole-character")
+        if self.foot_roll and not (self.ik or self.limbs or self.whole_character):
+            raise UsageError("--foot-roll is for IK limbs: give --ik, --limbs or --whole-character")
+        if self.foot_roll and self.as_ == "joint":
+            raise UsageError("--foot-roll does not go with --as joint: pivots are controls")
         if self.frame == "joint":
             refuse(given, ("preset", *AXES), "does not go with --frame joint")
         elif self.preset == "vrm":

@@ -76,7 +76,7 @@ def hold_switched_on_ik(rig: Rig, switched: Switches, every: Sequence[Timeline])
             fresh = [
                 Track(limb.control, _PATH, "STEP", start, as_float32(rig.translation[[limb.control]]))
                 for limb in limbs
-                if keyed.isdisjoint((limb.control, limb.pole))
+                if keyed.isdisjoint((limb.control, limb.pole, *limb.pivots))
             ]
             done = put_tracks(done, timeline, fresh)
     return done
@@ -84,7 +84,8 @@ def hold_switched_on_ik(rig: Rig, switched: Switches, every: Sequence[Timeline])
 
 def drop_switched_off_ik_keys(rig: Rig, switched: Switches, every: Sequence[Timeline], report: Report) -> Rig:
     """The rig without keys of IK ends that are off, and of their poles, in the timelines, with a notice."""
-    gone = {node for limb in _limbs(rig, switched.off) for node in (limb.control, limb.pole)}
+    limbs = _limbs(rig, switched.off)
+    gone = {node for limb in limbs for node in (limb.control, limb.pole, *limb.pivots)}
     members = {k for timeline in every for k in timeline.members}
     lost = {track.node for k in members for track in rig.clips[k].tracks} & gone
     if not lost:

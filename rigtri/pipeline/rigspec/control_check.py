@@ -5,6 +5,7 @@ All are moved at once, each in a row of its own. What each has to move:
 * an FK control: its joint by the same rotation, and what is below that;
 * the root control: all joints with weight, rigidly; of several characters those of its own;
 * an IK control: the end joint to its place, in its rotation, and the limb;
+* a pivot of a foot: the end joint by the same rotation, and the toe, but the ball's, which leaves that;
 * a pole vector: the limb, while the end joint stays.
 
 And the mesh, but no other joint.
@@ -30,7 +31,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.model.constraints import constraints_of
 from rigtri.model.dataclass import dataclass
-from rigtri.model.metadata import ControlRecord
+from rigtri.model.metadata import PIVOTS, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.recognition.one_character import bodies
@@ -75,7 +76,7 @@ def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, .
     root: the node below which joints are, as `skeleton` has it. Raises ControlCycleError.
     """
     records = rig.records(ControlRecord)
-    fk = {node for node, record in records.items() if record.kind != "ik"}
+    fk = {node for node, record in records.items() if record.kind in ("fk", "root")}
     found: dict[int, CheckedControl] = {}
     reference, tree = ControlsAtZero(rig), skeleton(rig, root)
     # FK controls while IK is off, all others while it is on.
@@ -85,7 +86,7 @@ def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, .
     for node, record in sorted(records.items()):
         joint = rig.known(record.joint)
         if node not in found and not _is_ruled(solver, node, *(() if joint is None else (joint,))):
-            why = "its limb is not solved" if record.kind == "ik" else "its joint is not in the file"
+            why = "its limb is not solved" if record.chain else "its joint is not in the file"
             found[node] = CheckedControl(rig.title(node), record.kind, record.joint, 0, why)
     return tuple(found[node] for node in sorted(found))
 
@@ -131,6 +132,10 @@ def _every_trial(solver: Solver) -> Iterator[_Trial]:
         parts = _shifted(still, limb.control, _NEARER * size * _direction(start - end))
         turned = parts._replace(rotation=multiply(parts.rotation, turn))
         yield _Trial(limb.control, "ik", limb.chain[2], turned, limb)
+        for kind, pivot in zip(PIVOTS, limb.pivots, strict=False):
+            parts = still.part(pivot)
+            turned = parts._replace(rotation=multiply(parts.rotation, turn))
+            yield _Trial(pivot, kind, limb.chain[2], turned, limb)
         if limb.pole >= 0:
             line = _direction(end - start)
             aside = _direction(cross(line, reference.world[limb.pole, 3, :3] - start))
@@ -195,6 +200,11 @@ class _Run:
         if trial.kind == "root":
             body = next((body for body in self.bodies if joint in body), frozenset(self.watched))
             joints = [node for node in self.watched if self.carries[node] and node in body]
+        toe = -1 if trial.limb is None else trial.limb.toe
+        if trial.kind in PIVOTS and toe >= 0:
+            if trial.kind == "ball" and self._turned(toe, row) > _ANGLE:
+                return f"'{rig.title(toe)}' turns with it"
+            joints += [toe] if trial.kind != "ball" else []
         lazy = [node for node in joints if abs(self._turned(node, row) - _TURN) > _ANGLE]
         if trial.kind == "ik":
             goal = self.posed.world(trial.control)[:, 3, :3]

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rigtri.evaluation.zero_pose import idle_ik
 from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
@@ -15,10 +16,11 @@ from rigtri.maths.arrays import Booleans
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_controls import idle_ik
 from rigtri.operations.add_twist.twist import twists_skin
+from rigtri.operations.foot_roll import rolling_toes
 from rigtri.recognition.layout import CONFIDENT, Chain, Character, Layout, Part
 from rigtri.recognition.layout_output import direction_text
+from rigtri.recognition.limbs import recognise as recognised_limbs
 from rigtri.recognition.recognise import recognise
 from rigtri.text import a
 
@@ -60,7 +62,9 @@ def starter(
     options = options or ReadOptions()
     tree = skeleton(rig, options.root)
     layout = recognise(rig) if layout is None else layout
-    limbs = _Limbs(rig, layout, open_places, tree.carries, fixed_weights)
+    toes = rolling_toes(tree, recognised_limbs(rig)).values()
+    rolls = any(isinstance(toe, int) for toe in toes)
+    limbs = _Limbs(rig, layout, open_places, tree.carries, fixed_weights, rolls)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
         *(f"# {_visible(line)}" for line in recognised_lines(layout)),
@@ -149,7 +153,8 @@ def _reaching(layout: Layout) -> list[Chain]:
 class _Limbs:
     """The steps for limbs. open_places: limbs that are not sure stand in them as null.
 
-    fixed_weights: why the file's skin weights cannot be split; "" where they can.
+    fixed_weights: why the file's skin weights cannot be split; "" where they can. rolls: whether there is a
+    foot that can roll.
     """
 
     rig: Rig
@@ -157,6 +162,7 @@ class _Limbs:
     open_places: bool
     carries: Booleans
     fixed_weights: str
+    rolls: bool
 
     def steps(self) -> Iterator[str]:
         """All lines behind the preset of orient-joints."""
@@ -266,6 +272,9 @@ class _Limbs:
         yield "    whole-character: true"
         if has_limbs:
             yield "    ik: *limbs"
+        if self.rolls:
+            yield "    # Pivots at heel, toe tip and ball of each foot, below its IK end."
+            yield "    foot-roll: true"
         if left := [part.joint for part in self._followers()]:
             yield f"    exclude: [{_names(self.rig, left)}]"
         yield ""

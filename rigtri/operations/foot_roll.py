@@ -1,0 +1,149 @@
+"""Where a foot rolls: heel, toe tip and ball, from its joints and its skin at rest.
+
+A foot is one that is recognised at the end of a leg, with a toe joint ahead of the ankle. Heel and tip lie
+on the ground, where the skin of the foot ends behind and ahead; the ball is the toe joint. All three turn
+about the lateral axis of the foot: a positive turn rolls ahead.
+
+Source: reverse foot of rigging practice: heel, tip and ball are children of each other, and the ankle
+hangs at the ball, while the toe hangs at the tip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from rigtri.frames.skeleton import Skeleton, reference
+from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes, transform_points
+from rigtri.maths.triangle import frame
+from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import cross, dot, length, normalise
+from rigtri.model.dataclass import dataclass
+from rigtri.model.metadata import PIVOTS, ControlKind, ControlRecord
+from rigtri.model.rig import Rig
+from rigtri.operations.axis_presets import AxisStyle
+from rigtri.operations.control_sizes import SkinSections
+from rigtri.operations.options.add_controls import AddControlsOptions
+from rigtri.recognition.limbs import Limb
+from rigtri.recognition.recognise import recognise
+from rigtri.report import Report
+
+# A foot lies: from the ankle to the ball it goes ahead by at least this part of the way (a cosine, 60°).
+# The metatarsus of an animal stands, and has no heel on the ground.
+_LIES = 0.5
+# The sole: what is no higher above the ground than this part of the ankle's height.
+_SOLE = 0.5
+# Of feet without skin: how far heel and tip are from ankle and ball, as parts of the way between these.
+_HEEL, _TIP = 0.35, 0.5
+# How large a pivot is drawn, as a part of the foot.
+_DRAWN = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class Foot:
+    """A foot of a limb. toe: its joint. heel, tip, ball: places, (3,). axes: rows, (3, 3).
+
+    size: to draw. normal: the lateral axis as its pivots see it, (3,).
+    """
+
+    limb: Limb
+    toe: int
+    heel: Floats
+    tip: Floats
+    ball: Floats
+    axes: Floats
+    size: float
+    normal: Floats
+
+    @property
+    def pivots(self) -> tuple[tuple[ControlKind, int, Floats], ...]:
+        """Each pivot with the joint that it is for, and its place, from the ground up."""
+        end = self.limb.end
+        return ("heel", end, self.heel), ("tip", end, self.tip), ("ball", self.toe, self.ball)
+
+
+def rolling_toes(tree: Skeleton, limbs: Iterable[Limb]) -> dict[Limb, int | str]:
+    """The toe joint of each leg whose foot can roll; of others why it cannot, in words."""
+    rig, standing = tree.rig, reference(tree, None).world
+    chains = [c for one in recognise(rig).characters for c in one.chains if c.kind == "foot" and c.is_sure]
+    toes = {c.joints[0]: c.joints[1] for c in chains if len(c.joints) > 1}
+    found = dict[Limb, int | str]()
+    for limb in limbs:
+        if limb.kind != "leg" or limb.bends_back:
+            continue
+        toe = toes.get(limb.end, -1)
+        if toe < 0 or int(rig.parents[toe]) != limb.end:
+            found[limb] = "no toe joint is recognised below it"
+            continue
+        way = standing[toe, 3, :3] - standing[limb.end, 3, :3]
+        lies = float(length(_level(rig, way))) > _LIES * float(length(way))
+        found[limb] = toe if lies else "it does not lie on the ground"
+    return found
+
+
+def rolling_feet(
+    tree: Skeleton, limbs: Iterable[Limb], skin: SkinSections, options: AddControlsOptions, report: Report
+) -> list[Foot]:
+    """The feet of limbs that roll: where the options say so all that can, else those that do already.
+
+    A warning names the legs whose feet cannot.
+    """
+    rig = tree.rig
+    known = {record.chain for record in rig.records(ControlRecord).values() if record.kind in PIVOTS}
+    if options.foot_roll is False or not (options.foot_roll or known):
+        return []
+    poses = reference(tree, "nodes").world, reference(tree, None).world
+    found = list[Foot]()
+    for limb, toe in rolling_toes(tree, limbs).items():
+        if isinstance(toe, int) and (options.foot_roll or tuple(map(rig.address, limb.triple)) in known):
+            found.append(_foot(rig, limb, toe, skin, options.style or AxisStyle(), poses))
+        elif isinstance(toe, str) and options.foot_roll:
+            title = rig.title(limb.end)
+            report.warn("no-foot-roll", f"No pivots for '{title}' to roll about: {toe}", joint=title)
+    return found
+
+
+def _level(rig: Rig, way: Floats) -> Floats:
+    """A way, (3,), without its part upwards."""
+    up = np.asarray(rig.rules.up, dtype=np.float64)
+    return way - up * float(dot(way, up))
+
+
+def _foot(
+    rig: Rig, limb: Limb, toe: int, skin: SkinSections, style: AxisStyle, poses: tuple[Floats, Floats]
+) -> Foot:
+    """The foot of a limb.
+
+    poses: the worlds, (n, 4, 4), of the rest pose and of one in which the character stands: clips may begin
+    in the middle of a step. Places are found there, and carried along by foot and toe.
+    """
+    rest, standing = poses
+    up = np.asarray(rig.rules.up, dtype=np.float64)
+    ankle, ball = standing[limb.end, 3, :3], standing[toe, 3, :3]
+    level = _level(rig, ball - ankle)
+    way = float(length(level))
+    ahead, below = normalise(level), [joint for joint in rig.below(limb.end) if rig.is_joint[joint]]
+    moves = {joint: multiply(inverse(rest[joint]), standing[joint]) for joint in below}
+    joints = standing[below, 3, :3]
+    points = np.concatenate([transform_points(skin.points_of([k]), moves[k]) for k in below])
+    ground = float(dot(points if len(points) else joints, up).min())
+    height = float(dot(ankle, up))
+    sole = points[dot(points, up) <= ground + _SOLE * (height - ground)]
+    along, reach = dot(sole - ankle, ahead), float(dot(joints - ankle, ahead).max())
+    heel = min(float(along.min()), 0.0) if len(along) else -_HEEL * way
+    tip = max(float(along.max()) if len(along) else (1.0 + _TIP) * way, reach)
+    foot, left = ankle + up * (ground - height), cross(up, ahead)
+    above = left if style.up_from == "plane" else up
+    axes = np.eye(3) if style.world else frame(ahead, above, aim_axis=style.aim, up_axis=style.up)
+    back, there = inverse(moves[limb.end]), inverse(moves[toe])
+    return Foot(
+        limb,
+        toe,
+        transform_points(foot + ahead * heel, back),
+        transform_points(foot + ahead * tip, there),
+        rest[toe, 3, :3],
+        axes if style.world else orthonormal_axes(multiply(from_frame(axes, np.zeros(3)), back)),
+        _DRAWN * (tip - heel),
+        np.round(dot(axes, left)),
+    )

@@ -1,0 +1,221 @@
+"""Foot roll: pivots at heel, toe tip and ball, evaluated as riggers know it, carried, baked and taken out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from places import SAMPLES, slow
+from program import cli
+from recognition_bodies.skeletons import HORSE, rig_with
+
+import rigtri
+from rigtri.evaluation.pose_cache import PoseCache, sample_parts
+from rigtri.evaluation.solver import Solver
+from rigtri.formats import read
+from rigtri.maths.quaternions import from_axis_angle
+from rigtri.maths.trigonometry import Floats
+from rigtri.model.animation import Track
+from rigtri.model.metadata import PIVOTS, ControlRecord
+from rigtri.model.rig import Rig
+from rigtri.report import Report
+
+Turns = dict[str, float]
+# Degrees by which pivots of the left foot roll ahead, about the lateral axis of the foot.
+ROLLS: list[Turns] = [{"ball": 25}, {"tip": 20}, {"ball": 20, "tip": 10, "heel": -6}]
+
+
+@pytest.fixture(scope="module", params=["biped.glb", pytest.param("biped.usda", marks=pytest.mark.ci)])
+def rolling(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("roll") / request.param
+    cli("add-controls", SAMPLES / request.param, "-o", path, "--whole-character", "--foot-roll", "-q", code=0)
+    return path
+
+
+def pivots(rig: Rig) -> dict[str, int]:
+    """The pivots of the left foot."""
+    found = rig.records(ControlRecord).items()
+    return {one.kind: node for node, one in found if one.kind in PIVOTS and one.side == "left"}
+
+
+def lateral(rig: Rig) -> Floats:
+    """To the left of the left foot, unit, (3,): across the way from heel to tip."""
+    places = pivots(rig)
+    ahead = rig.world[places["tip"], 3, :3] - rig.world[places["heel"], 3, :3]
+    left = np.cross(rig.rules.up, ahead)
+    return left / np.linalg.norm(left)
+
+
+def posed(rig: Rig, degrees: Turns) -> PoseCache:
+    parts, still = {}, PoseCache(rig)
+    for kind, angle in degrees.items():
+        node = pivots(rig)[kind]
+        axes = rig.world[node, :3, :3] / np.linalg.norm(rig.world[node, :3, :3], axis=1, keepdims=True)
+        turn = from_axis_angle(axes @ lateral(rig), np.radians(angle))
+        parts[node] = still.part(node)._replace(rotation=turn[np.newaxis])
+    return Solver(rig, set(parts)).run(parts)
+
+
+def rolled(rig: Rig, node: int, degrees: Turns, kinds: tuple[str, ...]) -> Floats:
+    """A node's world matrix turned about pivots, the innermost first, by a formula of its own."""
+    world = rig.world[node].copy()
+    for kind in kinds:
+        angle, axis = np.radians(degrees.get(kind, 0.0)), lateral(rig)
+        x, y, z = axis
+        across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        turn = np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across
+        centre = rig.world[pivots(rig)[kind], 3, :3]
+        world[3, :3] = centre + turn @ (world[3, :3] - centre)
+        world[:3, :3] = world[:3, :3] @ turn.T
+    return world
+
+
+@pytest.mark.parametrize("degrees", ROLLS, ids="-".join)
+def test_a_foot_rolls_about_its_pivots_and_the_ball_leaves_the_toe(rolling: Path, degrees: Turns) -> None:
+    rig = read(rolling).rig
+    pose, foot, toe = posed(rig, degrees), rig.find("foot_L"), rig.find("toe_L")
+    wanted = rolled(rig, foot, degrees, ("ball", "tip", "heel"))
+    assert np.allclose(pose.world(foot)[0], wanted, atol=2e-6)
+    still = rolled(rig, toe, degrees, ("tip", "heel"))
+    assert np.allclose(pose.world(toe)[0, :3, :3], still[:3, :3], atol=2e-6)
+    place = rolled(rig, toe, degrees, ("ball", "tip", "heel"))
+    assert np.allclose(pose.world(toe)[0, 3, :3], place[3, :3], atol=2e-6)
+    other = rig.find("foot_R")
+    assert np.array_equal(pose.world(other)[0], PoseCache(rig).world(other)[0])
+
+
+def test_heel_and_tip_are_where_the_skin_ends_on_the_ground(rolling: Path) -> None:
+    rig = read(rolling).rig
+    up, places = np.array(rig.rules.up), {k: rig.world[n, 3, :3] for k, n in pivots(rig).items()}
+    skin = next(mesh for mesh in rig.meshes if mesh.skin is not None)
+    assert places["ball"] == pytest.approx(rig.world[rig.find("toe_L"), 3, :3])
+    assert places["heel"] @ up == pytest.approx(places["tip"] @ up, abs=1e-6)
+    assert places["tip"] @ up < places["ball"] @ up
+    ahead = (places["tip"] - places["heel"]) / np.linalg.norm(places["tip"] - places["heel"])
+    assert places["heel"] @ ahead <= rig.world[rig.find("foot_L"), 3, :3] @ ahead + 1e-6
+    assert places["tip"] @ ahead >= rig.world[rig.find("toe_L_end"), 3, :3] @ ahead - 1e-6
+    assert skin is not None
+
+
+@pytest.fixture(scope="module")
+def keyed(rolling: Path) -> Rig:
+    """The rig with its motion on the controls, and keys of all pivots in its first clip."""
+    rig = rigtri.bake(read(rolling).rig, to="controls")
+    clip = rig.clips[0]
+    times = np.array([0.0, 0.4, 0.7, 1.0]) * max(track.times[-1] for track in clip.tracks)
+    tracks = list(clip.tracks)
+    for node, record in rig.records(ControlRecord).items():
+        if record.kind in PIVOTS:
+            most = {"heel": -0.1, "tip": 0.12, "ball": 0.3}[record.kind]
+            turns = [from_axis_angle(np.array([0.0, 1.0, 0.0]), np.float64(most * k)) for k in (0, 1, 0.4, 0)]
+            tracks.append(Track(node, "rotation", "LINEAR", times, np.array(turns)))
+    return replace(rig, clips=(replace(clip, tracks=tuple(tracks)), *rig.clips[1:]))
+
+
+def shown(rig: Rig) -> Floats:
+    """The joints' worlds over the first clip, (j, f, 4, 4)."""
+    clip = rig.clips[0]
+    times = np.linspace(0.0, max(track.times[-1] for track in clip.tracks), 23)
+    pose = PoseCache(rig, sample_parts(rig, clip, times))
+    joints = [node for node in range(len(rig)) if rig.is_joint[node]]
+    return np.stack([np.broadcast_to(pose.world(node), (len(times), 4, 4)) for node in joints])
+
+
+def test_rolls_are_baked_and_given_back_to_the_controls(keyed: Rig) -> None:
+    """Controls to joints to controls to joints changes nothing; keys of pivots are the animator's."""
+    rig = keyed
+    joints = rigtri.bake(rig, to="joints")
+    assert np.abs(shown(joints) - shown(rig)).max() > 0.01
+    again = rigtri.bake(joints, to="controls")
+    for node in pivots(rig).values():
+        (before,) = (t for t in joints.clips[0].tracks if t.node == node)
+        (after,) = (t for t in again.clips[0].tracks if t.node == node)
+        assert after is before
+    back = rigtri.bake(again, to="joints")
+    assert np.abs(shown(back) - shown(joints)).max() < 1e-5
+
+
+def test_a_toe_keeps_its_own_keys_while_no_pivot_is_active(rolling: Path) -> None:
+    rig = read(rolling).rig
+    node = next(k for k, one in rig.records(ControlRecord).items() if one.kind == "ik" and one.side == "left")
+    clip = rig.clips[0]
+    times = np.array([0.0, max(track.times[-1] for track in clip.tracks)])
+    key = Track(node, "translation", "LINEAR", times, rig.translation[[node, node]])
+    rig = replace(rig, clips=(replace(clip, tracks=(*clip.tracks, key)),))
+    toe = rig.find("toe_L")
+    mine = [t for t in rig.clips[0].tracks if t.node == toe]
+    assert mine
+    baked = rigtri.bake(rig, to="joints")
+    assert [t for t in baked.clips[0].tracks if t.node == toe] == mine
+
+
+def test_new_axes_keep_what_pivots_do(rolling: Path) -> None:
+    rig = read(rolling).rig
+    turned = rigtri.orient_joints(rig, preset="blender")
+    degrees = ROLLS[2]
+    before, after = posed(rig, degrees), posed(turned, degrees)
+    for name in ("thigh_L", "shin_L", "foot_L", "toe_L"):
+        node, now = rig.find(name), turned.find(name)
+        moved = np.linalg.inv(rig.world[node]) @ before.world(node)[0]
+        assert np.allclose(np.linalg.inv(turned.world[now]) @ after.world(now)[0], moved, atol=1e-5)
+
+
+def test_a_second_run_keeps_pivots_and_strip_takes_them_out(rolling: Path, tmp_path: Path) -> None:
+    again, bare = (tmp_path / f"{word}{rolling.suffix}" for word in ("again", "bare"))
+    cli("add-controls", rolling, "-o", again, "--whole-character", "-q", code=0)
+    assert again.read_bytes() == rolling.read_bytes()
+    cli("strip", rolling, "-o", bare, "-q", code=0)
+    assert not {"heel", "tip", "ball"}.intersection(
+        one.kind for one in read(bare).rig.records(ControlRecord).values()
+    )
+    assert len(read(bare).rig) == len(read(SAMPLES / rolling.name).rig)
+
+
+def test_snap_to_fk_takes_the_rolls_over(keyed: Rig) -> None:
+    rig, clip = keyed, keyed.clips[0]
+    at = f"{clip.name}@{float(np.median(clip.tracks[0].times)):g}"
+    snapped = rigtri.snap(rig, to="fk", at=(at,), all_limbs=True)
+    assert not set(pivots(rig).values()).intersection(t.node for t in snapped.clips[0].tracks)
+    joints, before = (rigtri.bake(one, to="joints") for one in (snapped, rig))
+    assert np.abs(shown(joints) - shown(before)).max() < 2e-3
+
+
+def test_mirror_makes_the_pivots_of_the_other_side(rolling: Path) -> None:
+    rig = read(SAMPLES / rolling.name).rig
+    left = rigtri.add_controls(rig, ik=[("thigh_L", "shin_L", "foot_L")], joints=["toe_L"], foot_roll=True)
+    both = rigtri.mirror(left, from_side="left")
+    found = {(one.kind, one.side): node for node, one in both.records(ControlRecord).items()}
+    for kind in PIVOTS:
+        here, there = (both.world[found[kind, side], 3, :3] for side in ("left", "right"))
+        assert there * [-1, 1, 1] == pytest.approx(here, abs=0.02)
+
+
+def test_feet_that_cannot_roll_are_named() -> None:
+    """A horse stands on its toes: its metatarsus is no foot that lies on the ground."""
+    report = Report()
+    rig = rigtri.add_controls(rig_with(HORSE), whole_character=True, foot_roll=True, report=report)
+    assert not any(one.kind in PIVOTS for one in rig.records(ControlRecord).values())
+    assert [one.code for one in report.warnings if one.code == "no-foot-roll"]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["--joints", "toe_L"], "--foot-roll is for IK limbs"),
+        slow(["--whole-character", "--as", "joint"], "does not go with --as joint"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(line: list[Any], words: str, tmp_path: Path) -> None:
+    found = cli("add-controls", SAMPLES / "biped.glb", "-o", tmp_path / "x.glb", "--foot-roll", *line, code=2)
+    assert words in found.stderr
+
+
+def test_auto_gives_feet_a_roll_and_tries_it(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    found = cli("auto", SAMPLES / "biped.glb", "-o", out, code=0)
+    assert "foot-roll: true" in (tmp_path / "out.rig.yaml").read_text("utf-8")
+    assert "each moves its joint and the mesh" in found.stderr
+    assert len(pivots(read(out).rig)) == 3
