@@ -34,6 +34,7 @@ class FormatRules:
     raw_quaternions: viewers of this format do not normalise rotations (UsdSkel).
     group_parent: the parent of a group that rigtri adds, −1 where the group is a root; group_name: its name.
     named: nodes that extensions of the file refer to.
+    unread_extensions: those of the file that are not known, which may hold something in the axes of joints.
     metres_per_unit: the length of the scene's unit. sized_binding: bind matrices are to have scale 1, and the
     points of a skin may be bound in another size instead.
     resting: nodes that show their rest pose in the midst of a clip. unread: nodes whose motion no track can
@@ -53,6 +54,7 @@ class FormatRules:
     group_parent: int = -1
     group_name: str = "rigtri_controls"
     named: frozenset[int] = frozenset()
+    unread_extensions: tuple[str, ...] = ()
     metres_per_unit: float = 1.0
     sized_binding: bool = False
     per_second: float = 1.0

@@ -38,6 +38,7 @@ from rigtri.formats.gltf.structure import (
     extension_in_axes,
     referred_frames,
     shows,
+    unknown_at_root,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
 from rigtri.formats.json_values import Value, name_in
@@ -292,13 +293,12 @@ class GltfDocument:
             rules=FormatRules(
                 fixed=fixed,
                 orient_locked=bindings.orient_locked,
-                world_aligned=frozenset(tree.place[node] for node in bindings.bones)
-                if bindings.orient_locked
-                else frozenset(),
+                world_aligned=frozenset(tree.place[k] for k in bindings.bones if bindings.orient_locked),
                 data_nodes=frozenset(tree.place[node] for node in bindings.data_nodes),
                 split_locked=bindings.split_locked,
                 named=frozenset(tree.place[k] for k in named_nodes(gltf.object()) if k < len(tree.place)),
                 facing=bindings.facing,
+                unread_extensions=self._unread_extensions(),
             ),
             # Not of the document: a rig that held it would keep the file open in a ring.
             content=Content(partial(_lines, gltf, self.accessors), self._drawn.outlines, self._drawn.meshes),
@@ -322,6 +322,9 @@ class GltfDocument:
             if why := damage(note):
                 same.add("note-damaged", _STORED, f"node {node}", f" is damaged and is not used: {why}")
         return found
+
+    def _unread_extensions(self) -> tuple[str, ...]:
+        return () if self.options.unknown_node_ext == "ignore" else unknown_at_root(self.container.gltf)
 
     def _freeze(self, rig: Rig, ordered: list[dict[str, object]], fixed: dict[int, str]) -> None:
         """Joints whose matrix is no frame, and nodes with extensions that may name their axes."""

@@ -133,34 +133,75 @@ def _has(content: object, path: Sequence[str]) -> bool:
 
 
 def referred_frames(gltf: Mapping[str, Any], above: Sequence[int]) -> dict[int, tuple[str, str]]:
-    """Nodes whose axes an extension of others, or of the file, means: its name and why, by file index."""
+    """Nodes whose axes an extension of others, or of the file, means: its name and why, by file index.
+
+    Of an extension that is not known, what any ``connectedNode`` names and any pointer addresses.
+    """
     found: dict[int, tuple[str, str]] = {}
-    nodes = gltf.get("nodes", [])
-    for number, node in enumerate(nodes):
-        for name, content in (node.get("extensions") or {}).items():
-            for path in _node_extensions().get(name, {}).get("frames", ()):
-                item: object = content
-                for key in path.split("."):
-                    item = item.get(key) if isinstance(item, dict) else None
-                if (other := index_of(item, len(nodes))) is not None:
-                    why = f"the extension {name} of node #{number} measures by its axes: '{path}' names it"
-                    found.setdefault(other, (name, why))
-    for name, content in (gltf.get("extensions") or {}).items():
-        if _node_extensions().get(name, {}).get("pointers"):
+    for holder, name, content in _extensions(gltf):
+        known = _node_extensions().get(name)
+        for path, item in _frames(content) if known is None else _members(content, known.get("frames", ())):
+            if (other := index_of(item, len(above))) is not None:
+                why = f"the extension {name}{holder} measures by its axes: '{path}' names it"
+                found.setdefault(other, (name, why))
+        if known is None or known.get("pointers"):
             for node, pointer in _addressed(content, above):
-                found.setdefault(
-                    node, (name, f"the extension {name} addresses '{pointer}', numbers in its axes")
-                )
+                why = f"the extension {name}{holder} addresses '{pointer}', numbers in its axes"
+                found.setdefault(node, (name, why))
     return found
 
 
-def _addressed(content: object, above: Sequence[int]) -> Iterator[tuple[int, str]]:
-    """The nodes in whose axes transforms are that pointers address: node or parent, of a template all."""
+def unknown_at_root(gltf: Mapping[str, Any]) -> tuple[str, ...]:
+    """Extensions of the file alone that rigtri does not know: those of nodes keep the axes of these."""
+    held = [(holder, name) for holder, name, _ in _extensions(gltf) if name not in _node_extensions()]
+    at_nodes = {name for holder, name in held if holder.startswith(" of node ")}
+    return tuple(unknown_required({name for holder, name in held if not holder} - at_nodes))
+
+
+def _extensions(gltf: Mapping[str, Any]) -> Iterator[tuple[str, str, object]]:
+    """Extensions that may mean joints: of what, in words, with the name and what it holds."""
+    held = [("", gltf)]
+    for section, one in (("nodes", "node"), ("scenes", "scene"), ("skins", "skin"), ("meshes", "mesh")):
+        listed = enumerate(gltf.get(section, []))
+        held += [(f" of {one} #{number}", each) for number, each in listed if "extensions" in each]
+    for holder, each in held:
+        extensions = each.get("extensions")
+        for name, content in extensions.items() if isinstance(extensions, dict) else ():
+            if not name.startswith("VRM"):
+                yield holder, name, content
+
+
+def _members(content: object, paths: Iterable[str]) -> Iterator[tuple[str, object]]:
+    """What an object holds at paths."""
+    for path in paths:
+        item = content
+        for key in path.split("."):
+            item = item.get(key) if isinstance(item, dict) else None
+        yield path, item
+
+
+def _frames(content: object) -> Iterator[tuple[str, object]]:
+    """Every ``connectedNode`` of an extension."""
+    return (
+        ("connectedNode", item["connectedNode"])
+        for item in _walked(content)
+        if isinstance(item, dict) and "connectedNode" in item
+    )
+
+
+def _walked(content: object) -> Iterator[object]:
+    """A JSON value and all values in it."""
     left = [content]
     for item in left:  # it grows as it is walked
         if isinstance(item, dict | list):
             left += item.values() if isinstance(item, dict) else item
-        elif isinstance(item, str) and (match := _TRANSFORM.match(item)):
+        yield item
+
+
+def _addressed(content: object, above: Sequence[int]) -> Iterator[tuple[int, str]]:
+    """The nodes in whose axes transforms are that pointers address: node or parent, of a template all."""
+    for item in _walked(content):
+        if isinstance(item, str) and (match := _TRANSFORM.match(item)):
             named = range(len(above)) if match[1].startswith("{") else [int(match[1])]
             for node in named:
                 if node < len(above):

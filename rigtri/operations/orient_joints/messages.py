@@ -76,6 +76,10 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
         if node in rig.rules.data_nodes:
             report.warn("fixed", f"skipped: {rig.title(node)}: {rig.rules.fixed[node]}")
     warn_held(rig, outcome.skipped, report)
+    if rig.rules.unread_extensions and rotates(outcome.delta).any():
+        names = listed(rig.rules.unread_extensions, 6)
+        text = f"The file has {names}, which rigtri does not know: what it may hold in the axes of joints "
+        report.warn("extension-axes", f"{text}is as it was. Check joints that it refers to")
 
 
 _OF_BONES = "joints take the planes of their own bones, not those of a body. Name limbs with --limb"

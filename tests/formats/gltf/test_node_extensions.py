@@ -122,3 +122,50 @@ def test_joints_keep_their_axes_where_a_graph_addresses_their_transforms(
     builder.gltf["extensionsUsed"] = ["KHR_interactivity"]
     records = _records(builder, tmp_path)
     assert [name for name, record in records.items() if "KHR_interactivity" in json.dumps(record)] == kept
+
+
+@pytest.mark.parametrize(
+    ("section", "content", "why"),
+    [
+        ("", {"p": ["/nodes/1/rotation"]}, "addresses '/nodes/1/rotation'"),
+        ("", {"ties": [{"connectedNode": 1}]}, "measures by its axes: 'connectedNode' names it"),
+        ("nodes", {"joint": {"connectedNode": 1}}, "of node #3 measures by its axes"),
+        ("scenes", {"p": "/nodes/1/rotation"}, "of scene #0 addresses"),
+        ("skins", {"connectedNode": 1}, "of skin #0 measures"),
+        ("meshes", {"p": "/nodes/1/translation"}, "of mesh #0 addresses"),
+    ],
+)
+def test_a_joint_keeps_its_axes_where_an_extension_that_is_not_known_refers_to_them(
+    section: str, content: Any, why: str, tmp_path: Path
+) -> None:
+    builder = small()
+    holder = builder.gltf[section][-1] if section else builder.gltf
+    holder["extensions"] = {"ACME_thing": content}
+    builder.gltf["extensionsUsed"] = ["ACME_thing"]
+    records = _records(builder, tmp_path)
+    assert why in json.dumps(records["joint 1"])
+    assert "ACME_thing" not in json.dumps(records["joint 2"])
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "count"),
+    [
+        ("ACME_thing", (), 1),
+        ("ACME_thing", ("--unknown-node-ext", "ignore"), 0),
+        ("ACME_thing", ("--exclude", "*"), 0),
+        ("KHR_materials_variants", (), 0),
+        ("KHR_implicit_shapes", (), 0),
+    ],
+)
+def test_an_extension_of_the_file_that_is_not_known_is_reported_where_joints_turn(
+    name: str, options: tuple[str, ...], count: int, tmp_path: Path
+) -> None:
+    builder = small()
+    builder.gltf["extensions"] = {name: {"attachments": [{"joint": 1, "offset": [1, 0, 0]}]}}
+    builder.gltf["extensionsUsed"] = [name]
+    builder.glb(path := tmp_path / "in.glb")
+    words = ("--aim", "z", "--up", "x", "--json", *options)
+    done = cli("orient-joints", path, "-o", tmp_path / "out.glb", *words, code=0)
+    found = [w["text"] for w in done.json["warnings"] if w["code"] == "extension-axes"]
+    assert len(found) == count
+    assert all(f"The file has {name}, which rigtri does not know" in text for text in found)
