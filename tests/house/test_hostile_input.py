@@ -677,3 +677,18 @@ def test_brackets_in_words_and_comments_are_not_nested(tmp_path: Path) -> None:
     path = tmp_path / "a.usda"
     path.write_text(scene(skeleton(), animation(), MESH, odd))
     assert read(path).rig.skins
+
+
+@pytest.mark.parametrize("command", ["view", "convert", "orient-joints", "inspect"])
+def test_a_sample_at_time_nan_is_refused_with_its_attribute(command: str, tmp_path: Path) -> None:
+    """Before, `view` crashed in OpenUSD, and `convert` ended in a traceback."""
+    path = tmp_path / "a.usda"
+    path.write_text(
+        '#usda 1.0\ndef Mesh "M"\n{\n    int[] faceVertexCounts = [3]\n'
+        "    int[] faceVertexIndices = [0, 1, 2]\n    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n"
+        '    token visibility.timeSamples = { nan: "inherited" }\n}\n'
+    )
+    outputs = {"view": ["-o", tmp_path / "o.html"], "convert": ["-o", tmp_path / "o.glb"]}
+    words = outputs.get(command, ["-n"] if command == "orient-joints" else [])
+    reason = cli(command, path, *words, code=3).stderr
+    assert "/M.visibility has a sample at time nan" in reason

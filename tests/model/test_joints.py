@@ -245,7 +245,7 @@ def test_a_joint_needs_a_parent() -> None:
     limb = given(arm, "a", "b", "c")
     with pytest.raises(UsageError, match="nothing stands above 'a'"):
         add_polevector(arm, options=AddPolevectorOptions(limb=(limb,), as_="joint"))
-    with pytest.raises(UsageError, match="no joint of a skin"):
+    with pytest.raises(UsageError, match="not in a skin that a joint could join"):
         add_polevector(replace(arm, skins=()), options=AddPolevectorOptions(limb=(limb,), as_="joint"))
 
 

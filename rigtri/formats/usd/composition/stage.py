@@ -13,6 +13,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, suppress
 from io import StringIO
+from math import isnan
 from pathlib import Path
 from typing import Any
 
@@ -119,7 +120,26 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
         if layer.realPath and not external_paths.is_of_site(layer.identifier):
             name = layer.identifier
             external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
+        _refuse_nan_times(layer)
     return stage, _lacking(texts, path.parent, allow_missing=allow_missing)
+
+
+def _refuse_nan_times(layer: Any) -> None:
+    """FileError for a sample at time nan: OpenUSD opens it, and crashes where it looks for a value."""
+    if not layer.ListAllTimeSamples():
+        return
+    wrong: list[str] = []
+
+    def visit(path: Any) -> None:
+        if path.IsPropertyPath() and any(map(isnan, layer.ListTimeSamplesForPath(path))):
+            wrong.append(str(path))
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    if wrong:
+        raise FileError(
+            f"{layer.identifier}: {listed(wrong)} has a sample at time nan. "
+            "Remove the sample, or export the file again"
+        )
 
 
 def open_file(
