@@ -7,6 +7,7 @@ import numpy as np
 from rigtri.errors import FileError
 from rigtri.frames.error_bounds import LeverArm
 from rigtri.frames.nonuniform_scale import ROUNDING, ScaleTable
+from rigtri.limits import TOLERANCE
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.verification.compare.compare import Comparison
@@ -73,7 +74,8 @@ def why_far(rig: Rig, result: Comparison) -> str:
             if moves > largest and track.node >= 0:
                 largest = moves
                 found = f" The {track.path} of '{rig.title(track.node)}' in clip '{clip.name}' is {value:.2g}"
-    if not largest >= _NEAR * result.shown:
+    # The rounding of ordinary numbers is nothing to remove keys for, however small the tolerance.
+    if not largest >= max(_NEAR * result.shown, TOLERANCE):
         return ""
     return (
         f"{found}: the float32 of the file rounds what they move by {largest:.1g} sizes. Remove those "
