@@ -55,6 +55,14 @@ def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> s
     front = body.arms if body is not None and body.form == "quadruped" else None
     for other in (k for k in alone if set(k.joints).intersection(each.joints)):
         called_arm = each.kind == "arm" and front is not None and other.pair is front
+        # Where a limb forks at its end, no shape tells which branch goes on, and the bend is the same.
+        (*bend, end), (*bends, ends) = each.joints, other.joints
+        if (
+            bend == bends
+            and other.kind == each.kind
+            and len({*draft.tree.rig.parents[[end, ends]].tolist()}) == 1
+        ):
+            continue
         if other.joints != each.joints or (other.kind != each.kind and not called_arm):
             return f"{_titles(draft, other.joints)} is {a(other.kind)}"
     return ""
