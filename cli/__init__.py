@@ -7,11 +7,13 @@ from it: what a command does is a call of the library.
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import time
 from contextlib import suppress
 from importlib import import_module
+from types import FrameType
 from typing import NoReturn
 
 INTERRUPTED = 128 + signal.SIGINT
@@ -20,6 +22,8 @@ COMPLETION = "_RIGTRI_COMPLETE"
 # Two interrupts nearer than this, in seconds, are one: the second would break off what the first tidies up.
 _NEAR = 0.5
 _last = -_NEAR
+# Seconds until an interrupt is tried again that came where it cannot be an exception.
+_LATER = 0.01
 
 
 def _end(_number: int, _frame: object) -> NoReturn:
@@ -30,11 +34,37 @@ def _end(_number: int, _frame: object) -> NoReturn:
     os._exit(INTERRUPTED)
 
 
-def _raise(_number: int, _frame: object) -> None:
+def _raise(number: int, frame: FrameType | None) -> None:
     global _last
+    if _would_be_lost(frame):
+        _thread.start_new_thread(_again, (number, _thread.get_ident()))
+        return
     before, _last = _last, time.monotonic()
     if _last - before > _NEAR:
         raise KeyboardInterrupt
+
+
+def _would_be_lost(frame: FrameType | None) -> bool:
+    """Whether Python, or a module that is being imported, would make another error of an exception, or none.
+
+    Python 3.11 makes a RuntimeError of what `__set_name__` raises, any version drops what `__del__` raises,
+    and modules try to import others with an `except` that is too wide.
+    """
+    while frame is not None:
+        code = frame.f_code
+        if code.co_name in ("__set_name__", "__del__") or code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _again(number: int, main: int) -> None:
+    """Interrupt the main thread a little later, whatever it waits for then."""
+    time.sleep(_LATER)
+    if os.name == "posix":
+        signal.pthread_kill(main, number)
+    else:
+        _thread.interrupt_main(number)
 
 
 # Until the program begins, which handles interrupts itself, one ends it without a traceback of imports.
