@@ -64,7 +64,7 @@ def _again(number: int, main: int) -> None:
     if os.name == "posix":
         signal.pthread_kill(main, number)
     else:
-        _thread.interrupt_main(number)
+        _thread.interrupt_main()
 
 
 # Until the program begins, which handles interrupts itself, one ends it without a traceback of imports.
