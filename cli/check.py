@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import click
 
 from rigtri.errors import UsageError
+from rigtri.report import SEVERITIES
 from rigtri.verification import Profile
 
 from .help_format import Command, option
@@ -49,7 +50,7 @@ _PAINTS = (
 @click.argument("files", metavar="FILE…", nargs=-1, type=FilePath(allow_dash=True))
 @option(
     "--severity",
-    type=click.Choice(["error", "warning", "info"]),
+    type=click.Choice(SEVERITIES),
     default="info",
     show_default=True,
     help="Hide less severe findings.",
@@ -136,8 +137,6 @@ def _check_in_worker(child: WorkerProcess, path: Path, options: dict[str, Any]) 
 
 
 def _kept(findings: list[Finding], ignored: set[str], severity: str) -> list[Finding]:
-    from rigtri.verification.checks.findings import SEVERITIES
-
     shown = SEVERITIES[: [*SEVERITIES].index(severity) + 1]  # type: ignore[arg-type]
     return [item for item in findings if item.id not in ignored and item.severity in shown]
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from rigtri.model.dataclass import dataclass
-
-Severity = Literal["error", "warning", "info"]
-# Worst first.
-SEVERITIES: tuple[Severity, ...] = ("error", "warning", "info")
+from rigtri.report import Severity
 
 
 @dataclass(frozen=True)

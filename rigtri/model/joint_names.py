@@ -14,6 +14,8 @@ from typing import Literal
 from rigtri.text import is_number
 
 Side = Literal["left", "right", ""]
+# How names show their side, shown on the left one.
+SideStyle = Literal["Left", "left", "_l", "_L", ".l", ".L", "_left", "l_", "L_", "left_"]
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W0-9_A-Za-z]+")
 _LEFT = frozenset({"l", "left", "lft", "左"})

@@ -14,6 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from rigtri.maths import PoleMethod, PoleOrigin, ReachOf, RotateOrder
 from rigtri.model.dataclass import dataclass
+from rigtri.model.joint_names import Side
 
 VERSION = 1
 TRANSLATION, ROTATION, SCALE = ("tx", "ty", "tz"), ("rx", "ry", "rz"), ("sx", "sy", "sz")
@@ -157,7 +158,7 @@ class ControlRecord(Record):
     kind: ControlKind
     joint: str
     chain: Names = ()
-    side: Literal["left", "right", ""] | None = None
+    side: Side | None = None
     shape: str = ""
     size: float | None = None
     color: Triple | None = None

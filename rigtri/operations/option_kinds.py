@@ -125,10 +125,14 @@ Limbs = Annotated[tuple[Limb | tuple[str, str, str], ...], Kind("limbs", "ROOT M
 # Any other names.
 Name = Annotated[str, Kind("name", "NAME")]
 Names = Annotated[tuple[str, ...], Kind("names", "NAME")]
+Clips = Annotated[
+    tuple[str, ...], Kind("names", "GLOB", help="Only these clips; repeatable. [all]", group="what")
+]
 Auto = Literal["auto"]
 EndKind = Literal["locator", "joint"]
 BodySide = Literal["left", "right"]
 StandardPose = Literal["tpose", "apose", "godot"]
+CoordinateAxis = Literal["x", "y", "z"]
 SignedAxis = Literal["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"]
 UpAxis = Literal["y", "z"]
 NonuniformScale = Literal["snap", "skip", "split", "error"]
@@ -148,6 +152,7 @@ SoftIk = Annotated[
         "[as stored, or 0]",
     ),
 ]
+Stretch = Annotated[bool, Kind("switch", help="IK limbs grow to reach their target. [as stored, or not]")]
 Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
 Facing = Annotated[
     Vector,
@@ -199,6 +204,8 @@ JointNames = Annotated[Mapping[str, str], Kind("assignments", "JOINT=NAME", read
 RigFile = Annotated[Any, Kind("rig file", "FILE")]
 EditedFile = Annotated[Any, Kind("edited file", "FILE")]
 JsonFile = Annotated[Any, Kind("json file", "FILE.json")]
+# A mirror plane that Python has computed already.
+WorldPlane = Annotated[Any, Kind("plane", help="The plane in the world, instead of `plane`.")]
 
 
 @dataclass(frozen=True, kw_only=True)

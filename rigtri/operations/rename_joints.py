@@ -134,7 +134,7 @@ def _of_scheme(rig: Rig, options: RenameJointsOptions) -> Iterable[tuple[int, st
     """Nodes of recognised bones and their names in the scheme."""
     if options.to is None:
         return
-    written = written_names(options.to, sided=options.side_style or "")
+    written = written_names(options.to, sided=options.side_style)
     inside = set(range(len(rig))) if options.below is None else set(rig.below(rig.find(options.below)))
     inside -= {node for glob in options.exclude for node in rig.match(glob)}
     inside -= {rig.find(joint) for joint in options.name}

@@ -8,6 +8,9 @@ from typing import Literal
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import Side
 
+# Which pose of a file: rest is that of its nodes, bind that of its skins.
+PoseName = Literal["rest", "bind"]
+
 Role = Literal["deform", "twist", "end", "helper", "attachment", "control"]
 Kind = Literal["spine", "neck", "head", "arm", "leg", "hand", "finger", "foot", "tail", "wing", "limb"]
 Form = Literal["biped", "quadruped", "hand", "partial", "creature"]
@@ -112,7 +115,7 @@ class Character:
     normal: Direction
     facing: Direction
     up: Direction
-    pose: Literal["rest", "bind"]
+    pose: PoseName
     confidence: float
     evidence: tuple[str, ...] = ()
 

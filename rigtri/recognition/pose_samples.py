@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip
 from rigtri.model.bounding_boxes import boxes, corners
 from rigtri.model.rig import Rig
+from rigtri.recognition.layout import PoseName
 
 # Moments that are looked at: so many clips, the longest first, at these parts of their keys.
 CLIPS = 4
@@ -130,7 +130,7 @@ class Poses:
         )
         return [Vector(*point) for point in finite(ends).reshape(-1, 3).tolist()]
 
-    def named(self, pose: Literal["rest", "bind"]) -> Floats:
+    def named(self, pose: PoseName) -> Floats:
         return self.bind if pose == "bind" and self.bind is not None else self.rest
 
 

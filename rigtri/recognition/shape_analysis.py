@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.recognition.body_shape import Body, Limbs, bodies, limbs_of
 from rigtri.recognition.facing import facing_of
 from rigtri.recognition.joint_tree import Tree
-from rigtri.recognition.layout import LimbKind
+from rigtri.recognition.layout import LimbKind, PoseName
 from rigtri.recognition.limb_triples import HAND, first_bend
 from rigtri.recognition.limb_words import NO_WORDS, LimbWords
 from rigtri.recognition.many_legs import many_legs
@@ -34,7 +33,7 @@ class Shape:
     than two pairs of them."""
 
     tree: Tree
-    pose: Literal["rest", "bind"]
+    pose: PoseName
     pairs: tuple[Pair, ...]
     plane: Plane | None
     limbs: tuple[Limbs, ...]
@@ -46,7 +45,7 @@ class Shape:
         return self.bodies[0] if self.bodies else None
 
 
-def tree_of(nodes: Sequence[int], poses: Poses, pose: Literal["rest", "bind"]) -> Tree:
+def tree_of(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Tree:
     """The tree of joints; where all hang at one, each hangs at its neighbour."""
     tree = Tree(poses.rig, nodes, poses.named(pose))
     return _neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree
@@ -69,9 +68,7 @@ def _worth(shape: Shape) -> float:
     return score + (0.2 * shape.plane.share if shape.plane else 0.0)
 
 
-def _seen(
-    nodes: Sequence[int], poses: Poses, pose: Literal["rest", "bind"], names: Mapping[int, LimbWords]
-) -> Shape:
+def _seen(nodes: Sequence[int], poses: Poses, pose: PoseName, names: Mapping[int, LimbWords]) -> Shape:
     tree = tree_of(nodes, poses, pose)
     if len(nodes) > MOST:
         return Shape(tree, pose, (), None, (), ())

@@ -13,23 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from rigtri.errors import UsageError, did_you_mean
-from rigtri.model.joint_names import Side
+from rigtri.model.joint_names import Side, SideStyle
 from rigtri.recognition.layout import FINGERS, MIDDLE, SIDED
 from rigtri.recognition.naming_schemes import own_table, scheme_tables
 
-# Side styles by name: how a name of one side is made.
-SIDE_STYLES = {
-    "Left": "{Side}{name}",
-    "left": "{side}{name}",
-    "_l": "{name}_{s}",
-    "_L": "{name}_{S}",
-    ".l": "{name}.{s}",
-    ".L": "{name}.{S}",
-    "_left": "{name}_{side}",
-    "l_": "{s}_{name}",
-    "L_": "{S}_{name}",
-    "left_": "{side}_{name}",
-}
+_MARKS = {"left": "{side}", "Left": "{Side}", "l": "{s}", "L": "{S}"}
 _SIDES: tuple[Side, ...] = ("left", "right")
 _CJK = {"left": "左", "right": "右"}
 
@@ -39,11 +27,11 @@ def scheme_names() -> list[str]:
     return sorted(scheme_tables())
 
 
-def written_names(scheme: str, *, sided: str = "") -> dict[str, str]:
+def written_names(scheme: str, *, sided: SideStyle | None = None) -> dict[str, str]:
     """The names of a scheme by bones of the VRM 1.0 humanoid (``leftUpperArm``).
 
-    scheme: one of `scheme_names`, or the path of a TOML file. sided: another way to write sides, one of
-    `SIDE_STYLES`. Raises UsageError for a scheme that there is not, FileError for a file that is none.
+    scheme: one of `scheme_names`, or the path of a TOML file. sided: another way to write sides.
+    Raises UsageError for a scheme that there is not, FileError for a file that is none.
     """
     if scheme.lower() in scheme_tables():
         table = scheme_tables()[scheme.lower()]
@@ -54,11 +42,18 @@ def written_names(scheme: str, *, sided: str = "") -> dict[str, str]:
         hint = did_you_mean(scheme, known) or f" There are {', '.join(known)}."
         raise UsageError(f"--to {scheme}: there is no such naming scheme.{hint} Or give a FILE.toml")
     words = _words(table)
-    pattern = SIDE_STYLES[sided] if sided else str(words.get("sided", SIDE_STYLES["_l"]))
+    pattern = _pattern(sided) if sided else str(words.get("sided", _pattern("_l")))
     found = {bone: str(words[bone]) for bone in MIDDLE if bone in words}
     for side in _SIDES:
         found |= {side + bone: with_side(pattern, str(words[bone]), side) for bone in SIDED if bone in words}
     return found
+
+
+def _pattern(style: SideStyle) -> str:
+    """How a name is made: a side that begins with a separator stands behind the bone's name."""
+    side = style.strip("._")
+    mark = style.replace(side, _MARKS[side])
+    return "{name}" + mark if style[0] in "._" else mark + "{name}"
 
 
 def with_side(pattern: str, name: str, side: Side) -> str:

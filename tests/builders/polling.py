@@ -11,4 +11,6 @@ def wait_for(state: Callable[[], object], seconds: float = 120) -> None:
     end = time.monotonic() + seconds
     while not state():
         assert time.monotonic() < end, "it did not come"
+        # The state is of other processes (a file, a process id), which announce no change: a pause between
+        # looks leaves them the processor, and no test takes longer because of its length.
         time.sleep(0.02)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from gltf_files import glb_json, small
@@ -14,11 +15,12 @@ from program import cli
 import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.formats import read
+from rigtri.model.joint_names import SideStyle
 from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.layout import MIDDLE, SIDED
 from rigtri.recognition.naming_schemes import parse_name, schemes
 from rigtri.recognition.recognise import recognise
-from rigtri.recognition.written_names import SIDE_STYLES, scheme_names, written_names
+from rigtri.recognition.written_names import scheme_names, written_names
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
@@ -32,8 +34,8 @@ def test_every_written_name_is_read_as_the_bone_that_it_is_for(scheme: str) -> N
         assert parsed.side + reads.bone(parsed)[0] == bone, name
 
 
-@pytest.mark.parametrize("style", SIDE_STYLES)
-def test_sides_are_found_in_every_style(style: str) -> None:
+@pytest.mark.parametrize("style", get_args(SideStyle))
+def test_sides_are_found_in_every_style(style: SideStyle) -> None:
     names = written_names("unity", sided=style)
     assert parse_name(names["leftUpperArm"]).side == "left"
     assert parse_name(names["rightIndexDistal"]).side == "right"

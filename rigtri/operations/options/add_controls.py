@@ -27,6 +27,7 @@ from rigtri.operations.option_kinds import (
     OneCharacter,
     Selection,
     SoftIk,
+    Stretch,
     Vector,
     check_tokens,
     three,
@@ -61,8 +62,6 @@ def _shapes(flag: str, texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         kind, mark, shape = text.lower().rpartition("=")
         shape = _ALSO.get(shape, shape)
-        if mark and kind not in _CONTROLS:
-            raise UsageError(f"{flag} {text}: the kinds of control are fk, ik, root, pole and roll")
         found |= {kind: shape} if mark else {"fk": shape, "ik": shape}
     return found
 
@@ -181,9 +180,7 @@ class AddControlsOptions(OneCharacter):
         rare=True,
     )
     soft: SoftIk | None = option(None, rare=True)
-    stretch: bool | None = option(
-        None, help="IK limbs grow to reach their target. [as stored, or not]", rare=True
-    )
+    stretch: Stretch | None = option(None, rare=True)
     facing: Facing | None = option(None)
     root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
     bend: Bends = option({}, where="python", help="Bend directions by joints, as pole vectors have them.")

@@ -7,7 +7,6 @@ from typing import Annotated
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.model.edit_options import Tolerance
 from rigtri.model.metadata import Kernel, ReaderKind, ReaderMode
 from rigtri.model.options import Kind, option, refuse
 from rigtri.operations.option_kinds import Above, Direction, Node, Number, OneCharacter, Vector
@@ -90,7 +89,7 @@ class AddPosereaderOptions(OneCharacter):
     name: str = option(
         "", help="Name of the reader, by which it is found again. [JOINT_reader]", group="what"
     )
-    within: Tolerance = option(1e-4, help="Largest error of a weight between keys.", rare=True)
+    within: Above = option(1e-4, help="Largest error of a weight between keys.", rare=True)
     fps: Above | None = option(None, help="Additional keys per second.", rare=True)
 
     def check(self, given: Collection[str]) -> None:
@@ -106,5 +105,3 @@ class AddPosereaderOptions(OneCharacter):
             raise UsageError(
                 f"a cone goes from an inner to a larger outer angle, not {self.inner:g} to {self.outer:g}"
             )
-        if not self.within > 0:
-            raise UsageError("--within is a number above 0")

@@ -6,7 +6,6 @@ from collections.abc import Collection
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
-from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option
 from rigtri.operations.option_kinds import Above, Integers, Name, Names, OneCharacter, Points
 
@@ -49,7 +48,7 @@ class AddRivetOptions(OneCharacter):
         "A rivet is found again by its name. [NODE_rivet]",
         group="what",
     )
-    within: Tolerance = option(
+    within: Above = option(
         1e-5,
         help="Largest error between keys of what is attached to a rivet, as a share of the mesh's size.",
         rare=True,
@@ -80,5 +79,3 @@ class AddRivetOptions(OneCharacter):
             raise UsageError(f"{len(self.name)} names for {self.count} rivets; give one for each, or one")
         if len(set(self.name)) < len(self.name):
             raise UsageError("each rivet needs a name of its own")
-        if not self.within > 0:
-            raise UsageError("--within is a number above 0")

@@ -9,7 +9,7 @@ from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option, refuse
-from rigtri.operations.option_kinds import Above, ClipNames, Names, OneCharacter, RigFile, SoftIk
+from rigtri.operations.option_kinds import Above, ClipNames, Clips, OneCharacter, RigFile, SoftIk, Stretch
 
 Direction = Literal["joints", "controls"]
 # How far what lies between samples may be off unless another share of the size is given: less than what
@@ -48,7 +48,7 @@ class BakeOptions(OneCharacter):
         group="what",
         rare=True,
     )
-    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.", group="what")
+    clip: Clips = option(())
     fps: Above | None = option(
         None, help="Samples per second besides the keys, and no others. [as many as --between needs]"
     )
@@ -56,9 +56,7 @@ class BakeOptions(OneCharacter):
         BETWEEN, help="Largest error between samples, as a share of the rig's size.", group="how"
     )
     soft: SoftIk | None = option(None, rare=True)
-    stretch: bool | None = option(
-        None, help="IK limbs grow to reach their target. [as stored, or not]", rare=True
-    )
+    stretch: Stretch | None = option(None, rare=True)
     discard_motion: bool = option(
         False,
         help="With --to controls: also discard motion that only controls have: what was not baked to joints.",

@@ -12,7 +12,16 @@ from rigtri.maths import RotateOrder
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import CHANNELS, ROTATION, SCALE, TRANSLATION, ConstraintKind, WorldUp
 from rigtri.model.options import Kind, option, refuse
-from rigtri.operations.option_kinds import Direction, JsonFile, LimbNames, Node, OneCharacter, Vector, three
+from rigtri.operations.option_kinds import (
+    CoordinateAxis,
+    Direction,
+    JsonFile,
+    LimbNames,
+    Node,
+    OneCharacter,
+    Vector,
+    three,
+)
 
 OrientWord = Literal["rest", "none"]
 _THREE = {"t": TRANSLATION, "r": ROTATION, "s": SCALE}
@@ -122,7 +131,7 @@ class ConstrainOptions(OneCharacter):
         },
         rare=True,
     )
-    roll_axis: Literal["x", "y", "z"] | None = option(
+    roll_axis: CoordinateAxis | None = option(
         None, help="orient: only the roll about this axis of the child.", rare=True
     )
     aim_axis: Direction = option(

@@ -5,14 +5,14 @@ from __future__ import annotations
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option, options_of
-from rigtri.operations.option_kinds import Above, MetersPerUnit, Names, StageUpAxis
+from rigtri.operations.option_kinds import Above, Clips, MetersPerUnit, StageUpAxis
 
 
 @dataclass(frozen=True)
 class ConvertOptions:
     """Options of convert."""
 
-    clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]", group="what")
+    clip: Clips = option(())
     fps: Above | None = option(
         None,
         help="To USD: time codes a second. [the first of 24, 30, 60, 25, 50, 48, 120 and 100 that has all "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 from rigtri.errors import UsageError
 from rigtri.frames import Mirror, Plane
@@ -20,6 +20,7 @@ from rigtri.operations.option_kinds import (
     OneCharacter,
     OnNonuniformScale,
     Selection,
+    WorldPlane,
 )
 from rigtri.operations.options import axes
 
@@ -63,7 +64,7 @@ class MirrorOptions(OneCharacter):
     on_constraint: OnConstraint = option("freeze", rare=True)
     root: Root | None = option(None, where="shared")
     tolerance: Tolerance = option(TOLERANCE, where="shared")
-    across: Any = option(None, where="python", help="The plane in the world, instead of `plane`.")
+    across: WorldPlane = option(None, where="python")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be mirrored."""

@@ -32,6 +32,7 @@ from rigtri.operations.option_kinds import (
     SignedAxis,
     StandardPose,
     Vector,
+    WorldPlane,
     three,
 )
 from rigtri.operations.options import axes
@@ -185,7 +186,7 @@ class OrientJointsOptions(OneCharacter):
     root: Root | None = option(None, where="shared")
     tolerance: Tolerance = option(TOLERANCE, where="shared")
     keep: bool = option(False, where="python", help="Only `mirror` re-orients, from axes as they are.")
-    across: Any = option(None, where="python", help="The plane in the world, instead of `plane`.")
+    across: WorldPlane = option(None, where="python")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for options that contradict each other, and for letters that make no frame."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Literal
 
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
+from rigtri.model.joint_names import SideStyle
 from rigtri.model.options import option
 from rigtri.operations.option_kinds import JointNames, JsonFile, Node, Nodes, OneCharacter
 
@@ -25,7 +25,7 @@ class RenameJointsOptions(OneCharacter):
     map: JsonFile | None = option(None, help="Rename by a file that --save-map has written.", group="what")
     inverse: bool = option(False, help="With --map: back to the names that joints had.", group="what")
     prefix: str | None = option(None, help="Prefix of new names, instead of the scheme's own (mixamorig:).")
-    side_style: Literal["Left", "left", "_l", "_L", ".l", ".L", "_left", "l_", "L_", "left_"] | None = option(
+    side_style: SideStyle | None = option(
         None, help="How new names show their side, instead of the scheme's own style."
     )
     below: Node | None = option(None, help="Only this joint and all below it: of two characters, one.")

@@ -6,7 +6,7 @@ from typing import Literal
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Names, Node
+from rigtri.operations.option_kinds import Clips, CoordinateAxis, Node
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class RootMotionOptions:
         group="what",
     )
     yaw: bool = option(False, help="Also move the hips' yaw to the root.")
-    axis: Literal["x", "y", "z"] | None = option(None, help="Only along this axis of the ground. [both]")
-    clip: Names = option((), metavar="GLOB", help="Only these clips; repeatable. [all]")
+    axis: CoordinateAxis | None = option(None, help="Only along this axis of the ground. [both]")
+    clip: Clips = option((), group="how")
     hips: Node | None = option(None, help="The joint that moves. [the hips of the body]")
     to: Node | None = option(None, help="The joint that gets its motion. [the one above the hips]")

@@ -6,7 +6,7 @@ from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import ClipNames, EditedFile, Names
+from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class TakeClipsOptions:
         help="The file with the animation, of any format; nothing else of it is used.",
         group="what",
     )
-    clip: Names = option((), metavar="GLOB", help="Only these clips. Repeatable.", group="what")
+    clip: Clips = option(())
     as_: ClipNames = option(
         {},
         help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "

@@ -11,7 +11,7 @@ import pickle
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import field
 from typing import Any
 from uuid import uuid4
@@ -125,11 +125,11 @@ def _process(settings: Settings, worker: Any, task: str) -> Iterator[FileProcess
             process = FileProcess(settings.folder, at=settings.at, preload=_PRELOADED, **settings.limits)
         ours.busy[task] = process
     try:
-        yield process
+        with ExitStack() as failure:
+            failure.callback(process.close)  # a process that was stopped within a file does no other
+            yield process
+            failure.pop_all()
         ours.idle.append(process)
-    except BaseException:
-        process.close()
-        raise
     finally:
         with _lock:
             del ours.busy[task]

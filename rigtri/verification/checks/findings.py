@@ -6,10 +6,9 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
-from rigtri.formats.rules import SEVERITIES as SEVERITIES
 from rigtri.formats.rules import Rule as Rule
-from rigtri.formats.rules import Severity as Severity
 from rigtri.model.dataclass import dataclass
+from rigtri.report import SEVERITIES, Severity
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import get_args
 
 import numpy as np
 
-from rigtri.formats.rules import Rule, Severity
+from rigtri.formats.rules import Rule
 from rigtri.maths.angle_limits import cosine_below
 from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.dataclass import dataclass
@@ -22,6 +22,7 @@ from rigtri.recognition.humanoid_order import misplaced
 from rigtri.recognition.layout import CONFIDENT, REQUIRED, Character
 from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.recognise import recognise
+from rigtri.report import Severity
 from rigtri.verification import Profile
 from rigtri.verification.checks.cycle_check import place_of
 from rigtri.verification.checks.findings import Findings

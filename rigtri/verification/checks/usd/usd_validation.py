@@ -11,7 +11,8 @@ from typing import Any
 from pxr import UsdValidation
 
 from rigtri.formats.usd.composition.stage import quiet
-from rigtri.verification.checks.findings import Finding, Findings, Severity
+from rigtri.report import Severity
+from rigtri.verification.checks.findings import Finding, Findings
 
 _KINDS: dict[Any, Severity] = {
     UsdValidation.ValidationErrorType.Error: "error",
