@@ -156,10 +156,18 @@ def _range(name: str, known: Sequence[str]) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[object], most: int = 1) -> str:
-    """A question after an unknown word, with a space before it: which of these it is like; "" for none."""
+    """A question after an unknown word, with a space before it: which of these it is like; "" for none.
+
+    >>> did_you_mean("HIPS", ["head", "hips"])
+    " Did you mean 'hips'?"
+    """
     from difflib import get_close_matches
 
-    close = get_close_matches(word, [str(each) for each in known], n=most)
+    spelled: dict[str, list[str]] = {}
+    for each in map(str, known):
+        spelled.setdefault(each.lower(), []).append(each)
+    alike = get_close_matches(word.lower(), spelled, n=most)
+    close = [each for lower in alike for each in spelled[lower]][:most]
     return f" Did you mean {_quoted(close)}?" if close else ""
 
 

@@ -10,7 +10,7 @@ from rigtri.files.staged_output import Companion as Companion
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import FileOptions
 from rigtri.model.mesh import Mesh
-from rigtri.model.options import described
+from rigtri.model.options import described, options_of
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Scenery
 from rigtri.report import Notice
@@ -33,6 +33,10 @@ class ReadOptions(FileOptions):
     from_stream: bool = False
     to_stream: bool = False
     empty: bool = False
+
+    def __post_init__(self) -> None:
+        for name, one in options_of(FileOptions).items():
+            object.__setattr__(self, name, one.cased(getattr(self, name)))
 
     @property
     def relinks(self) -> bool:

@@ -114,15 +114,33 @@ class Option:
     def words(self) -> tuple[str, ...]:
         """The words that it knows, alone or beside names: those of its type, and those that it explains."""
         explained = (word for word, _ in self.values if word.islower())
-        return tuple(dict.fromkeys([*self.choices, *_literals(self.hint), *explained]))
+        shown = (
+            word for word in self.metavar.split("|") if word.islower() and word.replace("-", "").isalpha()
+        )
+        return tuple(dict.fromkeys([*self.choices, *_literals(self.hint), *explained, *shown]))
 
-    def cased(self, value: Any) -> Any:
-        """A value with the words that it knows as they are declared: ``Maya`` is ``maya``."""
+    @property
+    def takes_names(self) -> bool:
+        """Whether names of nodes can stand where its words do."""
+        return bool(self.words) and not {"NODE", "NAME"}.isdisjoint(
+            [*self.metavar.split("|"), *dict(self.values)]
+        )
+
+    def cased(self, value: Any, is_name: Callable[[str], bool] | None = None) -> Any:
+        """A value with the words that it knows as they are declared: ``Maya`` is ``maya``.
+
+        is_name: whether a node is called so, which then is meant; without it, nothing changes where it could.
+        """
+        if self.takes_names and is_name is None:
+            return value
         if isinstance(value, str):
             alike = [word for word in self.words if word.lower() == value.lower()]
-            return alike[0] if len(alike) == 1 else value
+            named = is_name is not None and is_name(value)
+            return alike[0] if len(alike) == 1 and (value in alike or not named) else value
         if isinstance(value, list | tuple) and self.words:
-            return type(value)([self.cased(each) if isinstance(each, str) else each for each in value])
+            return type(value)(
+                [self.cased(each, is_name) if isinstance(each, str) else each for each in value]
+            )
         return value
 
     @property

@@ -80,6 +80,7 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
                 if options is None:
                     options = from_keywords(kind, keywords, function.__name__)
                 _check_rigs(options)
+                options = _with_words(rig, options)
                 check(options, given)
                 return _run(function, rig, others, report, {"options": options})
 
@@ -152,6 +153,14 @@ def _of_character(function: Callable[..., Rig], name: str | None) -> Callable[..
         return within(rig, nodes, lambda small: function(small, *others, **keywords))
 
     return run
+
+
+def _with_words(rig: Rig, options: T) -> T:
+    """Options with their words in lower case, where no node of the rig is called as they are written."""
+    named = [one for one in options_of(type(options)).values() if one.takes_names]
+    given = {one.name: getattr(options, one.name) for one in named}
+    cased = {one.name: one.cased(given[one.name], rig.has) for one in named}
+    return options if cased == given else replace(typing.cast(Any, options), **cased)
 
 
 def _check_rigs(options: Any) -> None:

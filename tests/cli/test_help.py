@@ -166,10 +166,15 @@ def test_values_may_be_written_in_capitals(samples: Path, tmp_path: Path) -> Non
         "draw IN -o OUT.svg --view Front --pose REST",
         "rename-joints IN -o OUT.glb --to Unreal",
         "constrain IN -o OUT.glb --type Point --child hand_L --driver head --skip TX",
+        "constrain IN -o OUT.glb --child hand_L --space head --space WORLD --switch walk@0.5=World",
+        "add-posereader IN -o OUT.glb --driver head --frame World --target REST",
+        "mirror IN -o OUT.glb --pose Bind",
+        "orient-joints IN.usda -o OUT.usda --pose NODES --edit-target NEW",
     ],
 )
 def test_words_that_stand_among_names_may_be_in_capitals(line: str, samples: Path, tmp_path: Path) -> None:
     places = {"IN": samples / "biped.glb", "OUT.svg": tmp_path / "o.svg", "OUT.glb": tmp_path / "o.glb"}
+    places |= {"IN.usda": samples / "biped.usda", "OUT.usda": tmp_path / "o.usda"}
     cli(*(places.get(word, word) for word in line.split()), code=0)
 
 

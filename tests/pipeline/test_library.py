@@ -21,6 +21,7 @@ from program import cli
 
 import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
+from rigtri.model.constraints import constraints_of
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.options import options_of
 from rigtri.operations.options.convert import ConvertOptions
@@ -387,6 +388,14 @@ def test_words_are_those_of_the_command_line_in_capitals_too(samples: Path) -> N
     assert rigtri.set_rest(rig, pose="TPose").names == rig.names
     with pytest.raises(UsageError, match="give bind, tpose, apose or CLIP@TIME"):
         rigtri.set_rest(rig, pose="Z-pose")
+
+
+def test_a_node_that_is_called_as_a_word_in_capitals_is_meant(samples: Path) -> None:
+    rig = rigtri.read(samples / "biped.glb")
+    named = rigtri.rename_joints(rig, name={"hips": "WORLD"})
+    for each, is_joint in ((rig, False), (named, True)):
+        made = rigtri.constrain(each, child="hand_L", space=["head", "WORLD"])
+        assert made.is_joint[constraints_of(made)[0].drivers[1]] == is_joint
 
 
 def test_what_is_no_operation_takes_keywords_too(samples: Path) -> None:

@@ -140,9 +140,17 @@ def _numbers(where: str, values: Any, count: int | None = None) -> Floats:
 
 
 def _number_of(words: Sequence[str], word: str, where: str) -> int:
-    if word not in words:
+    place = _place(words, word)
+    if place is None:
         raise UsageError(f"{where} is not one of the drivers: {', '.join(words)}")
-    return words.index(word)
+    return place
+
+
+def _place(words: Sequence[str], name: str) -> int | None:
+    """The number of the driver or space called so, None for none; world and root have any case."""
+    if name not in words and name.lower() in ("world", "root"):
+        name = name.lower()
+    return words.index(name) if name in words else None
 
 
 def _from_switches(
@@ -152,17 +160,18 @@ def _from_switches(
     found: dict[tuple[int, ...], tuple[Timeline, dict[float, int]]] = {}
     for text in texts:
         # Names may hold = themselves.
-        cuts = [k for k, letter in enumerate(text) if letter == "=" and text[k + 1 :] in words]
+        ends = [k for k, letter in enumerate(text) if letter == "="]
+        cuts = [(k, place) for k in ends if (place := _place(words, text[k + 1 :])) is not None]
         if not cuts:
             raise UsageError(f"--switch {text}: give CLIP@TIME=NODE, NODE one of {', '.join(words)}")
         try:
-            timeline, time = timeline_and_time(rig, text[: cuts[0]])
+            timeline, time = timeline_and_time(rig, text[: cuts[0][0]])
         except RigtriError as error:
             raise type(error)(f"--switch: {error}") if isinstance(error, UsageError) else error from None
         if timeline is None:
             raise UsageError(f"--switch {text}: at rest the first driver counts, or --driver NODE=WEIGHT")
         _, own = found.setdefault(timeline.members, (timeline, {}))
-        own[float(as_float32(np.array([time]))[0])] = words.index(text[cuts[0] + 1 :])
+        own[float(as_float32(np.array([time]))[0])] = cuts[0][1]
     for timeline, switches in found.values():
         start = float(times_within(timeline, None)[0])
         times = sorted({min(start, *switches), *switches})
@@ -180,8 +189,8 @@ def _from_channels(
         return
     sources: dict[int, tuple[int, str, int]] = {}
     for text in texts:
-        word, node, path, k = _channel(rig, words, text)
-        sources[words.index(word)] = (node, path, k)
+        place, node, path, k = _channel(rig, words, text)
+        sources[place] = (node, path, k)
     for timeline in timelines(rig):
         tracks = {
             column: (track, k)
@@ -205,17 +214,18 @@ def _from_channels(
         yield WeightKeys(timeline, times, weights, "STEP" if held else "LINEAR")
 
 
-def _channel(rig: Rig, words: Sequence[str], text: str) -> tuple[str, int, str, int]:
-    """What ``DRIVER=NODE.tx`` names: the driver, the node, the path and the number of the component."""
-    word = next((word for word in words if text.startswith(f"{word}=")), None)
+def _channel(rig: Rig, words: Sequence[str], text: str) -> tuple[int, int, str, int]:
+    """What ``DRIVER=NODE.tx`` names: the number of the driver, the node, the path, the component."""
+    ends = [k for k, letter in enumerate(text) if letter == "="]
+    end, place = next(((k, place) for k in ends if (place := _place(words, text[:k])) is not None), (0, None))
     name, dot, channel = text.rpartition(".")
-    if word is None or not dot or len(channel) != 2 or channel[0] not in "ts" or channel[1] not in "xyz":
+    if place is None or not dot or len(channel) != 2 or channel[0] not in "ts" or channel[1] not in "xyz":
         raise UsageError(
             f"--weight-from {text}: give DRIVER=NODE.CHANNEL, DRIVER one of {', '.join(words)} and CHANNEL "
             "one of tx, ty, tz, sx, sy, sz"
         )
-    node = rig.find(name[len(word) + 1 :], "node")
-    return word, node, _LETTERS[channel[0]], "xyz".index(channel[1])
+    node = rig.find(name[end + 1 :], "node")
+    return place, node, _LETTERS[channel[0]], "xyz".index(channel[1])
 
 
 def stored_keys(rig: Rig, rule: Constraint, drivers: Sequence[int]) -> list[WeightKeys]:

@@ -116,8 +116,8 @@ class MakeLimbOptions(PlacementOptions):
     )
     pose: str = option(
         "nodes",
-        metavar="POSE",
-        help="Where the locators are read: nodes (at rest), bind or CLIP@TIME.",
+        metavar="nodes|bind|CLIP@TIME",
+        help="The pose in which the locators are read; nodes is the rest pose.",
         rare=True,
     )
     pole_name: str | None = option(None, help="Name of the pole vector. [MIDDLE_pole]", rare=True)

@@ -56,8 +56,8 @@ class MirrorOptions(OneCharacter):
     exclude: Nodes = option((), help="Not these joints.")
     pose: str | None = option(
         None,
-        metavar="POSE",
-        help="The pose that axes are read from: bind, nodes or CLIP@TIME.  [bind]",
+        metavar="bind|nodes|CLIP@TIME",
+        help="The pose that axes are read from. [bind]",
         rare=True,
     )
     on_nonuniform_scale: OnNonuniformScale = option("snap", rare=True)
