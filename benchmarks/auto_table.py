@@ -43,7 +43,7 @@ def main() -> None:
     given = parser.parse_args()
     folders = [ROOT / "samples", *([given.assets] if given.assets else [])]
     files = [path for folder in folders for path in sorted(folder.rglob("*")) if path.suffix in SUFFIXES]
-    lines = ["| character | what stands there | with |", "|---|---|---|"]
+    lines = ["| character | what was built | with |", "|---|---|---|"]
     for path in files:
         found: dict[str, list[str]] = {}
         for preset in given.presets:
