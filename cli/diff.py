@@ -23,7 +23,7 @@ from rigtri.verification import Terms
 from . import failures, streams
 from .help_format import Command, option
 from .option_types import FilePath, Tolerance
-from .options import json_option, reading_options
+from .options import json_option, quiet_option, reading_options
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
 from .terminal_text import echo, plain
@@ -42,7 +42,7 @@ _PAINTS = (
 @click.command("diff", cls=Command, help=__doc__)
 @click.argument("before", metavar="A", type=FilePath(allow_dash=True))
 @click.argument("after", metavar="B", type=FilePath(allow_dash=True))
-@option("-q", "--brief", is_flag=True, help="Print only whether they differ.", group="output")
+@option("--brief", is_flag=True, help="Print only whether they differ.", group="output")
 @option("--all", "every", is_flag=True, help="Show every line of long groups.", group="output")
 @option(
     "--only",
@@ -66,6 +66,7 @@ _PAINTS = (
     group="what",
 )
 @reading_options
+@quiet_option
 @json_option
 def command(before: str, after: str, **values: Any) -> None:
     with failures.always(click.get_current_context(), ERROR):
@@ -79,23 +80,24 @@ def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
     from rigtri.verification.diff.diff import diff
 
     check_streams(before, after)
+    brief, quiet = values["brief"], values["quiet"]
     with opened(before) as one, opened(after) as other:
         found = diff(
             Path(one),
             Path(other),
             only=values["only"],
             tolerance=values["tolerance"],
-            verify=values["verify"] and not values["brief"],
+            verify=values["verify"] and not (brief or quiet),
             options=read_options(values),
         )
     if values["as_json"]:
         result = {"before": before, "after": after, "tolerance": values["tolerance"]} | found.as_json()
         print_json(result)
-    elif values["brief"] and not found.same:
+    elif brief and not (found.same or quiet):
         click.echo(plain(f"{before} and {after} differ", one_line=True))
-    elif not found.same:
+    elif not (found.same or quiet):
         echo(found.describe(every=values["every"]), _PAINTS)
-    if not values["brief"]:
+    if not (brief or quiet):
         warn_unused_root(before, values["root"])
         for notice in found.notices:
             click.echo(plain(notice, one_line=True), err=True)

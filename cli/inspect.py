@@ -22,7 +22,7 @@ from rigtri.report import Notice, Report
 
 from .help_format import Command
 from .matrix_options import chosen_matrices, matrix_options, of_matrices, refuse_without_matrices
-from .options import json_option, no_warnings_option, reading_options, source_argument
+from .options import json_option, quiet_option, reading_options, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
 from .terminal_text import colored, plain
@@ -40,7 +40,7 @@ _ARROWS = re.compile("(?<=  )x[{0}]y[{0}]z[{0}](?= |$)".format("→↗↑↖←�
 @matrix_options
 @of_matrices("joints", "at")
 @reading_options
-@no_warnings_option
+@quiet_option
 @json_option
 def command(source: str, **values: Any) -> None:
     from rigtri.export.matrix_table import matrix_text
@@ -58,11 +58,12 @@ def command(source: str, **values: Any) -> None:
             warnings = [notice.as_json() for notice in notices]
             print_json({"file": source} | as_json(rig) | more | {"warnings": warnings})
             return
+        if values["quiet"]:
+            return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
         _print(plain(describe(rig, width=width) if table is None else matrix_text(table)))
-        if not values["quiet"]:
-            warn_unused_root(source, values["root"])
-            print_warnings(notices, verbose=True)
+        warn_unused_root(source, values["root"])
+        print_warnings(notices, verbose=True)
 
 
 def _matrices(rig: Rig, values: dict[str, Any], notices: list[Notice]) -> list[dict[str, Any]] | None:

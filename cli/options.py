@@ -24,6 +24,7 @@ from . import failures
 from .help_format import Option, option
 from .operation_options import click_option
 from .option_types import FilePath
+from .terminal_text import request_quiet
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -121,8 +122,15 @@ json_option = option(
     help="Print the result as JSON.",
     group="output",
 )
-quiet_option = option("-q", "--quiet", is_flag=True, group="output", help="Print only errors.")
-no_warnings_option = option("-q", "--quiet", is_flag=True, group="output", help="Print no warnings.")
+quiet_option = option(
+    "-q",
+    "--quiet",
+    is_flag=True,
+    is_eager=True,
+    callback=request_quiet,
+    group="output",
+    help="Print only errors.",
+)
 
 
 def output_options(command: F) -> F:

@@ -91,6 +91,8 @@ def _print(values: dict[str, Any], options: Any) -> None:
         found["warnings"] = [notice.as_json() for notice in report.warnings]
         print_json(found)
         return
+    if values["quiet"]:
+        return
     if values["matrices"]:
         click.echo(matrix_text(found["matrices"]))
         return

@@ -21,7 +21,7 @@ from typing import Any
 import click
 
 from .help_format import Command, option
-from .options import json_option, no_warnings_option, reading_options, scheme_option, source_argument
+from .options import json_option, quiet_option, reading_options, scheme_option, source_argument
 from .parameters import read_options
 from .printing import print_json, print_warnings, warn_unused_root
 from .terminal_text import echo
@@ -38,7 +38,7 @@ _PAINTS = (
 @option("--joints", is_flag=True, help="List every joint: its bone, its role, and why.", group="output")
 @scheme_option
 @reading_options
-@no_warnings_option
+@quiet_option
 @json_option
 def command(source: str, scheme: tuple[Path, ...], joints: bool, **values: Any) -> None:
     from rigtri.files.input_stream import opened
@@ -54,8 +54,9 @@ def command(source: str, scheme: tuple[Path, ...], joints: bool, **values: Any) 
             found = {"file": source} | as_json(document.rig, layout) | {"warnings": warnings}
             print_json(found)
             return
+        if values["quiet"]:
+            return
         width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
         echo(text(document.rig, layout, joints=joints, width=width), _PAINTS)
-        if not values["quiet"]:
-            warn_unused_root(source, values["root"])
-            print_warnings(document.warnings, verbose=True)
+        warn_unused_root(source, values["root"])
+        print_warnings(document.warnings, verbose=True)

@@ -14,13 +14,23 @@ from rigtri.errors import LIST_NAMES, SEE_LIMBS
 from rigtri.text import plain as plain
 from rigtri.text import plain_lines as plain_lines
 
+# In the context of a run: whether only errors are printed.
+_QUIET = "rigtri.cli.terminal_text"
+
+
+def request_quiet(ctx: click.Context, _option: click.Parameter, value: bool) -> bool:
+    """Note that only errors are printed; the callback of --quiet."""
+    ctx.meta[_QUIET] = value
+    return value
+
 
 def colored(stream: TextIO) -> bool:
-    """Whether to print in colours: NO_COLOR and FORCE_COLOR decide, else whether somebody looks.
+    """Whether to print in colours: NO_COLOR and FORCE_COLOR decide, else whether somebody looks. -q has none.
 
     Source: no-color.org and force-color.org: set and not empty.
     """
-    if os.environ.get("NO_COLOR"):
+    ctx = click.get_current_context(silent=True)
+    if os.environ.get("NO_COLOR") or (ctx is not None and ctx.meta.get(_QUIET)):
         return False
     if os.environ.get("FORCE_COLOR"):
         return os.environ["FORCE_COLOR"] != "0"

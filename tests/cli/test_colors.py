@@ -35,6 +35,31 @@ def test_what_matters_has_a_colour_where_colours_are_requested(line: list[object
         assert (plain.stdout, plain.exit_code) == (_without(whole.stdout), whole.exit_code)
 
 
+QUIET = [
+    ["inspect", BIPED],
+    ["inspect", BIPED, "--matrices"],
+    ["recognise", BIPED],
+    ["check", BIPED],
+    ["verify", BIPED, BIPED],
+    ["diff", BIPED, PAIR],
+    ["pose", BIPED, "--at", "walk@0.5"],
+    ["explain", "0,0,0", "1,0,.1", "2,0,0"],
+    ["mirror", PAIR, "--check"],
+    ["orient-joints", BIPED, "--dry-run"],
+]
+
+
+@pytest.mark.parametrize("line", QUIET, ids=lambda line: str(line[0]))
+def test_quiet_is_quiet_in_every_command(line: list[object]) -> None:
+    done = cli(*line, "-q", env={"FORCE_COLOR": "1", "NO_COLOR": None})
+    assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_errors_of_a_quiet_run_have_no_colour() -> None:
+    done = cli("inspect", "nowhere.glb", "-q", code=3, env={"FORCE_COLOR": "1", "NO_COLOR": None})
+    assert done.stderr == "rigtri: There is no file nowhere.glb\n"
+
+
 @pytest.mark.ci
 def test_json_has_none() -> None:
     for line in (["check", PAIR], ["verify", BIPED, BIPED], ["recognise", BIPED], ["diff", BIPED, PAIR]):

@@ -529,7 +529,7 @@ def test_the_program_ends_with_0_1_and_2(samples: Path, tmp_path: Path) -> None:
     one = samples / "biped.glb"
     same = run(one, one)
     assert (same.exit_code, same.stdout, same.stderr) == (0, "", "")
-    differ = run(one, samples / "tail.glb", "-q")
+    differ = run(one, samples / "tail.glb", "--brief")
     assert (differ.exit_code, differ.stdout) == (1, f"{one} and {samples / 'tail.glb'} differ\n")
     (tmp_path / "bad.glb").write_bytes(b"glTF\2\0\0\0")
     for bad in (tmp_path / "none.glb", tmp_path / "bad.glb", tmp_path):
