@@ -79,6 +79,14 @@ def test_a_number_is_also_of_a_clip_with_a_name() -> None:
     assert far == {"walk": 0.1, "run": 0.7}
 
 
+def test_the_one_clip_of_a_usd_file_is_the_only_one_of_rig_whatever_both_are_called() -> None:
+    edited = playing(Anim=(1.5, 0.7))
+    edited = replace(edited, clips=(replace(edited.clips[0], key=("samples", "/Anim")),))
+    far, notices = taken(playing(walk=(LONG, 0.1)), edited)
+    assert far == {"walk": 0.7}
+    assert list(notices) == ["other-range"]  # it is shorter
+
+
 def test_no_name_means_exactly_one_clip() -> None:
     with pytest.raises(UsageError, match="all of RIG's have names"):
         taken(playing(walk=(LONG, 0.1)), playing(x=(LONG, 0.7)), x="")

@@ -100,7 +100,7 @@ class ClipNames:
             return self.user_names[name]
         if name in self.known:
             return name
-        if isinstance(timeline.clip.key, tuple) and len(self.ours) == 1:
+        if isinstance(self.edited.clips[timeline.members[0]].key, tuple) and len(self.ours) == 1:
             return self.ours[0].name  # a USD file has one clip, whose name means nothing
         for spell in (composed, _as_usd):
             spelled = [known for known in self.known if spell(known) == spell(name)]
