@@ -692,3 +692,40 @@ def test_a_sample_at_time_nan_is_refused_with_its_attribute(command: str, tmp_pa
     words = outputs.get(command, ["-n"] if command == "orient-joints" else [])
     reason = cli(command, path, *words, code=3).stderr
     assert "/M.visibility has a sample at time nan" in reason
+
+
+@pytest.mark.parametrize("field", ["metersPerUnit", "timeCodesPerSecond", "startTimeCode"])
+def test_metadata_of_a_stage_that_are_nan_are_refused_with_their_layer(field: str, tmp_path: Path) -> None:
+    """Before, edits ended with 6, "metersPerUnit is nan, was nan", and `convert` named OUT."""
+    path = tmp_path / "a.usda"
+    path.write_text(scene(skeleton(), animation(), MESH, head=f"    {field} = nan\n"))
+    reason = cli("inspect", path, code=3).stderr
+    assert f"a.usda: {field} is nan" in reason
+
+
+@pytest.mark.parametrize("field", ["timeCodesPerSecond", "metersPerUnit"])
+def test_metadata_are_checked_in_the_layers_where_they_mean_something(field: str, tmp_path: Path) -> None:
+    (tmp_path / "b.usda").write_text(f"#usda 1.0\n(\n    {field} = inf\n)\n")
+    path = tmp_path / "a.usda"
+    head = "    endTimeCode = inf\n    subLayers = [@./b.usda@]\n"
+    path.write_text(scene(skeleton(), animation(), MESH, head=head))
+    if field == "metersPerUnit":  # only that of the root layer counts
+        assert read(path).rig.skins
+    else:
+        assert "b.usda: timeCodesPerSecond is inf" in cli("inspect", path, code=3).stderr
+
+
+@pytest.mark.parametrize("field", ["metersPerUnit", "timeCodesPerSecond"])
+def test_a_stage_without_a_size_or_time_is_not_converted(field: str, tmp_path: Path) -> None:
+    """Before, everything was at one point, or at one moment."""
+    path = tmp_path / "a.usda"
+    path.write_text(scene(skeleton(), animation(), MESH, head=f"    {field} = 0\n"))
+    reason = cli("convert", path, "-o", tmp_path / "o.glb", code=3).stderr
+    assert f"a.usda: {field} is 0" in reason
+
+
+def test_an_up_axis_that_usd_does_not_define_is_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "a.usda"
+    path.write_text(scene(skeleton(), animation(), MESH).replace('upAxis = "Y"', 'upAxis = "X"'))
+    (notice,) = (notice for notice in read(path).warnings if notice.code == "up-axis")
+    assert "upAxis is 'X'" in notice.text

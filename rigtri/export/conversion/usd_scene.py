@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux, UsdSkel
 
+from rigtri.errors import FileError
 from rigtri.evaluation.timelines import as_played
 from rigtri.export.conversion.scene import Primitive, Scene
 from rigtri.export.conversion.usd_looks import Looks, read_camera, read_light, shows_colours
@@ -64,6 +65,12 @@ class _Reader:
         scene.up = "Z" if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z else "Y"
         scene.unit = float(UsdGeom.GetStageMetersPerUnit(stage))
         scene.per_second = float(stage.GetTimeCodesPerSecond())
+        for field, value in (("metersPerUnit", scene.unit), ("timeCodesPerSecond", scene.per_second)):
+            if value <= 0.0:
+                layer = stage.GetRootLayer().identifier
+                raise FileError(
+                    f"{layer}: {field} is {value:g}; glTF is in metres and seconds. Set it above 0"
+                )
         self._omit()
         for mesh in self.document.meshes():
             if mesh.node not in scene.omitted:

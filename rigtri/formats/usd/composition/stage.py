@@ -10,10 +10,10 @@ import os
 import re
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, suppress
 from io import StringIO
-from math import isnan
+from math import isfinite, isnan
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,10 @@ from rigtri.report import Notice
 from rigtri.text import listed
 
 DEFAULT = Usd.TimeCode.Default()
+# Numbers that each layer states for its samples, and those that the root layer states for the stage.
+_CLOCK = ("timeCodesPerSecond", "framesPerSecond")
+_ENDS = ("startTimeCode", "endTimeCode")
+_OF_STAGE = ("metersPerUnit", *_ENDS)
 # Letters of a message of pxr that are shown.
 LONGEST = 240
 # Custom data of overrides, in a bare one with the file it is for; editing an override again edits its layer.
@@ -121,6 +125,7 @@ def open_stage(path: Path, *, allow_external: bool, allow_missing: bool = False)
             name = layer.identifier
             external_paths.check_outside(layer.realPath, path, name, allow_external=allow_external)
         _refuse_nan_times(layer)
+        _check_numbers(layer, _CLOCK if layer != stage.GetRootLayer() else (*_CLOCK, *_OF_STAGE))
     return stage, _lacking(texts, path.parent, allow_missing=allow_missing)
 
 
@@ -140,6 +145,18 @@ def _refuse_nan_times(layer: Any) -> None:
             f"{layer.identifier}: {listed(wrong)} has a sample at time nan. "
             "Remove the sample, or export the file again"
         )
+
+
+def _check_numbers(layer: Any, fields: Iterable[str]) -> None:
+    """FileError for metadata of a layer that are nan or, besides those of `_ENDS`, infinite.
+
+    Nothing is equal to nan, so every result would look different.
+    """
+    info = layer.pseudoRoot
+    for field in fields:
+        value = info.GetInfo(field) if info.HasInfo(field) else 0.0
+        if isnan(value) or not (isfinite(value) or field in _ENDS):
+            raise FileError(f"{layer.identifier}: {field} is {value:g}. Set it to a number, or remove it")
 
 
 def open_file(

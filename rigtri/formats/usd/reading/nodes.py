@@ -70,6 +70,10 @@ class Nodes:
                 "default value), and limbs are recognised by it; rigtri bake --rig names a file that has it"
             )
             self.warnings.append(Notice("rest-lost", text))
+        up = UsdGeom.GetStageUpAxis(self.stage)
+        if up not in (UsdGeom.Tokens.y, UsdGeom.Tokens.z):
+            text = f"upAxis is '{up}', which USD does not define; Y is taken. Set it to Y or Z"
+            self.warnings.append(Notice("up-axis", text))
         return others
 
     def _add_prim(self, prim: Any, parent: int, group: bool) -> int:
