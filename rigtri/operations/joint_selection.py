@@ -152,7 +152,7 @@ def _unnamed_stay(
             found[joint] = EYE
         elif joint in driven:
             found[joint] = "a roll constraint drives it"
-        elif joint in whole or tree.below[joint] or (carrying[above] < 2 and above not in heads):
+        elif above < 0 or joint in whole or tree.below[joint] or (carrying[above] < 2 and above not in heads):
             continue
         elif above in heads or chain_child(tree, ref, above) != joint:
             found[joint] = LONE

@@ -659,3 +659,15 @@ def test_scale_noise_at_the_edge_of_uniform_is_stable(seed: int) -> None:
     twice = orient_joints(once, options=options)
     assert np.array_equal(once.rotation, twice.rotation)
     assert np.array_equal(once.scale, twice.scale)
+
+
+def test_hips_without_children_turn_as_the_body_does() -> None:
+    """VRM bones of which none is below the hips: before, a traceback."""
+    names = ["hips", "spine", "head", "leftUpperArm", "leftLowerArm", "leftHand"]
+    places = [(0, 1, 0), (0, 1.2, 0), (0, 0.4, 0), (0.2, 0.3, 0), (0.3, 0, -0.05), (0.3, 0, 0)]
+    rig = rig_of(names, [-1, -1, 1, 1, 3, 4], np.array(places, dtype=np.float64))
+    rig = replace(rig, skins=(Skin("skin", np.arange(6), inverse(rig.world)),))
+    rig = replace(rig, humanoid={name: node for node, name in enumerate(names)})
+    report = Report()
+    orient_joints(rig, options=OrientJointsOptions(), report=report)
+    assert report.joints
