@@ -215,7 +215,7 @@ def test_a_real_character_is_left_to_the_byte(assets: Path, tmp_path: Path) -> N
     assert run(path, "-o", out, "--world").exit_code == 0
     assert out.read_bytes() == path.read_bytes()
     refused = run(path, "-o", tmp_path / "no.vrm")
-    assert refused.exit_code == 3
+    assert refused.exit_code == 5
     assert "--world" in refused.output
 
 
