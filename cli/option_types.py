@@ -82,7 +82,7 @@ class Bytes(ParamType):
     name = "size"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        found = re.fullmatch(r"([0-9]+(?:\.[0-9]+)?)\s*([KMGT]?)i?B?", str(value), re.I)
+        found = re.fullmatch(r"([0-9]+(?:\.[0-9]*)?|\.[0-9]+)\s*([KMGT]?)i?B?", str(value), re.I)
         size = float(found[1]) * 1024 ** " KMGT".index(found[2].upper() or " ") if found else 0
         if not 1 << 20 <= size < 1 << 50:
             self.fail(

@@ -37,7 +37,8 @@ def text(rig: Rig, layout: Layout, *, joints: bool = False, width: int | None = 
 
 def _head(rig: Rig, character: Character) -> list[str]:
     where = f"below {rig.title(character.root)}" if character.root >= 0 else "of several roots"
-    hips = f", hips {rig.title(character.hips)}" if character.hips >= 0 else ""
+    apart = character.hips not in (-1, character.root)
+    hips = f", hips {rig.title(character.hips)}" if apart else ""
     directions = (character.facing, character.up, character.normal)
     stands = "faces {}, up {}, left {}".format(*map(direction_text, directions))
     return [

@@ -19,6 +19,7 @@ from program import cli
 from second_opinions import schema, validator
 
 from rigtri.cli import catalogue
+from rigtri.cli.option_types import Bytes
 from rigtri.errors import RigtriError, kind_name
 from rigtri.files.worker_process import CrashError
 from rigtri.formats import read
@@ -605,3 +606,11 @@ def test_what_was_meant_is_reported_of_a_second_file_a_lacking_suffix_and_an_add
     assert "Did you mean -o out.glb?" in run("freeze", samples / "biped.glb", "out.glb", code=2).stderr
     assert "biped.glb" in run("inspect", samples / "biped", code=3).stderr
     assert "https://a.b/c.glb is not a local file" in run("inspect", "https://a.b/c.glb", code=3).stderr
+
+
+def test_a_character_whose_root_is_its_hips_names_it_once(samples: Path) -> None:
+    assert cli("recognise", samples / "biped.glb").stdout.startswith("biped, 0.99 sure: below hips\n")
+
+
+def test_an_amount_of_memory_needs_no_digit_before_the_point() -> None:
+    assert Bytes().convert(".5g", None, None) == Bytes().convert("512M", None, None) == 1 << 29

@@ -322,3 +322,8 @@ def test_the_picture_is_written_beside_the_words(run: Any, tmp_path: Path) -> No
     assert "Pole Vector" in run("0,140,0", "25,140,-5", "50,140,0", "-o", "arm.svg").stdout
     assert (tmp_path / "arm.svg").read_bytes().decode() == picture(rigtri.explain(*ARM))
     assert run("0,140,0", "25,140,-5", "50,140,0", "-o", "-").stdout == picture(explain(*ARM))
+
+
+def test_the_parent_of_the_last_joint_has_its_name_where_it_is_none_of_the_three() -> None:
+    told = cli("explain", SAMPLES / "biped.glb", "clavicle_L", "upper_arm_L", "hand_L", code=0).stdout
+    assert "driver A, child C; Q is C's parent, forearm_L" in told

@@ -554,7 +554,7 @@ def test_a_corrective_joint_moves_turns_and_grows_with_the_weight() -> None:
 @pytest.mark.ci
 def test_a_second_run_of_corrective_joints_changes_nothing_and_another_takes_back() -> None:
     rig = _bent(("bent", "fix_1_L", "tx=0.02"))
-    again = rigtri.add_posereader(rig, joint=(("bent", "fix_1_L", "tx=0.02"),), **ELBOW)
+    again = rigtri.add_posereader(rig, joint=(("bent", "fix_1_L", "TX=+.2e-1"),), **ELBOW)
     assert again.metadata == rig.metadata
     assert all(a is b for a, b in zip(again.clips, rig.clips, strict=True))
     other = rigtri.add_posereader(rig, joint=(("bent", "fix_2_L", "rx=5"),), **ELBOW)

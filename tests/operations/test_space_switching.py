@@ -105,7 +105,7 @@ def test_weights_are_copied_from_a_channel() -> None:
     rig = hands()
     switch = Track(0, "scale", "STEP", np.array([0.0, 1.0]), np.array([[1.0, 1, 1], [0.25, 1, 1]]))
     rig = replace(rig, clips=(replace(rig.clips[0], tracks=(*rig.clips[0].tracks, switch)),))
-    given = {"driver": ("left", "right=0"), "weight_from": ("right=root.sx",)}
+    given = {"driver": ("left", "right=0"), "weight_from": ("right=root.SX",)}
     rule = next(iter(constraints_of(out := rigtri.constrain(rig, child="sword", **given)).values()))
     tracks = {
         out.names[t.node]: t.values[:, 0].tolist() for t in out.clips[0].tracks if t.node in rule.weight_nodes

@@ -89,6 +89,7 @@ def explain_limb(
         posed.world(c)[0],
         p=posed.world(above_a)[0] if above_a >= 0 else None,
         q=posed.world(above_c)[0] if above_c != b else None,
+        q_name=rig.title(above_c) if above_c >= 0 else "the world",
         rest=rest,
         orient=joint_orient(rig, c),
         of_file=True,

@@ -44,7 +44,7 @@ CONSTRAINT = "Matrix parent constraint (article)"
 class Worlds:
     """World matrices of A, B and C, (4, 4) each, and what belongs to them where they are joints of a file.
 
-    p, q: the parents of A and of C; None is the world, and B. rest: B seen from A at rest, if it differs.
+    p, q: the parents of A and of C; None is the world, and B. q_name: what the latter is called. rest: B seen from A at rest, if it differs.
     orient: the rotation, (4,), after which C is rotated. of_file: they are not made of three points.
     """
 
@@ -53,6 +53,7 @@ class Worlds:
     c: Floats
     p: Floats | None = None
     q: Floats | None = None
+    q_name: str = ""
     rest: Floats | None = None
     orient: Floats | None = None
     of_file: bool = False
@@ -131,7 +132,11 @@ def _constraint(at: Worlds, trouble: str) -> Iterator[Step]:
     """C follows A, which is turned about its Y axis; Q is the parent of C. With offset and joint orient."""
     row = partial(step, CONSTRAINT, trouble=trouble)
     offset, above, parent = local(at.c, at.a), *(("B", at.b) if at.q is None else ("Q", at.q))
-    who = f"driver A, child C, whose parent is {above}"
+    who = (
+        "driver A, child C, whose parent is B"
+        if at.q is None
+        else f"driver A, child C; Q is C's parent, {at.q_name}"
+    )
     yield row("offset = child₀ · parent₀⁻¹", "local(C, A)", offset, who)
     about_y = from_axis_angle([0.0, 1.0, 0.0], _TURN / _DEGREES)
     driver = multiply(from_frame(to_axes(about_y), np.zeros(3)), at.a)

@@ -39,7 +39,7 @@ def joint_output(rig: Rig, target: str, name: str, changes: str, readers: Iterab
             f"'{rig.title(node)}' cannot be driven by a pose that moves with it; name a joint beside it"
         )
     values = {channel: _STILL[channel[0]] for channel in CHANNELS["parent"]}
-    for part in changes.split(","):
+    for part in changes.lower().split(","):
         channel, mark, number = part.strip().partition("=")
         try:
             values[channel if channel in values and mark else ""] = float(number)

@@ -219,6 +219,7 @@ def _channel(rig: Rig, words: Sequence[str], text: str) -> tuple[int, int, str, 
     ends = [k for k, letter in enumerate(text) if letter == "="]
     end, place = next(((k, place) for k in ends if (place := _place(words, text[:k])) is not None), (0, None))
     name, dot, channel = text.rpartition(".")
+    channel = channel.lower()
     if place is None or not dot or len(channel) != 2 or channel[0] not in "ts" or channel[1] not in "xyz":
         raise UsageError(
             f"--weight-from {text}: give DRIVER=NODE.CHANNEL, DRIVER one of {', '.join(words)} and CHANNEL "
