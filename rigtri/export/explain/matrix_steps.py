@@ -44,7 +44,8 @@ CONSTRAINT = "Matrix parent constraint (article)"
 class Worlds:
     """World matrices of A, B and C, (4, 4) each, and what belongs to them where they are joints of a file.
 
-    p, q: the parents of A and of C; None is the world, and B. q_name: what the latter is called. rest: B seen from A at rest, if it differs.
+    p, q: the parents of A and of C; None is the world, and B. q_name: what the latter is called.
+    rest: B seen from A at rest, if it differs.
     orient: the rotation, (4,), after which C is rotated. of_file: they are not made of three points.
     """
 
