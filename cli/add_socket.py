@@ -17,7 +17,7 @@ from .edit_command import edit_command
 def summary(report: Report) -> str:
     """What was done, in a line or a few."""
     if not report.joints:
-        return "the socket stands there already; nothing was changed"
+        return "the socket is there already; nothing was changed"
     (entry,) = report.joints
     return f"'{entry['joint']}' {'was added' if entry['status'] == 'added' else 'was moved'}"
 

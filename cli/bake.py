@@ -67,7 +67,9 @@ def _beside(report: Report) -> list[str]:
         lines.append(f"{counted(placed, 'node')} put where the file of --rig has them")
     if parts := of.get("joined"):
         whole = ", ".join(f"'{entry['clip']}'" for entry in parts)
-        lines.append(f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN known as {whole}")
+        lines.append(
+            f"{counted(sum(len(entry['from']) for entry in parts), 'clip')} of IN matched with {whole}"
+        )
     for entry in of.get("moved", []):
         by = f"{abs(entry['by']):.4g} {'earlier' if entry['by'] < 0 else 'later'} than in IN"
         lines.append(f"'{entry['clip']}' begins where the file of --rig has it, {by}")

@@ -63,7 +63,7 @@ def run(
     if values["as_json"] and destination(values) == "-" and not values["dry_run"]:
         raise UsageError("--json and -o - both use standard output; use --report FILE.json")
     if values["sidecar"] and output == "-":
-        raise UsageError("--sidecar needs a file to stand beside; give OUT a name")
+        raise UsageError("--sidecar needs the name of a file; give OUT a name")
     check_side_files(values)
     report = Report()
     try:

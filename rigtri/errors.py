@@ -65,7 +65,7 @@ class NameNotFoundError(RigtriError):
         # Clips are few, and have names beside their numbers: all are listed.
         hint = ("" if kind.startswith("clip") else _range(name, every)) or _meant(name, every)
         if re.search(r"[*?]", name) and not pattern:
-            hint = " One is meant here, so patterns are not taken." + hint
+            hint = " Give one name here, not a pattern." + hint
         super().__init__(f"No {kind} {verb} '{name}'.{hint} {LIST_NAMES}")
 
 

@@ -33,7 +33,7 @@ class FileOptions:
     )
     lenient: bool = option(
         False,
-        help="Read nodes that glTF forbids where the meaning is clear (matrix beside TRS).",
+        help="Read nodes that glTF forbids where the meaning is clear (matrix together with TRS).",
         group="safety",
         rare=True,
     )

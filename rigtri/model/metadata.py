@@ -428,7 +428,7 @@ def illegible(stored: Mapping[str, Any]) -> str:
         return f"its version is {stored.get('v')!r:.60}, and this rigtri reads {VERSION}"
     kind = stored.get("type")
     known = isinstance(kind, str) and kind in RECORDS
-    return "" if known else f"its type {kind!r:.60} is not known to this rigtri"
+    return "" if known else f"its type {kind!r:.60} is not one that this version of rigtri has"
 
 
 def damage(stored: Mapping[str, Any]) -> str:

@@ -107,10 +107,12 @@ def posed(
     """
     bones = sure_bones(character)
     if not {"leftUpperArm", "rightUpperArm"} <= bones.keys() and "leftUpperLeg" not in bones:
-        raise GeometryError("No arms or legs are known surely enough. See why: rigtri recognise FILE")
+        raise GeometryError(
+            "No arms or legs are recognised with enough confidence. See why: rigtri recognise FILE"
+        )
     found = directions(rig, world, character, facing)
     if found is None:
-        raise GeometryError("Nothing says where this body faces: give the direction with --facing")
+        raise GeometryError("The direction that this body faces is unclear: give it with --facing")
     body, up, ahead = _Body(rig, world, bones), found.up, found.ahead
     for side in ("left", "right"):
         arm = found.arm(side, pose)

@@ -76,8 +76,8 @@ def _converted(rig: Rig, options: FreezeOptions) -> Rig:
     for rule in constraints_of(rig).values():
         if quarter and rule.skip and rig.parents[rule.child] < 0:
             raise GeometryError(
-                f"'{rig.title(rule.child)}' keeps channels of its own along the world's axes, beside a "
-                "constraint (--skip), and --up-axis would give it others. Bake and strip first"
+                f"'{rig.title(rule.child)}' has channels that its constraint skips (--skip), along the "
+                "world's axes, and --up-axis would rotate those. Bake and strip first"
             )
     rotation = np.array([quarter, 0.0, 0.0, HALF if quarter else 1.0])
     return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))
@@ -189,7 +189,7 @@ def _warn_instances(rig: Rig, options: FreezeOptions, report: Report) -> None:
     ]
     if left:
         text = f"{listed(left, 6)}: what is below instances is the same in all, so they keep what rotation "
-        report.warn("not-frozen", f"{text}and scale they have beside the first", geometry=True)
+        report.warn("not-frozen", f"{text}and scale they have relative to the first", geometry=True)
 
 
 def _scales(rig: Rig) -> tuple[Floats, Booleans]:

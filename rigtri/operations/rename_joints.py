@@ -170,7 +170,7 @@ def _bones(rig: Rig) -> list[Part]:
     layout = recognise(rig)
     found = [part for character in layout.characters for part in character.parts if part.bone]
     if not found:
-        why = "; ".join(layout.remarks) or "no joint is known"
+        why = "; ".join(layout.remarks) or "no joint is recognised"
         raise GeometryError(f"No character is recognised here: {why}. Give names with --name or --map")
     return found
 

@@ -259,7 +259,7 @@ def call(rig: Rig, targets: Mapping[int, str], rule: str, report: Report) -> Rig
     for name, count in Counter(names.values()).items():
         if count > 1:
             raise UsageError(
-                f"--name {rule}: {count} controls would be called '{name}'; {{joint}} tells them apart"
+                f"--name {rule}: {count} controls would be called '{name}'; use {{joint}} in the rule"
             )
     others = {rig.names[node]: node for node in range(len(rig)) if node not in names}
     for name in names.values():

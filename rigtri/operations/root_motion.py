@@ -100,7 +100,7 @@ def _joints(rig: Rig, options: RootMotionOptions) -> tuple[int, int]:
     else:
         found = [body.hips for body in recognise(rig).characters if body.hips >= 0]
         if len(found) != 1:
-            raise GeometryError("The hips of one body are not known here: name them with --hips")
+            raise GeometryError("The hips of one character are not recognised here: name them with --hips")
         (hips,) = found
     above = [node for node in rig.path_to_root(hips)[1:] if rig.is_joint[node]]
     root = rig.find(options.to) if options.to is not None else (above or [-1])[0]

@@ -74,7 +74,7 @@ def skin_sibling_parent(rig: Rig, joint: int) -> tuple[int, int]:
         return top, top
     if rig.parents[joint] < 0:
         raise UsageError(
-            f"--as joint: nothing stands above '{rig.title(joint)}', so a new joint would follow it; give "
+            f"--as joint: '{rig.title(joint)}' has no parent, so a new joint would follow it; give "
             "the skeleton a root joint, or take a locator"
         )
     return int(rig.parents[joint]), joint

@@ -155,7 +155,7 @@ def _unnamed_between(draft: Draft, each: Found) -> str:
             for node in draft.tree.way(high, low)[1:-1]:
                 if not parse_name(names[node]).plain and not roles_in_name(names[node]):
                     ends = f"{_title(draft, high)} and {_title(draft, low)}"
-                    return f"a joint without a name stands between {ends}"
+                    return f"a joint without a name is between {ends}"
     return ""
 
 
@@ -219,11 +219,11 @@ def _no_body(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         and len(draft.tree.nodes) > len(each.joints) + 1
     )
     if alone and len(beside) < _ENOUGH and not _has_fingers(draft, each):
-        return "it stands alone: nothing else of a body is named"
+        return "no other part of a body is named"
     body = draft.shape.body
     four = len(found) == 4 and all(k.kind == "leg" for k in found) and not {"head", "hips"} & set(bones)
     if four and body and body.legs and body.arms and body.legs.pair.above == body.arms.pair.above:
-        return "no trunk stands between its front and its hind legs"
+        return "no trunk is between its front and its hind legs"
     return ""
 
 

@@ -221,7 +221,7 @@ def _role(
     if chain is not None:
         return "deform", chain.confidence, [f"{chain.name}: {chain.evidence[0]}"]
     if node in draft.controls:
-        return "control", 0.8, ["beside the bones that are called DEF"]
+        return "control", 0.8, ["parallel to the bones that are called DEF"]
     if node in bones:
         return "deform", 0.9, [f"{bones[node]}: its name, or its place in the body"]
     if names:
@@ -253,12 +253,12 @@ def _by_place(draft: Draft, node: int) -> Iterator[tuple[Role, float, list[str]]
     moves = any(draft.poses.moves_points(k) for k in tree.branch(node)) if node in tree.below else False
     if draft.hips >= 0 and not tree.is_below(node, draft.hips):
         if not moves:
-            yield "control", 0.8, ["beside the body, and moves no point"]
-        yield "attachment", 0.5, ["beside the body, and moves points"]
+            yield "control", 0.8, ["outside the body, and moves no vertex"]
+        yield "attachment", 0.5, ["outside the body, and moves vertices"]
     if not moves:
         if not tree.below.get(node):
-            yield "end", 0.7, ["nothing below it, and it moves no point: where the bone above ends"]
-        yield "helper", 0.5, ["moves no point, nor does anything below it"]
+            yield "end", 0.7, ["without children, and it moves no vertex: the end of the bone above"]
+        yield "helper", 0.5, ["moves no vertex, nor does anything below it"]
     taken = draft.taken
     over = next((k for k in reversed(tree.way(-1, node)) if k in taken), -1)
     if over >= 0 and draft.chains:

@@ -129,7 +129,7 @@ def _head(draft: Draft, limbs: Sequence[Found]) -> None:
         if not chain:
             return
         neck, head = (chain[0] if len(chain) > 1 else -1), chain[-1]
-        sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "stands beyond the arms"
+        sure, why = 0.8 * min((k.confidence for k in limbs), default=0.5) + 0.1, "is beyond the arms"
     between = draft.tree.way(neck, head) if neck >= 0 and draft.tree.is_below(head, neck) else [head]
     if len(between) > 1:
         draft.add_chain("neck", "neck", "", between[:-1], sure, (why,))

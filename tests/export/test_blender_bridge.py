@@ -539,7 +539,7 @@ def test_each_character_of_a_scene_is_its_own(rigged: dict[str, Path], tmp_path:
     assert twins["two"] == twins["after"] == {"biped": count, "biped.001": count}
     code, told = twins["unclear"]
     assert code == 1
-    assert "select the one that is meant, of 'biped', 'biped.001'" in told
+    assert "select the armature of one character, of 'biped', 'biped.001'" in told
     assert twins["removed"] == {"biped": count, "biped.001": 0}
     changed = found["changed"]
     assert changed["told"] == [0, ""]

@@ -43,7 +43,7 @@ def test_a_sidecar_replaces_nothing_unasked(samples: Path, tmp_path: Path) -> No
 def test_a_stream_has_no_file_beside_it(samples: Path) -> None:
     command = ["add-controls", str(samples / "biped.glb"), "-o", "-", "--whole-character", "--sidecar"]
     done = cli(*command, code=2)
-    assert "--sidecar needs a file" in done.output
+    assert "--sidecar needs the name of a file" in done.output
 
 
 @pytest.mark.ci

@@ -56,5 +56,5 @@ def test_vrm_takes_from_vrm_of_other_axes_and_version(
     assert apart(home, edited, clip.name) < 1e-5
     facing = [notice.text for notice in report.warnings if notice.code == "other-facing"]
     assert [text.partition(";")[0] for text in facing] == (
-        ["EDITED faces another way than RIG, by 180° about the up axis"] if back else []
+        ["EDITED faces another direction than RIG, by 180° about the up axis"] if back else []
     )

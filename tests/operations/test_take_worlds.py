@@ -73,7 +73,7 @@ def test_a_clip_that_would_play_otherwise_is_refused_whatever_rule_is_wrong(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(module._Taking, "_rest_of_joints", lambda self: None)
-    with pytest.raises(GeometryError, match=r"'idle' would not play as in EDITED: 'hips' is turned by \d+"):
+    with pytest.raises(GeometryError, match=r"'idle' would not play as in EDITED: 'hips' is off by \d+"):
         take_clips(lying_in_centimetres(), from_=one_of_two_clips_moves_what_carries_the_body())
 
 
@@ -163,7 +163,7 @@ def test_a_file_that_lies_at_rest_as_its_format_has_no_up_is_set_upright_with_a_
     edited = bare(replace(lying, **parts, clips=(without(rig.clip("walk"), hips),)))
     home = take_clips(replace(rig, clips=()), from_=edited, report=report)
     assert apart(home, replace(rig, clips=edited.clips), "walk") < CLOSE
-    assert any("EDITED does not stand up" in notice.text for notice in report.warnings)
+    assert any("EDITED has another up axis than its format" in notice.text for notice in report.warnings)
 
 
 def without(clip: Clip, node: int) -> Clip:
@@ -228,7 +228,7 @@ def test_a_file_that_lies_and_rests_in_a_frame_is_set_upright_as_its_clips_show(
     rig = replace(rig, parents=np.where(rig.parents == 0, -1, rig.parents))
     edited, report = laid_down(turned_key(rig, "forearm_L")), Report()
     home = take_clips(rig, from_=edited if skin else bare(edited), report=report)
-    assert any("EDITED does not stand up" in notice.text for notice in report.warnings)
+    assert any("EDITED has another up axis than its format" in notice.text for notice in report.warnings)
     assert apart(home, turned_key(rig, "forearm_L"), "walk") < CLOSE
 
 

@@ -402,11 +402,11 @@ def test_what_words_of_braces_have_in_common_is_reported_once(tmp_path: Path) ->
 def test_a_pattern_where_one_joint_is_required_is_reported_as_such(tmp_path: Path) -> None:
     text = "steps:\n- {do: add-polevector, limb: ['upper*_L', forearm_L, hand_L]}\n"
     (said,) = faults(write(tmp_path, text), SAMPLES / "biped.glb").values()
-    assert "'upper*_L'. One is meant here, so patterns are not taken." in said
+    assert "'upper*_L'. Give one name here, not a pattern." in said
     text = "steps:\n- {do: constrain, type: parent, child: 'hand_*', driver: 'foot_*', colour: 2}\n"
     text += "- {do: add-polevector, limb: ['thigh_*', shin_L, 'foot_?'], distance: -1}\n"
     found = list(faults(write(tmp_path, text), SAMPLES / "biped.glb").values())
-    assert [said.split("'")[1] for said in found if "One is meant" in said] == [
+    assert [said.split("'")[1] for said in found if "Give one name" in said] == [
         "hand_*", "foot_*", "thigh_*", "foot_?"
     ]  # fmt: skip
 

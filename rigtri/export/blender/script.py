@@ -125,7 +125,7 @@ def _refuse_uneven(rig: Rig) -> None:
         if uneven or determinant(world) < 0:
             what = "is scaled by another factor along each axis" if uneven else "is mirrored (negative scale)"
             raise GeometryError(
-                f"'{rig.title(node)}', which stands above joints, {what}; bones of Blender's cannot follow "
+                f"'{rig.title(node)}', a parent of joints, {what}; Blender's bones cannot follow "
                 "controls there. Apply its scale in the DCC, or give it one factor above 0 for all axes"
             )
 

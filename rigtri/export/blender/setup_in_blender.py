@@ -198,7 +198,9 @@ def find() -> tuple[list[Any], list[str]]:
         nodes.append(None)
         if found:
             names = ", ".join(repr(bone or thing.name) for thing, bone in found[:4])
-            text = f"{len(found)} could be meant by {about['title']!r}: {names}; select one character alone"
+            text = (
+                f"{len(found)} objects or bones match {about['title']!r}: {names}; select one character alone"
+            )
         else:
             text = f"no {kind} is {about['title']!r}{renamed(about)}"
         wrong.append(text)
@@ -979,7 +981,9 @@ def take_out() -> int:
     owner = character(nodes)
     if owner is None and made_for(None) != (every := [one for one in bpy.data.collections if MARK in one]):
         names = ", ".join(repr(one[CHARACTER].name) for one in every if one.get(CHARACTER))
-        raise SetupError(f"nothing is taken out: select the one that is meant, of {names}\n  {wrong[0]}")
+        raise SetupError(
+            f"nothing is removed: select the armature of one character, of {names}\n  {wrong[0]}"
+        )
     return remove(nodes, owner)
 
 

@@ -144,8 +144,8 @@ class _Writer:
         slow = [rig.title(node) for node, off in uneven.items() if off > EVEN]
         if slow:
             self.scene.lose(
-                f"even turns of {and_more(slow, 3)} between keys less than 0.51° apart: OpenUSD plays them "
-                f"up to {max(uneven.values()):.1e} rad ahead"
+                f"slow rotations of {and_more(slow, 3)}, less than 0.51° between keys: OpenUSD plays them "
+                f"up to {max(uneven.values()):.1e} rad off"
             )
         return paths
 

@@ -214,7 +214,7 @@ def _matrix(made: _Maker, parent: Floats | None) -> list[Step]:
         row("aim_X = norm AB", "frame(AB, AC)[0]", x, "X aims at B"),
         row("aim_Z = norm(aim_X × norm AC)", "frame(AB, AC)[2]", z, "Z is the normal of the plane"),
         row("aim_Y = aim_Z × aim_X", "frame(AB, AC)[1]", y, nearest),
-        row("A_pos", "a", made.a, "the fourth row: where it stands"),
+        row("A_pos", "a", made.a, "the fourth row: its position"),
         row("M", "from_frame(frame(AB, AC), A)", aimed, "[aim_X, aim_Y, aim_Z, A_pos]: A as it aims"),
         *([] if parent is None else [row("P.worldMatrix", "P", parent, "the parent of A")]),
         row("A.matrix = P.inverse() * M", "local(M, P) = M · P⁻¹", inside, above),
@@ -268,5 +268,5 @@ def _pole(made: _Maker) -> list[Step]:
         row("‖PB‖", "length(PB)", length(b - projection), "how far the limb is from straight"),
         row("PB.normal()", "bend_direction(A, B, C)", side, "where the limb bends to"),
         row("(‖AB‖ + ‖BC‖) * 0.5", "limb_length(A, B, C) * reach", reach, half),
-        row("B + PB.normal() * that", "pole_position(A, B, C)", pole, "where the pole vector stands"),
+        row("B + PB.normal() * that", "pole_position(A, B, C)", pole, "the position of the pole vector"),
     ]

@@ -76,7 +76,7 @@ def write_shapes(draft: CopyOnWrite, storage: Storage, rig: Rig, index: list[int
         if isinstance(mesh, int):
             if sum(node.get("mesh") == mesh for node in draft.gltf["nodes"]) > 1:
                 raise FileError(
-                    f"the mesh of '{rig.title(node)}' is drawn elsewhere too; give it one of its own"
+                    f"the mesh of '{rig.title(node)}' is also drawn by another node; give it its own mesh"
                 )
             draft.edit("meshes", mesh)["primitives"] = [primitive]
             continue

@@ -37,7 +37,7 @@ class CopyOnWrite:
             self._copies[id(empty)] = empty
         elif not isinstance(found := holder[path[-1]], type(empty)):
             where = ".".join(map(str, path))
-            raise FileError(f"{where} is to get an entry, and {found!r:.40} stands there: make it a list")
+            raise FileError(f"{where} needs an entry, but is {found!r:.40}: make it a list")
         return self._copied(holder, path[-1])
 
     def _copied(self, holder: Any, key: str | int) -> Any:

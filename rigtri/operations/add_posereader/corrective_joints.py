@@ -36,7 +36,8 @@ def joint_output(rig: Rig, target: str, name: str, changes: str, readers: Iterab
     node = rig.find(name, "node")
     if any(reader >= 0 and (reader == node or rig.is_below(reader, node)) for reader in readers):
         raise GeometryError(
-            f"'{rig.title(node)}' cannot be driven by a pose that moves with it; name a joint beside it"
+            f"'{rig.title(node)}' cannot be driven by a pose that moves with it; "
+            "name a joint that is not above the driver"
         )
     values = {channel: _STILL[channel[0]] for channel in CHANNELS["parent"]}
     for part in changes.lower().split(","):
@@ -101,7 +102,7 @@ def refuse_moving(rig: Rig, record: PoseReaderRecord, before: PoseReaderRecord |
             if track.path in own and not _at_rest(rig, track):
                 raise GeometryError(
                     f"'{rig.title(track.node)}' has keys of its own in clip '{clip.name}', which a pose "
-                    "reader would replace; drive a joint that stands still, below it or beside it"
+                    "reader would replace; drive a joint without keys, for example a child of it"
                 )
 
 

@@ -88,7 +88,7 @@ def _goals(
 
     def goal(target: TargetRecord) -> Goal:
         if target.node:
-            why = "a node that it looks for has no twin"
+            why = "the node of a target has no counterpart"
             return Goal(target.name, node=twin_address(rig, target.node, why))
         if target.rotation is not None:
             # What turns the driver from rest to the pose, in the world, mirrored as turns are.

@@ -13,7 +13,7 @@ class AddSocketOptions:
 
     name: Name = option(help="What it is called.", group="what")
     on: Node = option(help="The joint that it follows.")
-    at: Point = option((0.0, 0.0, 0.0), help="Where it stands, seen from the joint, in the file's units.")
+    at: Point = option((0.0, 0.0, 0.0), help="Its position relative to the joint, in the file's units.")
     aim: Direction | None = option(
         None, help="Where its x axis points, in the world. [it has the axes of the joint]"
     )

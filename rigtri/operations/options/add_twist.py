@@ -33,7 +33,7 @@ class AddTwistOptions(OneCharacter):
     limb: Limbs = option(
         (), help="Both bones of this limb, or with --upper or --lower one of them. Repeatable."
     )
-    limbs: Auto | None = option(None, help="Every limb that is known.", group="joints")
+    limbs: Auto | None = option(None, help="Every limb that is recognised.", group="joints")
     joint: Nodes = option((), metavar="JOINT", help="The bone from this joint … Repeatable.")
     to: Nodes = option((), metavar="CHILD", help="… to this one; one --to for each --joint.", group="joints")
     upper: bool = option(

@@ -150,7 +150,7 @@ class OrientJointsOptions(OneCharacter):
     world: bool = option(False, help="Make every frame parallel to the world.", group="what", rare=True)
     standard_pose: StandardPose | None = option(
         None,
-        help="Take a recognised body that stands so for a standard skeleton: joints aim where its bones do.",
+        help="Aim joints as the bones of a standard skeleton do, for a recognised body in this pose.",
         values={
             "tpose": "arms to the side",
             "apose": "arms 45° down",

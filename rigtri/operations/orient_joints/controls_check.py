@@ -47,9 +47,9 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
             most = max(uneven.values())
             names = [f"'{rig.title(k)}'" for k in sorted(uneven) if 2.0 * uneven[k] > most]
             raise GeometryError(
-                f"In clip '{was.name}' controls would move '{rig.title(joint)}' otherwise than now, by "
+                f"In clip '{was.name}' controls would move '{rig.title(joint)}' differently, by "
                 f"{far:.2g} of the size at {time:g}: the scale of {listed(names, 6)} is not quite uniform, "
-                "and IK that is straight or folded makes much of what other axes lose of it. Keep these axes "
+                "and a straight or folded IK limb amplifies what other axes lose of it. Keep these axes "
                 "with --exclude, or allow more with --tolerance; or bake --to joints and strip, "
                 "orient-joints, and build the controls again"
             )

@@ -87,8 +87,8 @@ _OF_BONES = "joints take the planes of their own bones, not those of a body. Nam
 _UNSURE = {
     "biped": _OF_BONES,
     "quadruped": _OF_BONES,
-    "hand": "its fingers close about one axis, to the side that their bends or the thumb tell. "
-    "Names as index_01_l make it sure",
+    "hand": "its fingers close about one axis, to the side that their bends or the thumb show. "
+    "Names such as index_01_l make it sure",
 }
 
 
@@ -194,7 +194,7 @@ def check(outcome: Outcome, report: Report) -> None:
     short = [rig.title(joint) for joint, aim in aimed.items() if aim.how == "descendant"]
     _check_sheared(rig, moves)
     if short:
-        text = "bones of length 0 aim at the next joint that lies elsewhere"
+        text = "bones of length 0 aim at the next joint at another position"
         report.warn("zero-length", f"{text}: {listed(short, 6)}")
     sources = {styles[joint].up_from for joint in targets.aims}
     for source in sorted(text for text in sources if text.startswith("noderot:")):
@@ -230,7 +230,7 @@ def _check_sheared(rig: Rig, moves: Booleans) -> None:
                 turned = rig.title(node if moves[node] else int(rig.parents[node]))
                 raise GeometryError(
                     f"'{rig.title(node)}' is sheared or flat at rest, and '{clip.name}' gives it no "
-                    f"{' and no '.join(missing)}, so how it stands then is undefined. Give it all three in "
+                    f"{' and no '.join(missing)}, so its pose there is undefined. Give it all three in "
                     f"the animation, or use --exclude '{turned}'."
                 )
 

@@ -31,7 +31,7 @@ def why_nothing_matches(rig: Rig, edited: Rig) -> str:
         )
     return (
         f"No node of EDITED has the name of one of RIG: there are {list_names(edited.names)} and "
-        f"{list_names(rig.names)}. Were they made of one another?"
+        f"{list_names(rig.names)}. Is one an export of the other?"
     )
 
 
@@ -48,8 +48,8 @@ def warn_differences(both: Counterparts, report: Report) -> None:
     if driven_places := [node for node in both.placed if both.of[node] in both.moving]:
         report.warn(
             "by-place",
-            f"{len(driven_places)} nodes that move have no names; as the files are built alike, they were "
-            "taken for those at the same place",
+            f"{len(driven_places)} animated nodes have no names; they were matched by their position "
+            "in the hierarchy, which is the same in both files",
         )
     moved = []
     for node, theirs in both.of.items():
@@ -59,7 +59,7 @@ def warn_differences(both: Counterparts, report: Report) -> None:
     if moved:
         report.warn(
             "other-parents",
-            f"{list_names(moved)} have other parents in EDITED; their motion was taken through the world",
+            f"{list_names(moved)} have other parents in EDITED; their motion was converted in world space",
         )
 
 
@@ -72,10 +72,10 @@ def warn_facing(both: Counterparts, report: Report) -> None:
         return
     degrees = np.degrees(angle_between(from_axes(turn), from_axes(straight)))
     stands = np.abs(transform_directions(up, from_frame(turn, np.zeros(3))) - ours).max() <= SAME_TURN
-    how, as_rig = "does not stand up", "stood as RIG does: its up is not that of its format"
+    how, as_rig = "has another up axis than its format", "up axis"
     if stands:
-        how, as_rig = f"faces another way than RIG, by {degrees:.0f}° about the up axis", "faced as RIG does"
-    report.warn("other-facing", f"EDITED {how}; its motion was taken as if it {as_rig}")
+        how, as_rig = f"faces another direction than RIG, by {degrees:.0f}° about the up axis", "facing"
+    report.warn("other-facing", f"EDITED {how}; its motion was rotated to RIG's {as_rig}")
 
 
 def warn_tracks(
@@ -92,8 +92,8 @@ def warn_tracks(
     if sampled:
         report.warn(
             "sampled",
-            f"In '{clip}' the motion of {list_names(sampled)} was sampled at EDITED's keys: "
-            "the nodes above them, or their axes, move or shear; between keys it may differ",
+            f"In '{clip}' the motion of {list_names(sampled)} was sampled at EDITED's keys, "
+            "because nodes above them, or their axes, move or shear; between keys it may differ",
         )
     if kept:
         report.warn(
@@ -104,8 +104,9 @@ def warn_tracks(
         far = max(size for _, size in splines)
         report.warn(
             "splines-kept",
-            f"In '{clip}' EDITED has at the spline keys of {list_names(n for n, _ in splines)} "
-            f"the values of RIG, and other curves between (up to {far:.2g}); RIG's splines were kept",
+            f"In '{clip}' EDITED has RIG's values at the spline keys of "
+            f"{list_names(n for n, _ in splines)}, and other curves between (up to {far:.2g}); "
+            "RIG's splines were kept",
         )
 
 
@@ -126,7 +127,7 @@ def warn_followers(start: Rig, rig: Rig, report: Report) -> None:
     ]
     if behind:
         names = list_names(rig.names[node] for node in sorted(behind))
-        text = f"The keys of {names} are those of the motion before: rigtri bake makes them again"
+        text = f"The keys of {names} still follow the old motion: update them with rigtri bake"
         report.warn("followers-behind", text)
 
 

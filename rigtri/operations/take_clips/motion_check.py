@@ -118,11 +118,11 @@ class MotionCheck:
         far = length(ours[..., 3, :3] - theirs[..., 3, :3]).min(axis=0) * unit / self.both.size
         bound = self._bounds(joint, self.times[frames])
         if (turned > bound).any():
-            found.append(_Off(joint, "rotation", f"'{title}' is turned by {turned.max():.3g}°"))
+            found.append(_Off(joint, "rotation", f"'{title}' is off by {turned.max():.3g}° in rotation"))
         elif float(grown.min(axis=0).max()) > _MOST_GROWN:
             found.append(_Off(joint, "scale", f"'{title}' has {1 + grown.max():.3g} times the size"))
         if float(far.max()) > OTHER_SHAPE + 2.0 * self.seen.tolerances.share + self._loose(joint, above):
-            found.append(_Off(joint, "translation", f"'{title}' is {far.max():.2g} of the rig's size beside"))
+            found.append(_Off(joint, "translation", f"'{title}' is off by {far.max():.2g} of the rig's size"))
         return found
 
     def _bounds(self, joint: int, times: Floats) -> Floats:
@@ -208,13 +208,13 @@ def refuse_other_motion(check: MotionCheck, reported: Collection[str], report: R
         many = f" and {len(wrong) - 4} more" if len(wrong) > 4 else ""
         raise GeometryError(
             f"'{name}' would not play as in EDITED: {', '.join(off.text for off in wrong[:4])}{many} "
-            f"(limits {MOST_OFF:g}°, {OTHER_SHAPE:g}). EDITED rests, or is built, in a way that take-clips "
+            f"(limits {MOST_OFF:g}°, {OTHER_SHAPE:g}). EDITED has a rest pose or a hierarchy that take-clips "
             f"cannot map: key every joint in '{name}' in the DCC, or --clip without it"
         )
     if held := [off.joint for off in unkeyed if check.rig.names[off.joint] not in reported]:
         names = list_names(check.rig.title(joint) for joint in held)
         report.warn(
             "held-without-keys",
-            f"EDITED has no keys of {names} in '{name}', and holds it otherwise than RIG, whose pose "
-            "was kept; key it in EDITED to have it taken",
+            f"EDITED has no keys of {names} in '{name}', but another pose than RIG, whose pose "
+            "was kept; key it in EDITED to transfer it",
         )

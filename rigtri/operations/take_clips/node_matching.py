@@ -86,9 +86,9 @@ def why_apart(rig: Rig, other: Rig) -> str:
     if alone:
         ours, theirs = rig.world[:, 3, :3], other.world[:, 3, :3]
     if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
-        return "not all of their places are numbers"
+        return "not all of their positions are finite"
     if fit_similarity(theirs, ours, about_origin=False).residual > OTHER_SHAPE:
-        return "the nodes lie elsewhere" if alone else "the bind poses differ"
+        return "the nodes have other positions" if alone else "the bind poses differ"
     return ""
 
 

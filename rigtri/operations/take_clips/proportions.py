@@ -246,8 +246,8 @@ def warn_lengths(bodies: Proportions, report: Report) -> None:
     if turned := bodies.other_directions:
         worst = max(turned, key=lambda node: turned[node])
         texts.append(
-            f"The bones of {_names(both, turned)} point elsewhere in EDITED, by up to {turned[worst]:.3g}° "
-            f"('{both.rig.title(worst)}'); RIG's were kept, so these are off by as much"
+            f"The bones of {_names(both, turned)} point in other directions in EDITED, by up to "
+            f"{turned[worst]:.3g}° ('{both.rig.title(worst)}'); RIG's were kept, so these are off by as much"
         )
     if not texts:
         return
@@ -255,7 +255,7 @@ def warn_lengths(bodies: Proportions, report: Report) -> None:
     if bodies.body != 1.0 and carriers:
         texts.append(
             f"Translations of {_names(both, carriers)} were scaled by {bodies.body:.3g}, as the legs are: "
-            "other limbs may reach elsewhere than in EDITED"
+            "other limbs may not reach the same points as in EDITED"
         )
     report.warn("other-proportions", ". ".join(texts))
 

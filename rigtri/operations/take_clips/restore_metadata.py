@@ -57,11 +57,10 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
         many = [described.names[node] for node in missing if described.names[node] in both.unclear]
         lost = list_names(described.names[node] for node in missing)
         raise GeometryError(
-            f"Several nodes of one name could be meant by {list_names(many)} of the file of --rig; "
-            "a name must be one node's"
+            f"Several nodes match {list_names(many)} of the file of --rig; give each node a name of its own"
             if many
             else f"Nothing that rigtri built in the file of --rig is in this file, none of {lost}: "
-            "has another program dropped it, or were they never made of one another?"
+            "another program has dropped it, or this file is not an export of that one"
         )
     if missing:
         _refuse_lost_keys(rig, both, found, [described.names[node] for node in missing])
@@ -74,9 +73,9 @@ def as_described(rig: Rig, described: Rig, *, report: Report) -> Rig:
     if bound:
         report.warn(
             "other-bind-poses",
-            f"Joints are bound otherwise than in the file of --rig ({list_names(bound)}): "
+            f"Joints have another bind pose than in the file of --rig ({list_names(bound)}): "
             "another character, "
-            "or axes that a DCC has turned. Controls keep the rest of this file, which may be what a frame "
+            "or axes that a DCC has changed. Controls keep the rest of this file, which may be what a frame "
             "of a clip shows. For a file that a DCC has exported: rigtri take-clips RIG --from IN",
             geometry=True,
         )

@@ -81,7 +81,7 @@ def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
         )
         raise GeometryError(
             f"EDITED's clips move nothing that RIG has: they move {names}, and RIG has {ours}. "
-            "Were the files made of one another?"
+            "Is one an export of the other?"
         )
 
 
@@ -94,7 +94,9 @@ def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Colle
     why = ""
     if turned:
         names = list_names(f"{rig.title(bone.joint)}: {bone.degrees:.3g}°" for bone in turned)
-        why = f"bones point elsewhere in the axes of their joints ({names}; limit {MOST_DEGREES:g}°)"
+        why = (
+            f"bones point in other directions in the axes of their joints ({names}; limit {MOST_DEGREES:g}°)"
+        )
     elif long:
         names = list_names(f"{rig.title(bone.joint)}: {bone.stretch:.3g}" for bone in long)
         why = f"its keys would make bones so many times longer or shorter ({names}; limit {MOST_STRETCH:g})"
@@ -102,8 +104,9 @@ def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Colle
         why = f"bind poses differ by {both.proportions:.2g} of the size (limit {MOST_APART:g})"
     if why:
         raise GeometryError(
-            f"EDITED has another skeleton than RIG, or other axes, which only skins of both show: {why}. "
-            "Its rotations would give another motion: retarget it in a DCC, or export it with its skin"
+            f"EDITED has another skeleton than RIG, or other axes, which only skins of both files show: "
+            f"{why}. Its rotations would give another motion: retarget it in a DCC, or "
+            "export it with its skin"
         )
 
 

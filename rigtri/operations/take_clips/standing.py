@@ -29,7 +29,7 @@ from rigtri.report import Report
 _LIES = 45.0
 # Of a clip: the mean of all joints at so many times says how the body stands.
 _LOOKS = 8
-_REMEDY = "where that is not meant, export EDITED with the up axis of its format (glTF: +Y up)"
+_REMEDY = "if that is not intended, export EDITED with the up axis of its format (glTF: +Y up)"
 
 
 def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Counterparts:
@@ -48,7 +48,7 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
     known = [taken for taken in moving if taken.home is not None] or moving
     names = list_names(taken.name for taken in lying)
     if any(taken not in lying for taken in known) or not _may_lie(both, known):
-        report.warn("lies", f"The body lies in {names} of EDITED, beside how it stands in RIG; {_REMEDY}")
+        report.warn("lies", f"In {names} of EDITED the body lies, compared with RIG; {_REMEDY}")
         return both
     for sign in (-1.0, 1.0):
         about_x = from_frame([[1.0, 0.0, 0.0], [0.0, 0.0, sign], [0.0, -sign, 0.0]], np.zeros(3))
@@ -57,8 +57,9 @@ def stood_up(both: Counterparts, every: Sequence[Taken], report: Report) -> Coun
         if not any(_lies(stood, taken) for taken in known):
             return stood
     raise GeometryError(
-        f"The body lies in {names} of EDITED, as the file seems to, and no turn by 90° about x "
-        "sets all of them upright as in RIG. Export EDITED with the up axis of its format (glTF: +Y up)"
+        f"The body lies in {names} of EDITED, and so does the whole file, but no rotation by 90° about x "
+        "sets all of these clips upright as in RIG. Export EDITED with the up axis of its format (glTF: "
+        "+Y up)"
     )
 
 

@@ -116,7 +116,7 @@ def _warn_unkeyed(rig: Rig, edited: Rig, of: Mapping[int, int], report: Report) 
     """Warn of controls that were posed without keys, which the script of export-blender lets move joints."""
     controls = {n: of[n] for n in rig.nodes_of("control") if n in of}
     if left := unkeyed(edited, controls, rig, rig, of):
-        text = f"No clip of EDITED has keys of {list_channels(rig, left)}, posed otherwise than in RIG"
+        text = f"No clip of EDITED has keys of {list_channels(rig, left)}, whose pose differs from RIG's"
         report.warn("held-without-keys", f"{text}: not taken; key them, or use rigtri bake --rig")
 
 
@@ -304,9 +304,9 @@ class _Taking:
         if float(length(off)) * unit > SHORT * self.both.size:
             above = self.rig.title(self.both.line(node)[2])
             raise GeometryError(
-                f"EDITED moves '{above}', but has no keys of where '{self.rig.title(node)}' is below it, "
-                "and holds it where none of RIG's keys does: with these it would be elsewhere than in "
-                f"EDITED. Key its location in EDITED, or --clip without '{self.taken.name}'"
+                f"EDITED moves '{above}', but has no location keys of its child '{self.rig.title(node)}', "
+                "which it holds where no key of RIG does: RIG's keys would move it away from where "
+                f"EDITED has it. Key its location in EDITED, or --clip without '{self.taken.name}'"
             )
 
     # --- morphs

@@ -45,9 +45,8 @@ def key_unkeyed_poses(rig: Rig, rested: Rig, described: Rig, of: Mapping[int, in
             tracks = [Track(node, path, "STEP", start, as_float32(value)) for node, path, value in fresh]
             done = put_tracks(done, timeline, tracks)
     if done is not rested:
-        text = (
-            f"No clip has keys of {list_channels(rested, fresh)}, posed otherwise than in the file of --rig"
-        )
+        names = list_channels(rested, fresh)
+        text = f"No clip has keys of {names}, whose pose differs from that in the file of --rig"
         report.warn("held-without-keys", f"{text}: held so in all clips")
     return done
 

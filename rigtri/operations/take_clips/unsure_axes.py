@@ -74,10 +74,10 @@ class AxesEvidence:
             names = list_names(f"{both.rig.title(n)}: {self.off[n]:.3g}°" for n in sorted(found))
             report.warn(
                 "unsure-axes",
-                "No skin of EDITED shows which axes some joints have. RIG's were assumed, though they are "
-                f"turned otherwise than where RIG rests or is bound, and in all keys ({names}). If these "
-                "are other axes and not a pose, they and the joints below are twisted: export EDITED with "
-                "its skin",
+                "No skin of EDITED shows which axes some joints have. RIG's were assumed, though their "
+                f"rotation differs from RIG's rest and bind pose at every key ({names}). If EDITED has "
+                "other axes there, and not another pose, these joints and their children are twisted: export "
+                "EDITED with its skin",
             )
 
 

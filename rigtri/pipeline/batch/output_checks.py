@@ -35,7 +35,7 @@ def check(
     away = [entry for entry in entries if is_elsewhere(entry)]
     if layers or relink:
         sources = [e.source for e in away]
-        _refuse(sources, "what is elsewhere cannot be referred to from there; copy", UsageError)
+        _refuse(sources, "an output cannot refer to files of a remote store; copy", UsageError)
     loose = [e.source for e in away if e.source.lower().endswith((".usd", ".usda", ".usdc"))]
     _refuse(loose, "of USD only .usdz is fetched, which holds all it needs", UsageError)
     _refuse([e.target for e in away if urls.is_web(e.target)], "nothing can be written there", UsageError)

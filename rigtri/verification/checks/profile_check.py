@@ -72,7 +72,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "error",
         "A bone that the engine's humanoid must have is not there.",
         "Unity, HumanTrait.RequiredBone; VRMC_vrm 1.0, humanoid.md",
-        "See what is known with rigtri recognise --joints; name joints with rigtri rename-joints.",
+        "See what is recognised with rigtri recognise --joints; name joints with rigtri rename-joints.",
     ),
     (
         "scale",
@@ -100,7 +100,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "warning",
         "A bone is not below the one that a humanoid has above it, so clips of others do not fit.",
         "VRMC_vrm 1.0, humanoid.md; Unity manual, Avatar Mapping; Godot, SkeletonProfileHumanoid",
-        "Parent it there in a DCC; rigtri recognise --joints shows what is known.",
+        "Parent it there in a DCC; rigtri recognise --joints shows what is recognised.",
     ),
     (
         "root",
@@ -157,7 +157,11 @@ def _found(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
         return
     bodies = recognise(rig).characters if engine.humanoid or engine.t_pose or engine.root else ()
     if engine.humanoid and not bodies:
-        yield "character", -1, f"{engine.title} makes a humanoid of a recognised body, and none is known here"
+        yield (
+            "character",
+            -1,
+            f"{engine.title} makes a humanoid of a recognised body, and none is recognised here",
+        )
     for body in bodies:
         if engine.humanoid:
             yield from _bones(body, engine)

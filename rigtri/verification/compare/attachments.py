@@ -91,9 +91,9 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, worlds: tuple[Float
         if now is None:
             yield f"{title} by {before.title(c.source)} is gone"
         elif not _axis_kept(c, now, axes):
-            yield f"the axis of {title} points elsewhere"
+            yield f"the axis of {title} points in another direction"
         elif not _turn_alike(before, c, m, axes):
-            yield f"{title} compares axes that have turned apart"
+            yield f"{title} compares axes that no longer correspond"
 
     was = {(c.kind, int(m.node[c.node]), int(m.node[c.source])) for c in before.node_constraints}
     for c in after.node_constraints:

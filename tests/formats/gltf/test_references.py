@@ -54,7 +54,7 @@ def test_what_is_no_list_gets_no_entry(materials: object, tmp_path: Path) -> Non
     builder.gltf["materials"] = materials
     source, target = builder.glb(tmp_path / "in.glb"), tmp_path / "out.glb"
     options = AddControlsOptions(joints=("*",))
-    with pytest.raises(FileError, match="materials is to get an entry"):
+    with pytest.raises(FileError, match="materials needs an entry"):
         edit(source, target, lambda rig, report: add_controls(rig, options=options, report=report))
     assert not target.exists()
 

@@ -87,7 +87,7 @@ def test_no_skeleton_is_built_beside_animations_that_would_no_longer_be_read(tmp
     points = [word for place in ("0,0,0", "1,0,0.1", "2,0,0") for word in ("--points", place)]
     refused = cli("make-limb", clips, "-o", tmp_path / "out.usda", *points, code=3)
     assert (
-        "only the animation </World/Anim>, whose joints would be lost beside the skeleton of"
+        "only the animation </World/Anim>, whose joints would be lost next to the skeleton of"
         in refused.stderr
     )
     run("make-limb", clips, "-o", tmp_path / "out.usda", *points, "--no-skin")

@@ -254,7 +254,7 @@ def test_a_store_that_keeps_no_hashes_works_too(batch: Batch, samples: Path, tmp
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        slow(("-O", "s3://studio/out", "--resources", "relink"), "cannot be referred to from there"),
+        slow(("-O", "s3://studio/out", "--resources", "relink"), "cannot refer to files of a remote store"),
         (("-O", "http://127.0.0.1/out"), "nothing can be written there"),
         slow(("-O", "memory://out"), "what is written there is gone when the batch ends"),
     ],

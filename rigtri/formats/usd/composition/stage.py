@@ -260,7 +260,7 @@ def _lacking(texts: list[str], folder: Path, *, allow_missing: bool) -> list[Not
         # What USD has no plugin for, such as an Alembic cache, is whole for all that is known here.
         if not allow_missing and Sdf.FileFormat.FindByExtension(name.strip("]").partition(":")[0]):
             raise FileError(
-                f"{folder / name}: USD cannot read this layer, which the file refers to: {why}. Mend or "
+                f"{folder / name}: USD cannot read this layer, which the file refers to: {why}. Repair or "
                 "export it again, or leave it out with --allow-missing"
             )
     texts = [f"USD cannot read {name}, which is left out: {why}" for name, why in sorted(unread)]

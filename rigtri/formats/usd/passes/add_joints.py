@@ -56,7 +56,7 @@ def _added(source: Source, rig: Rig) -> dict[str, list[int]]:
         animation, title = parts(libraries[0].key)[1], rig.title(int(skin.joints[0]))
         raise FileError(
             f"{source.path}: there is no skeleton in it, only the animation <{animation}>, whose joints "
-            f"would be lost beside the skeleton of '{title}'. Build that in the file of the character."
+            f"would be lost next to the skeleton of '{title}'. Build that in the file of the character."
         )
     for old, new in zip(source.rig.skins, rig.skins, strict=False):
         fresh = [joint for joint in new.joints.tolist() if rig.keys[joint] is None and joint not in above]

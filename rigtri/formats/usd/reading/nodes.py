@@ -66,8 +66,9 @@ class Nodes:
         if self.restless:
             more = f" and {len(self.restless) - 1} more" if len(self.restless) > 1 else ""
             text = (
-                f"Where '{self.restless[0]}'{more} stands at rest is not in the file (time samples without a "
-                "default value), and limbs are recognised by it; rigtri bake --rig names a file that has it"
+                f"The file has no rest position of '{self.restless[0]}'{more} (time samples without a "
+                "default value), and limbs are recognised by it; "
+                "give a file that has it with rigtri bake --rig"
             )
             self.warnings.append(Notice("rest-lost", text))
         up = UsdGeom.GetStageUpAxis(self.stage)

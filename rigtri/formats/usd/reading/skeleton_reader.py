@@ -98,7 +98,7 @@ def read_skeleton(
             _check_covered(path, tokens, animation)
         shift = _shift(bound())
         warnings.append(
-            Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose stands in for them.")
+            Notice("no-rest", f"Skeleton <{path}> has no restTransforms; its bind pose is used instead.")
         )
     return Skeleton(
         path=path,
@@ -224,7 +224,7 @@ def _check_covered(path: str, tokens: Sequence[str], animation: Any) -> None:
     if missing:
         raise FileError(
             f"Skeleton <{path}> has no restTransforms and its animation <{animation.GetPath()}> drives "
-            f"no joint '{missing[0]}', so where that joint stands is undefined. Add restTransforms."
+            f"no joint '{missing[0]}', so the position of that joint is undefined. Add restTransforms."
         )
 
 

@@ -28,8 +28,8 @@ class _Head(BaseModel):
     name: str | None = Field(None, description="What the spec is called in reports.")
     extends: Annotated[tuple[File, ...], OneOrMany(lambda value: isinstance(value, str))] = Field(
         (),
-        description="Specs whose options, variables and defaults hold here too, and whose steps are done "
-        "where this spec has none. What stands here wins; of several, the later.",
+        description="Specs whose options, variables and defaults apply here too, and whose steps are used "
+        "where this spec has none. Values of this file have precedence; of several specs, the later.",
     )
     variables: dict[VariableName, Scalar] = Field(
         {}, description="Values that ${NAME} stands for in the steps; --set NAME=VALUE gives others."
