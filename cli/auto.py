@@ -1,8 +1,8 @@
 """rigtri auto
 
 The rig has new axes, twist joints, controls, IK ends and pole vectors. The spec of the build is written
-beside OUT, for `rigtri build` with the next character of the same kind. An uncertain limb is not guessed:
-then nothing is built, and the spec has null where you name its joints.
+beside OUT, for `rigtri build` with the next character of the same kind. If a limb is
+uncertain, nothing is built, and the spec has null where you name its joints.
 
 \b
 Examples:

@@ -77,5 +77,5 @@ def _beside(report: Report) -> list[str]:
 
 
 command = extend_help(
-    "tolerance", "Also the largest error of removed keys, all together, as a share of the rig's size."
+    "tolerance", "Also the largest error of all removed keys together, as a share of the rig's size."
 )(edit_command("bake", BakeOptions, summary, __doc__))

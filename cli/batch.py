@@ -76,7 +76,7 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
     "--job",
     metavar="FILE.jsonl",
     type=FilePath(),
-    help="Inputs with outputs and variables of their own.",
+    help="List of inputs, each with its own output and variables.",
     group="what",
 )
 @option(

@@ -38,7 +38,7 @@ from .terminal_text import counted, plain
     type=Tolerance(),
     default=0.1,
     show_default=True,
-    help="Degrees that axes of one skeleton may differ by.",
+    help="Largest difference between axes of one skeleton, in degrees.",
 )
 @json_option
 def command(manifests: tuple[str, ...], most: int, within: float, as_json: bool) -> None:

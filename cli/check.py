@@ -66,7 +66,7 @@ _PAINTS = (
 @option(
     "--profile",
     type=click.Choice(get_args(Profile)),
-    help="Also look for what an engine asks of a character, by its own documents.",
+    help="Also check what this engine's documentation asks of a character.",
     group="what",
 )
 @option("--strict", is_flag=True, help="Treat warnings as errors.", group="safety")

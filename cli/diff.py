@@ -55,7 +55,7 @@ _PAINTS = (
     type=Tolerance(),
     default=0.0,
     show_default=True,
-    help="Numbers that differ by no more are equal; 0 compares every bit and spelling.",
+    help="Numbers that differ by at most this are equal; 0 compares every bit and spelling.",
     group="how",
 )
 @option(

@@ -118,8 +118,8 @@ _MORE = [
         ["--check"],
         is_flag=True,
         group="what",
-        help="Write nothing: report what is not symmetric (exit code 1 where there is any). "
-        "Without --mode, by the convention that most pairs keep.",
+        help="Write nothing: list what is not symmetric, and end with exit code 1 if anything is. Without "
+        "--mode, axes are compared by the convention of most pairs.",
     ),
     Option(
         ["--tolerance-distance"],

@@ -1,8 +1,8 @@
 """rigtri pose
 
 Each node, including controls and locators, is shown with its translation, rotation (x y z w) and scale
-relative to its parent, and its world position; with --matrices, with its matrices. With -o, bind poses
-and clips do not change: meshes show the pose where no clip plays.
+relative to its parent, and its world position; --matrices prints its matrices instead. With -o, bind
+poses and clips do not change: meshes show the pose where no clip plays.
 
 \b
 Examples:
@@ -41,7 +41,7 @@ from .terminal_text import plain
 )
 @declared_options(PoseOptions)
 @matrix_options
-@option("--joints", multiple=True, metavar="GLOB", group="joints", help="Print these alone. Repeatable.")
+@option("--joints", multiple=True, metavar="GLOB", group="joints", help="Print only these nodes. Repeatable.")
 @reading_options
 @edit_options
 @output_options

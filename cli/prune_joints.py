@@ -1,8 +1,8 @@
 """rigtri prune-joints
 
 A joint is removed when no vertex has weight on it or on a joint below it, and no mesh, camera or light is
-a child of it. Joints that the format, a constraint or rigtri's metadata name stay, and so do bones of a
-VRM humanoid and springs. Sockets stay unless --sockets is given.
+a child of it. Joints stay where the format, a constraint or rigtri's metadata refers to them, and so do
+bones of a VRM humanoid and springs. Sockets stay unless --sockets is given.
 
 \b
 Examples:

@@ -1,8 +1,8 @@
 """rigtri root-motion
 
-With --mode extract the root moves and nothing else looks different in any clip: hips, and everything else
-below the root, get new keys. With --mode remove the character stays in place. There must be a root above
-the hips; rigtri add-root adds one.
+With --mode extract the root gets the motion, and the hips and all else below the root get new keys, so
+that every clip looks as before. With --mode remove the character stays in place. There must be a root
+above the hips; rigtri add-root adds one.
 
 \b
 Examples:

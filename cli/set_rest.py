@@ -1,8 +1,8 @@
 """rigtri set-rest
 
-A clip without keys for a joint showed its rest pose, so the joint gets a key there. Bind poses do not
-change: meshes show the new rest pose where no clip plays. T-pose and A-pose rotate the arms, hands and
-legs of recognised bodies from their bind pose: palms down, feet ahead.
+Where a clip has no keys for a joint it showed the old rest pose, so the joint gets a key there. Bind
+poses do not change: meshes show the new rest pose where no clip plays. T-pose and A-pose rotate the arms,
+hands and legs of recognised bodies from their bind pose: palms down, feet ahead.
 
 \b
 Examples:

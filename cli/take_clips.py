@@ -32,7 +32,7 @@ from .terminal_text import grown
 
 @extend_help(
     "tolerance",
-    "Also the largest difference that counts as unchanged, and error of removed keys, of the rig's size.",
+    "Also the largest difference that counts as unchanged, and the largest error of removed keys.",
 )
 @click.command("take-clips", cls=Command, help=__doc__)
 @click.argument("source", metavar="RIG", type=FilePath(allow_dash=True))

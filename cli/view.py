@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     "--against",
     metavar="BEFORE",
     type=FilePath(allow_dash=True),
-    help="The file before: the page shows either, or both, and the distance of their vertices.",
+    help="The file before the edit: the page shows either or both, and how far their vertices are apart.",
     group="what",
 )
 @option("--clip", metavar="CLIP", help="Start with this clip, playing. [the rest pose]", group="what")
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
     default=100.0,
     show_default=True,
     metavar="MB",
-    help="Refuse files that are larger than this, all together.",
+    help="Refuse files that are larger than this together.",
     group="safety",
     rare=True,
 )

@@ -45,24 +45,29 @@ class FileOptions:
     )
     allow_missing: bool = option(
         False,
-        help="USD: leave out damaged layers. Missing ones always are left out, with a warning.",
+        help="USD: leave out damaged layers, as missing ones always are, with a warning.",
         group="safety",
         rare=True,
     )
     unknown_node_ext: UnknownExtension = option(
         "freeze",
-        help="What to do with a glTF node whose extension may hold directions in the node's axes.",
+        help="What to do with a glTF node that has an unknown extension, which may hold directions in its "
+        "axes.",
         values={"freeze": "it stays as it is", "ignore": "it is re-oriented", "error": "nothing is written"},
         rare=True,
     )
     bake_xform: bool = option(
         False,
-        help="USD plain hierarchies: rewrite to translate, orient, scale instead of adding two ops.",
+        help="USD without a skeleton: write each transform as translate, orient and scale instead of "
+        "adding two ops.",
         group="output",
         rare=True,
     )
     allow_rename: bool = option(
-        False, help="USD: allow a split to rename joints, whose names are paths.", group="safety", rare=True
+        False,
+        help="USD: let --on-nonuniform-scale split rename joints, because their names are paths.",
+        group="safety",
+        rare=True,
     )
     edit_target: str = option(
         "root",
@@ -79,8 +84,8 @@ class FileOptions:
     )
     resources: Resources = option(
         "copy",
-        help="For a .gltf that is written to another folder: copy its files, or link to them (what then lies "
-        "outside its folder is read only with --allow-external-paths).",
+        help="Copy the files of a .gltf to its new folder, or link to them where they are. Links out of "
+        "the folder are read only with --allow-external-paths.",
         group="output",
         rare=True,
     )
@@ -113,8 +118,8 @@ class EditOptions(RunOptions, FileOptions):
 
     sidecar: bool = option(
         False,
-        help="Also write rigtri's metadata of the output to a file beside it, the output's name with "
-        ".rig.json, for engines and exporters that drop extras.",
+        help="Also write rigtri's metadata to NAME.rig.json beside the output, for engines and exporters "
+        "that drop extras.",
         group="output",
         rare=True,
     )

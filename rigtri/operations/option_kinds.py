@@ -148,11 +148,11 @@ SoftIk = Annotated[
         low=0,
         high=1,
         high_open=True,
-        help="Soft IK: how far before it is straight a limb slows down, as a share of its length. "
-        "[as stored, or 0]",
+        help="Soft IK: a limb slows down before it is straight, from this share of its length on. [as "
+        "stored, or 0]",
     ),
 ]
-Stretch = Annotated[bool, Kind("switch", help="IK limbs grow to reach their target. [as stored, or not]")]
+Stretch = Annotated[bool, Kind("switch", help="Let IK limbs grow to reach their target. [as stored, or not]")]
 Direction = Annotated[Vector, Kind("direction", "AXIS|X,Y,Z", parse=direction)]
 Facing = Annotated[
     Vector,
@@ -167,9 +167,9 @@ OnNonuniformScale = Annotated[
     NonuniformScale,
     Kind(
         "choice",
-        help="What to do with a joint whose scale would shear.",
+        help="What to do with a joint whose scale would become shear in its new axes.",
         values=(
-            ("snap", "gets the nearest axes that are exact"),
+            ("snap", "gets the nearest axes without shear"),
             ("skip", "stays as it is"),
             ("split", "a new parent node holds its axes (USD: with --allow-rename)"),
             ("error", "nothing is written"),
@@ -214,6 +214,6 @@ class OneCharacter:
 
     character: Node | None = option(
         None,
-        help="Only the character at or below this node, where the file has several; names mean its joints.",
+        help="Of several characters, only the one at or below this node; names of joints mean its own.",
         rare=True,
     )

@@ -154,11 +154,13 @@ class AddControlsOptions(OneCharacter):
     )
     foot_roll: bool | None = option(
         None,
-        help="Pivots at heel, toe tip and ball of each foot, below its IK control. [as stored, or not]",
+        help="Add pivots at heel, toe tip and ball of each foot, below its IK control. [as stored, or not]",
         group="what",
     )
     size: Above | None = option(
-        None, help="Multiplies the shapes' sizes, which follow the bones' lengths. [1]", group="what"
+        None,
+        help="Factor for the size of the shapes, which follows the length of the bones. [1]",
+        group="what",
     )
     color: Annotated[Mapping[str, Vector], Kind("assignments", "SIDE=COLOR", read=_colors)] = option(
         {},
@@ -175,7 +177,8 @@ class AddControlsOptions(OneCharacter):
     reach: Above = option(0.5, help="Distance of pole vectors as a multiple of the limb's length.", rare=True)
     as_: EndKind | None = option(
         None,
-        help="IK ends and pole vectors: nodes, or joints of the skin, which engines import. [locator]",
+        help="Make IK ends and pole vectors plain nodes, or joints of the skin, which engines import. "
+        "[locator]",
         group="what",
         rare=True,
     )

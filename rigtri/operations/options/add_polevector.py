@@ -28,7 +28,8 @@ class PlacementOptions(OneCharacter):
 
     method: PoleMethod = option(
         "perpendicular",
-        help="How the mid joint is projected onto the root-to-end line; the direction starts there.",
+        help="How the mid joint is projected onto the line from root to end, where the pole vector's "
+        "direction starts.",
         values={
             "perpendicular": "nearest to the mid joint, as in the talk 'Rigging with Triangles'",
             "ratio": "by the lengths of both bones, as in 'Using Vector Math to Rig an Arm'",
@@ -37,7 +38,7 @@ class PlacementOptions(OneCharacter):
     )
     from_: PoleOrigin = option(
         "middle",
-        help="Where the distance is measured from.",
+        help="The point from which the pole vector's distance is measured.",
         values={
             "middle": "the mid joint, as in the talk",
             "root": "the root joint, as in the article",
@@ -45,12 +46,18 @@ class PlacementOptions(OneCharacter):
         },
         rare=True,
     )
-    reach: Above = option(0.5, help="Distance as a multiple of the limb's length.", excludes=["distance"])
-    distance: Above | None = option(None, help="Distance in world units of the file.")
-    reach_of: ReachOf = option("limb", help="What --reach multiplies: both bones, or root to end.", rare=True)
+    reach: Above = option(
+        0.5, help="Distance of the pole vector, as a multiple of the limb's length.", excludes=["distance"]
+    )
+    distance: Above | None = option(None, help="Distance of the pole vector, in the file's units.")
+    reach_of: ReachOf = option(
+        "limb",
+        help="What --reach multiplies: the length of both bones, or the distance from root to end.",
+        rare=True,
+    )
     orientation: Literal["world", "limb", "aim"] = option(
         "world",
-        help="The locator's axes.",
+        help="Axes of the pole vector's locator.",
         values={
             "world": "the world's",
             "limb": "those of the limb's root joint, as in the article",
@@ -75,7 +82,9 @@ class AddPolevectorOptions(PlacementOptions):
 
     limb: Limbs = option((), help="The three joints of a limb, e.g. shoulder elbow wrist. Repeatable.")
     chain: Chains = option(
-        (), help="A limb of more joints; it bends at the one farthest from the root-to-end line. Repeatable."
+        (),
+        help="A limb of more than three joints, which bends at the one farthest from the line from START "
+        "to END. Repeatable.",
     )
     bend_joint: Node | None = option(
         None, metavar="NAME", help="With one --chain: the joint at which it bends.", rare=True
@@ -83,7 +92,9 @@ class AddPolevectorOptions(PlacementOptions):
     limbs: Auto | None = option(
         None, help="Find arms and legs automatically, as rigtri recognise shows them.", group="joints"
     )
-    bend: Bends = option({}, help="Bend direction of that joint's limb; required if it is straight.")
+    bend: Bends = option(
+        {}, help="Direction in which the limb with this joint bends; required if it is straight."
+    )
     facing: Facing | None = option(None)
     name: str | None = option(None, help="Name of the locator. [MIDDLE_pole]", group="what")
     as_: EndKind | None = option(

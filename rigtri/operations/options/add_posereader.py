@@ -69,21 +69,24 @@ class AddPosereaderOptions(OneCharacter):
         },
         group="how",
     )
-    signed: bool = option(False, help="dot: negative weights, down to −1, where the axis points away.")
-    inner: Number = option(0.0, help="Cone: 1 up to here (degrees).")
-    outer: Number = option(90.0, help="Cone: 0 from here (degrees).")
+    signed: bool = option(False, help="dot: allow negative weights, down to −1, where the axis points away.")
+    inner: Number = option(0.0, help="cone: the weight is 1 up to this angle, in degrees.")
+    outer: Number = option(90.0, help="cone: the weight is 0 from this angle on, in degrees.")
     kernel: Kernel = option("linear", help="rbf: how a pose fades out.")
-    mode: ReaderMode = option("swing", help="rbf: which part of the rotation counts, about --axis.")
+    mode: ReaderMode = option(
+        "swing",
+        help="rbf: which part of the rotation counts: the swing of --axis, the twist about it, or both.",
+    )
     morph: Morphs = option(
         (), help="Let a target drive this morph target (name or number) of a mesh. Repeatable.", group="what"
     )
     attribute: Attributes = option(
-        (), help="Let a target drive a value called NAME of a control. Repeatable.", group="what"
+        (), help="Let a target drive the attribute NAME of a control. Repeatable.", group="what"
     )
     joint: Changes = option(
         (),
-        help="Let a target drive a corrective joint from rest: changes at weight 1 as tx=0.02,rz=15,sx=1.1, "
-        "degrees about its own axes. Repeatable.",
+        help="Let a target drive a corrective joint. CHANGES are those from rest at weight 1, such as "
+        "tx=0.02,rz=15,sx=1.1, in its own axes and degrees. Repeatable.",
         group="what",
     )
     name: str = option(

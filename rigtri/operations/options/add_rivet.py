@@ -24,8 +24,8 @@ class AddRivetOptions(OneCharacter):
     )
     triangle: Integers = option(
         (),
-        help="A rivet on this triangle, counted from 0 through the primitives of the node; a polygon of s "
-        "corners is s-2 triangles, a fan from its first corner. Repeatable.",
+        help="A rivet on this triangle, counted from 0 through all primitives of the node. A polygon "
+        "counts as a fan of triangles from its first corner. Repeatable.",
         group="what",
     )
     barycentric: Points = option(

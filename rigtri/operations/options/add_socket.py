@@ -11,10 +11,10 @@ from rigtri.operations.option_kinds import Direction, Name, Node, Point
 class AddSocketOptions:
     """Options of add-socket."""
 
-    name: Name = option(help="What it is called.", group="what")
-    on: Node = option(help="The joint that it follows.")
+    name: Name = option(help="Name of the socket.", group="what")
+    on: Node = option(help="The joint that the socket follows.")
     at: Point = option((0.0, 0.0, 0.0), help="Its position relative to the joint, in the file's units.")
     aim: Direction | None = option(
-        None, help="Where its x axis points, in the world. [it has the axes of the joint]"
+        None, help="Direction of its x axis, in the world. [it has the axes of the joint]"
     )
-    up: Direction | None = option(None, help="Where its y axis points, as far as x allows. [the file's up]")
+    up: Direction | None = option(None, help="Direction of its y axis, as far as x allows. [the file's up]")

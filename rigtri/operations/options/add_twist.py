@@ -34,25 +34,32 @@ class AddTwistOptions(OneCharacter):
         (), help="Both bones of this limb, or with --upper or --lower one of them. Repeatable."
     )
     limbs: Auto | None = option(None, help="Every limb that is recognised.", group="joints")
-    joint: Nodes = option((), metavar="JOINT", help="The bone from this joint … Repeatable.")
-    to: Nodes = option((), metavar="CHILD", help="… to this one; one --to for each --joint.", group="joints")
+    joint: Nodes = option(
+        (), metavar="JOINT", help="Start of a bone that gets twist joints. Repeatable, each with its --to."
+    )
+    to: Nodes = option(
+        (),
+        metavar="CHILD",
+        help="End of that bone, a joint below it; one --to for each --joint.",
+        group="joints",
+    )
     upper: bool = option(
-        False, help="Upper bones: the joint's own twist is taken away towards its root.", group="joints"
+        False, help="Upper bones: remove the joint's own twist towards its root.", group="joints"
     )
     lower: bool = option(
-        False, help="Lower bones: the twist of the bone's end is spread up the bone.", group="joints"
+        False, help="Lower bones: spread the twist of the bone's end up the bone.", group="joints"
     )
     count: Annotated[int, Kind("number", low=1, high=MOST)] = option(
-        2, help="Twist joints for a bone, at equal distances.", group="what"
+        2, help="Number of twist joints on a bone, at equal distances.", group="what"
     )
     weights: Annotated[tuple[float, ...], Kind("joined", "W1,W2,…", read=_weights)] = option(
         (),
-        help="The share of the driver's twist that each rotates by, -1 to 1. "
-        "[i/(n+1) on lower, i/(n+1) - 1 on upper bones]",
+        help="Share of the twist that each twist joint takes, from -1 to 1. [i/(n+1) on lower, i/(n+1) - 1"
+        " on upper bones]",
         group="what",
     )
     axis: Direction | None = option(
-        None, help="The twist axis in the space of the bone's joint. [the bone]", rare=True
+        None, help="The twist axis in the space of the bone's joint. [along the bone]", rare=True
     )
     split_weights: bool = option(
         False,
@@ -61,11 +68,10 @@ class AddTwistOptions(OneCharacter):
     max_influences: Annotated[int, Kind("number", low=0)] = option(
         0,
         metavar="N",
-        help="With --split-weights: a vertex that would get more than N joints gets only the nearest. "
-        "0 is any number.",
+        help="With --split-weights: at most N joints for a vertex, those nearest to it; 0 for any number.",
         rare=True,
     )
-    keys: bool = option(True, help="Let the joints follow in every clip.")
+    keys: bool = option(True, help="Write keys to every clip, so that the twist joints follow.")
     name: str = option(
         NAME, help="Names of the twist joints, with the tokens {joint} and {number}.", group="what"
     )

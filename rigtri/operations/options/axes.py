@@ -8,7 +8,7 @@ from rigtri.model.options import option
 from rigtri.operations.axis_presets import PRESETS, WORDS
 
 # The option of the plane that axes are mirrored about.
-BETWEEN_SIDES = "The mirror plane, in the space of the joints.  [between most pairs]"
+BETWEEN_SIDES = "The plane between the two sides, in the space of the joints. [the one between most pairs]"
 # What mirrored axes are, by the word that says it.
 MIRRORED = {
     "behavior": "equal rotations mirror the motion, as in Maya and Unreal",
@@ -49,8 +49,8 @@ def up_from() -> Any:
             "vector:x,y,z": "a direction of the world",
             "node:NAME": "towards the position of a node",
             "noderot:y:NAME": "an axis of a node",
-            "parent": "up of the joint above",
-            "child": "up of the chain child",
-            "keep": "today's up axis of the joint, made perpendicular to the bone",
+            "parent": "the up axis of the joint above",
+            "child": "the up axis of the child that continues the chain",
+            "keep": "the joint's present up axis, made perpendicular to the bone",
         },
     )

@@ -37,8 +37,8 @@ class BakeOptions(OneCharacter):
     )
     rig_: RigFile = option(
         None,
-        help="Read rigtri's metadata from this file, by name: exporters drop it from IN. To keep the "
-        "keys between IN's frames, too, use take-clips first.",
+        help="Read rigtri's metadata from this file, by name, where an exporter has dropped it from IN. To"
+        " keep keys between IN's frames as well, run take-clips first.",
         group="what",
         rare=True,
     )
@@ -50,7 +50,7 @@ class BakeOptions(OneCharacter):
     )
     clip: Clips = option(())
     fps: Above | None = option(
-        None, help="Samples per second besides the keys, and no others. [as many as --between needs]"
+        None, help="Add this many samples per second to those at keys. [as many as --between needs]"
     )
     between: Tolerance = option(
         BETWEEN, help="Largest error between samples, as a share of the rig's size.", group="how"

@@ -77,16 +77,18 @@ class ConstrainOptions(OneCharacter):
         },
         group="what",
     )
-    child: Node | None = option(None, help="The node that follows; of polevector any joint of the limb.")
+    child: Node | None = option(None, help="The node that follows; for polevector any joint of the limb.")
     driver: Drivers = option((), help="A node that it follows. Repeatable; the ratio of the weights counts.")
     space: Spaces = option(
         (),
-        help="A space between which clips can switch the child, or the offset of a control: world, root "
-        "(the root control) or a node. Repeatable; the first counts at rest.",
+        help="A space that the child, or the offset of a control, can follow: world, root (the root "
+        "control) or a node. Repeatable; clips switch between them, and the first counts at rest.",
         excludes=["driver"],
     )
     switch: Switches = option(
-        (), help="From that time of a clip on (seconds, USD: time codes) only that driver or space counts."
+        (),
+        help="From this moment of a clip on (seconds, USD: time codes), only this driver or space counts. "
+        "Repeatable.",
     )
     weight_keys: JsonFile = option(
         None,
@@ -97,14 +99,14 @@ class ConstrainOptions(OneCharacter):
     )
     weight_from: Switches = option(
         (),
-        help="In each clip the weight of a driver is what that channel of a node is (tx … sz); the "
-        "first driver without one gets what is left of 1.",
+        help="Take the weight of a driver from a channel of a node (tx … sz) in every clip. The first "
+        "driver without a channel gets the rest of 1.",
         metavar="DRIVER=NODE.CHANNEL",
         rare=True,
     )
     match: bool = option(
         False,
-        help="The child does not jump where a driver takes over in a clip: it follows from where it is.",
+        help="Where a driver takes over in a clip, let the child follow it from where it is, without a jump.",
         group="how",
     )
     skip: Channels = option(
@@ -115,7 +117,7 @@ class ConstrainOptions(OneCharacter):
         help="Maintain the offset between each driver and the child, or take over the driver's transform.",
     )
     rotate_order: RotateOrder = option(
-        "xyz", help="Order of the angles that --skip and the report mean by rx, ry, rz.", rare=True
+        "xyz", help="Euler order of rx, ry and rz in --skip and in the report.", rare=True
     )
     joint_orient: JointOrient = option(
         "rest",
@@ -124,15 +126,15 @@ class ConstrainOptions(OneCharacter):
     )
     driver_space: Literal["world", "local"] = option(
         "world",
-        help="orient: what is followed.",
+        help="orient: which rotation of the driver the child follows.",
         values={
-            "world": "the axes in the world",
-            "local": "the driver's rotation from rest, in its own axes",
+            "world": "its axes in the world",
+            "local": "its rotation from rest, in its own axes",
         },
         rare=True,
     )
     roll_axis: CoordinateAxis | None = option(
-        None, help="orient: only the roll about this axis of the child.", rare=True
+        None, help="orient: follow only the roll about this axis of the child.", rare=True
     )
     aim_axis: Direction = option(
         (1.0, 0.0, 0.0), help="aim: the axis of the child that points at the driver.", rare=True
@@ -151,12 +153,20 @@ class ConstrainOptions(OneCharacter):
         },
         rare=True,
     )
-    up_vector: Direction | None = option(None, help="That direction or axis. [the file's up]", rare=True)
-    up_object: Node | None = option(None, help="That node.", rare=True, group="how")
-    limb: LimbNames | None = option(None, help="polevector: the limb whose bend follows.")
+    up_vector: Direction | None = option(
+        None,
+        help="With --world-up vector: the direction of the world; with objectrotation: the axis of the "
+        "node. [the file's up]",
+        rare=True,
+    )
+    up_object: Node | None = option(
+        None, help="With --world-up object or objectrotation: the node.", rare=True, group="how"
+    )
+    limb: LimbNames | None = option(None, help="polevector: the limb that bends towards the driver.")
     vrm_constraints: bool = option(
         False,
-        help="Also write VRMC_node_constraint where it means the same (glTF); viewers then move the child.",
+        help="glTF: also write a VRMC_node_constraint where it means the same, so that VRM viewers move "
+        "the child.",
         group="output",
         rare=True,
     )

@@ -55,7 +55,9 @@ class DrawOptions:
     names: bool = option(True, help="Write the joints' names.")
     axes: Share = option(0.35, help="Length of the axes' arrows as a share of the bone; 0 for none.")
     mesh: bool = option(True, help="Draw the outline of the meshes.")
-    size: Size | None = option(None, help="In pixels. [1000x900; two: 1500x900]")
+    size: Size | None = option(
+        None, help="Size of the picture in pixels. [1000x900, with --against 1500x900]"
+    )
 
     @property
     def selection(self) -> Selection:

@@ -13,28 +13,26 @@ class FreezeOptions:
 
     scale: bool = option(
         False,
-        help="Freeze scale: that of joints, sockets and all above them becomes 1 in the world.",
+        help="Freeze scale: joints, sockets and all above them get scale 1 in the world.",
         group="what",
     )
     up_axis: UpAxis | None = option(
         None,
-        help="Freeze the rotation of what is above joints; the file's up axis becomes this (glTF: y alone).",
+        help="Freeze the rotation above joints; this becomes the file's up axis (glTF: only y).",
         group="what",
     )
     unit: Above | None = option(
         None,
         metavar="METRES",
-        help="The length of the file's unit, in metres; all lengths become numbers of it (glTF has 1 alone).",
+        help="Make this the file's unit, in metres, and convert all lengths (glTF: only 1).",
         group="what",
     )
     above: bool = option(
         False,
         excludes=["joints"],
-        help="Freeze only the scale that nodes above joints have, not what joints have of their own.",
+        help="Freeze only the scale of nodes above joints.",
     )
-    joints: bool = option(
-        False, help="Freeze only the scale that joints have of their own, not what is above them."
-    )
+    joints: bool = option(False, help="Freeze only the joints' own scale.")
 
     @property
     def scales(self) -> bool:

@@ -15,6 +15,6 @@ class LimitWeightsOptions:
     """Options of limit-weights."""
 
     max_influences: Influences = option(
-        4, help="Joints per vertex; those with the largest weights stay.", group="what"
+        4, help="Most joints for one vertex; those with the largest weights stay.", group="what"
     )
     normalise: bool = option(False, help="Also make the weights of every vertex sum to 1.", group="what")

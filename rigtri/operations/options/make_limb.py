@@ -56,7 +56,10 @@ class MakeLimbOptions(PlacementOptions):
     """
 
     locators: Nodes = option(
-        (), metavar="A B C", help="Nodes at the positions of the joints; a pattern means all, by name."
+        (),
+        metavar="A B C",
+        help="Nodes where the joints are to be; a pattern means all that match, in the order of their "
+        "numbers.",
     )
     points: Annotated[tuple[Point, ...], Kind("points", "X,Y,Z X,Y,Z X,Y,Z")] = option(
         (), help="Positions in the world; without IN they make a new file."
@@ -64,7 +67,7 @@ class MakeLimbOptions(PlacementOptions):
     guides: JsonFile = option(
         None,
         metavar="FILE",
-        help="Limbs and chains of a whole skeleton: JSON {NAME: [[x, y, z], ...] or {points: ..., parent: "
+        help="Build a whole skeleton from a file: JSON {NAME: [[x, y, z], ...] or {points: ..., parent: "
         "...}}, or CSV with the columns name, x, y, z and more options.",
         excludes=["locators", "points", "names", "bend", "end_aim", "pole_name"],
         group="what",
@@ -72,14 +75,15 @@ class MakeLimbOptions(PlacementOptions):
     guide_nodes: str | None = option(
         None,
         metavar="GLOB",
-        help="The same from nodes that a pattern means: names of one limb differ by a number, and a limb "
-        "whose first node is below one of another limb is a child of that joint.",
+        help="Build a whole skeleton from nodes. Those whose names differ only by a number are one limb; a"
+        " limb that starts below a node of another is a child of that joint.",
         excludes=["guides", "locators", "points", "names", "name", "side", "bend", "end_aim", "pole_name"],
         group="what",
     )
     planar: bool = option(
         False,
-        help="More than three: a limb, whose inner joints are laid into its plane; else a chain.",
+        help="Make more than three points a limb, with its inner joints moved into its plane, instead of a"
+        " chain.",
         rare=True,
     )
     preset: str | None = axes.preset()
@@ -92,26 +96,27 @@ class MakeLimbOptions(PlacementOptions):
         group="what",
     )
     end_aim: Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)] | None = (
-        option(
-            None, help="What the end joint aims at; else it has the axes of the joint before.", group="what"
-        )
+        option(None, help="What the end joint aims at. [it has the axes of the joint before]", group="what")
     )
-    bend: Point | None = option(None, help="The bend direction of points on a line; for no others.")
+    bend: Point | None = option(
+        None, help="The direction in which points on a straight line bend; only for those."
+    )
     name: str = option("limb", help="The limb's name; its joints are NAME_1 …", group="what")
-    side: BodySide | None = option(None, help="Put _L or _R behind the names.", group="what")
+    side: BodySide | None = option(None, help="Add _L or _R to the names.", group="what")
     names: Names = option((), metavar="A B C", help="Names of the joints.", group="what", rare=True)
     parent: Node | None = option(
         None,
-        help="What the limb is a child of; where that is a joint, the limb joins its skins.",
+        help="Parent of the limb. If it is a joint, the limb joins its skins.",
         group="joints",
     )
-    skin: bool = option(True, help="Make the joints joints of a skin.", rare=True)
+    skin: bool = option(True, help="Put the joints into a skin.", rare=True)
     pole: bool | None = option(
         None, help="Add the pole vector. [of limbs, not of chains]", rare=True, group="what"
     )
     as_: EndKind | None = option(
         None,
-        help="The pole vector: a node, or a joint of the limb's skin, which engines import. [locator]",
+        help="Make the pole vector a plain node, or a joint of the limb's skin, which engines import. "
+        "[locator]",
         rare=True,
     )
     pose: str = option(

@@ -17,16 +17,18 @@ Count = Annotated[int, Kind("number", "N", low=1)]
 class MergeJointsOptions:
     """Options of merge-joints."""
 
-    joints: Nodes = option((), help="These joints, with all below them.", group="what")
+    joints: Nodes = option((), help="Merge these joints, with all below them.", group="what")
     still: bool = option(
-        False, help="Joints that never move relative to their parent, with all below them.", group="what"
+        False,
+        help="Merge joints that never move relative to their parent, with all below them.",
+        group="what",
     )
     max_joints: Count | None = option(
         None,
         help="Merge until at most N joints are left; those that move vertices least go first.",
         group="what",
     )
-    exclude: Nodes = option((), help="Not these joints.")
+    exclude: Nodes = option((), help="Leave out these joints.")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where nothing says what is to be merged."""

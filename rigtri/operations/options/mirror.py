@@ -39,7 +39,7 @@ class MirrorOptions(OneCharacter):
 
     mode: Mirror = option(
         "behavior",
-        help="What mirrored axes are.",
+        help="How the axes of one side are mirrored onto the other.",
         values=axes.MIRRORED,
         group="what",
     )
@@ -47,13 +47,14 @@ class MirrorOptions(OneCharacter):
     plane: Plane | None = option(None, help=axes.BETWEEN_SIDES, rare=True)
     plane_at: Number | None = option(
         None,
-        help="Where the plane is on the axis across it, in the units of the joints.  [between most pairs]",
+        help="Where the plane cuts the axis that it mirrors, in the units of the joints. [between most "
+        "pairs]",
         rare=True,
     )
     what: tuple[What, ...] = option((), help="Mirror only these; repeatable. [all]", group="what")
     joints: Nodes = option((), help="Only these joints and their counterparts.")
     below: Nodes = option((), metavar="NAME", help="Only this joint, all below, and their counterparts.")
-    exclude: Nodes = option((), help="Not these joints.")
+    exclude: Nodes = option((), help="Leave out these joints.")
     pose: str | None = option(
         None,
         metavar="bind|nodes|CLIP@TIME",

@@ -98,7 +98,7 @@ class OrientJointsOptions(OneCharacter):
         tuple[StyledChain | tuple[str, str], ...],
         Kind("styled chains", "START END", read=_chains, group="joints"),
     ] = option(
-        (), help="Re-orient this chain; --aim, --up, --up-from behind it are for it alone. Repeatable."
+        (), help="Re-orient this chain. --aim, --up and --up-from after it apply to it alone. Repeatable."
     )
     below: Nodes = option((), metavar="NAME", help="Re-orient this joint and all below it.")
     skin: str | None = option(
@@ -107,7 +107,7 @@ class OrientJointsOptions(OneCharacter):
     exclude: Nodes = option((), help="Leave these joints as they are.")
     aim_at: Annotated[tuple[tuple[str, str] | str, ...], Kind("node to node", "JOINT=NODE")] = option(
         (),
-        help="Aim a joint, or any other node, at any node; it need not be selected. Repeatable.",
+        help="Aim a joint or any other node at a node, even if it is not selected. Repeatable.",
         rare=True,
     )
     limb: Limbs = option(
@@ -119,27 +119,27 @@ class OrientJointsOptions(OneCharacter):
         group="how",
         help="What a joint with several children aims at. [chain]",
         values={
-            "chain": "continues the chain; else their average, or incoming where they part widely",
+            "chain": "the child that continues the chain; else as average, or incoming if they part widely",
             "first": "the first child in the file, as Maya",
             "average": "the middle of all children, as Houdini",
             "longest": "the child that is farthest away",
-            "incoming": "on along the bone that ends here",
+            "incoming": "straight on along the bone that ends here",
             "keep": "leaves the joint as it is",
             "NAME": "the child of this name; repeatable",
         },
     )
     end: End = option(
         "tip",
-        help="What a joint without child aims at.",
+        help="What a joint without children aims at.",
         values={
             "tip": "its leaf node, such as hand_end; without one a foot aims ahead, others as parent",
             "parent": "has the axes of the joint above",
-            "incoming": "on along the bone that ends here",
+            "incoming": "straight on along the bone that ends here",
             "keep": "leaves the joint as it is",
             "world": "parallel to the world",
         },
     )
-    per_joint_plane: bool = option(False, help="Each joint its own bend plane (S-bends).", rare=True)
+    per_joint_plane: bool = option(False, help="Give each joint its own bend plane, for S-bends.", rare=True)
     facing: Facing | None = option(None)
     pose: str | None = option(
         None,

@@ -18,8 +18,8 @@ class PruneJointsOptions:
     )
     ends: bool = option(
         False,
-        help="Also nodes below joints that end a chain by their names, as the leaves *_end of exporters.",
+        help="Also remove nodes that only mark the end of a chain, such as the *_end leaves of exporters.",
         group="what",
     )
     joints: Nodes = option((), help="Only these joints.")
-    exclude: Nodes = option((), help="Not these joints.")
+    exclude: Nodes = option((), help="Leave out these joints.")

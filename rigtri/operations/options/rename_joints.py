@@ -23,13 +23,13 @@ class RenameJointsOptions(OneCharacter):
     )
     name: JointNames = option({}, help="Give one joint this name; repeatable.", group="what")
     map: JsonFile | None = option(None, help="Rename by a file that --save-map has written.", group="what")
-    inverse: bool = option(False, help="With --map: back to the names that joints had.", group="what")
+    inverse: bool = option(False, help="With --map: give joints back the names that they had.", group="what")
     prefix: str | None = option(None, help="Prefix of new names, instead of the scheme's own (mixamorig:).")
     side_style: SideStyle | None = option(
         None, help="How new names show their side, instead of the scheme's own style."
     )
-    below: Node | None = option(None, help="Only this joint and all below it: of two characters, one.")
-    exclude: Nodes = option((), help="Not these joints.")
+    below: Node | None = option(None, help="Only this joint and all below it, such as one of two characters.")
+    exclude: Nodes = option((), help="Leave out these joints.")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where nothing says what the names are to be."""

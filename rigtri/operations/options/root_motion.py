@@ -17,13 +17,13 @@ class RootMotionOptions:
         "extract",
         help="What to do with the motion over the ground.",
         values={
-            "extract": "the root gets it; nothing moves",
-            "remove": "the character stays in place",
+            "extract": "moves it from the hips to the root; the character looks as before",
+            "remove": "drops it; the character stays in place",
         },
         group="what",
     )
     yaw: bool = option(False, help="Also move the hips' yaw to the root.")
     axis: CoordinateAxis | None = option(None, help="Only along this axis of the ground. [both]")
     clip: Clips = option((), group="how")
-    hips: Node | None = option(None, help="The joint that moves. [the hips of the body]")
+    hips: Node | None = option(None, help="The joint whose motion is taken. [the hips of the body]")
     to: Node | None = option(None, help="The joint that gets its motion. [the one above the hips]")

@@ -28,11 +28,11 @@ class SetRestOptions:
     )
     like: RigFile | None = option(
         None,
-        help="The rest rotations of the joints of the same names in FILE.",
+        help="Take the rest rotations of the joints with the same names in FILE.",
         group="what",
         excludes=["pose"],
     )
-    straight_fingers: bool = option(False, help="With tpose or apose: fingers straight, too.")
+    straight_fingers: bool = option(False, help="With tpose or apose: also straighten the fingers.")
     facing: Facing | None = option(None)
 
     def check(self, given: Collection[str]) -> None:

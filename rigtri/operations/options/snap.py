@@ -20,7 +20,7 @@ IkOrFk = Literal["ik", "fk"]
 class SnapOptions(OneCharacter):
     """Options of snap."""
 
-    to: IkOrFk = option(help="What the limbs are matched to.", group="what")
+    to: IkOrFk = option(help="What drives the limbs afterwards, IK or FK.", group="what")
     at: Names = option(
         metavar="CLIP@TIME",
         help="The moment, in seconds (USD: time codes), or rest. Repeatable.",

@@ -17,5 +17,7 @@ class StripOptions(OneCharacter):
         group="what",
     )
     discard_motion: bool = option(
-        False, help="Also discard motion that only controls have: what was not baked to joints.", group="what"
+        False,
+        help="Also discard motion that only controls have, because it was not baked to joints.",
+        group="what",
     )

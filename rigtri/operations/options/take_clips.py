@@ -25,8 +25,8 @@ class TakeClipsOptions:
     clip: Clips = option(())
     as_: ClipNames = option(
         {},
-        help="The clip NAME (or glob) of EDITED is CLIP of RIG, or a part of it; #0 is the first clip by its "
-        "number, and NAME= the one without a name. Repeatable.",
+        help="Clip NAME (or a glob) of EDITED is CLIP of RIG, or a part of it. #0 is the first clip, and "
+        "NAME= means the clip without a name. Repeatable.",
         group="what",
     )
     tolerance: Tolerance = option(TOLERANCE, where="shared")
