@@ -594,6 +594,24 @@ def test_what_no_corrective_joint_can_do_is_refused(
         _bent(joint)
 
 
+@pytest.mark.parametrize("name", ["biped.usda", "still.glb"])
+def test_strip_takes_back_what_moved_joints_of_the_file(name: str, tmp_path: Path) -> None:
+    """Before, it ended with 6: the joint was expected to move as with the reader."""
+    source, driven, out = tmp_path / name, tmp_path / f"driven_{name}", tmp_path / f"bare_{name}"
+    helped = _helped(name if name.endswith("usda") else "biped.glb")
+    rigtri.write(replace(helped, metadata={}), source)  # the helper is of the file, not of rigtri
+    rigtri.write(
+        rigtri.add_posereader(rigtri.read(source), joint=(("bent", "fix_1_L", "tx=0.02"),), **ELBOW), driven
+    )
+    cli("strip", driven, "-o", out, code=0)
+    bare, before = rigtri.read(out), rigtri.read(source)
+    clip = next(clip for clip in bare.clips if clip.name == "walk")
+    middle = np.array([np.mean(clip.tracks[0].times)])
+    found, expected = (worlds(rig, locals_at(rig, rig.clips[0], middle))[0] for rig in (bare, before))
+    place = "fix_1_L"
+    assert_allclose(found[bare.find(place)], expected[before.find(place)], atol=1e-6)
+
+
 @pytest.mark.ci
 def test_corrective_joints_are_written_as_they_were_declared(tmp_path: Path) -> None:
     for name in ("biped.glb", "biped.usda"):

@@ -65,7 +65,8 @@ class ExpectedResult:
         if self.rig.pending.weight_redistributions or self.rig.pending.removed:
             from rigtri.verification.compare.without_twist import without_twist
 
-            return without_twist(self.source), without_twist(_with_lost_clips(written, self.rig))
+            source = _with_clips(self.source, self.rig) if self.reposed else self.source
+            return without_twist(source), without_twist(_with_lost_clips(written, self.rig))
         before, rig = self.source.rig, self.rig
         old = {key: node for node, key in enumerate(before.keys)}
         redrawn = frozenset(old[rig.keys[node]] for node in rig.pending.shapes if rig.keys[node] in old)
@@ -249,6 +250,26 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
     unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
     return replace(result, different=different, lost=(*result.lost, *unit))
+
+
+def _with_clips(source: Source, rig: Rig) -> Source:
+    """The source with what its nodes are to do in its clips: as ``rig`` has it, or rest.
+
+    Where a file keeps a track that the rig lacks, as UsdSkel does for all joints of an animation, it rests.
+    """
+    before = source.rig
+    edited = {clip.key: {(rig.keys[t.node], t.path): t for t in clip.tracks} for clip in rig.clips}
+    clips = []
+    for clip in before.clips:
+        now, tracks = edited.get(clip.key, {}), list[Track]()
+        for track in clip.tracks:
+            if (other := now.get((before.keys[track.node], track.path))) is not None:
+                tracks.append(replace(other, node=track.node))
+            elif track.path != "weights":
+                rest = getattr(before, track.path)[track.node]
+                tracks.append(Track(track.node, track.path, "STEP", track.times[:1], rest[np.newaxis]))
+        clips.append(replace(clip, tracks=tuple(tracks)))
+    return DocumentView(source, replace(before, clips=tuple(clips)))
 
 
 def _with_lost_clips(written: Source, rig: Rig) -> Source:
