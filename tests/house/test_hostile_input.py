@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gltf_files import glb_bytes, small
-from places import first
+from places import SAMPLES, first
 from polling import wait_for
 from program import cli
 from pxr import Sdf, Tf
@@ -729,3 +729,14 @@ def test_an_up_axis_that_usd_does_not_define_is_a_warning(tmp_path: Path) -> Non
     path.write_text(scene(skeleton(), animation(), MESH).replace('upAxis = "Y"', 'upAxis = "X"'))
     (notice,) = (notice for notice in read(path).warnings if notice.code == "up-axis")
     assert "upAxis is 'X'" in notice.text
+
+
+def test_an_accessor_by_a_whole_number_with_a_point_is_known_where_a_skin_grows(tmp_path: Path) -> None:
+    """Some exporters write all numbers as floats; before, a traceback."""
+    (tmp_path / "biped.bin").write_bytes((SAMPLES / "biped.bin").read_bytes())
+    gltf = json.loads((SAMPLES / "biped.gltf").read_text("utf-8"))
+    gltf["skins"][0]["inverseBindMatrices"] *= 1.0
+    path = tmp_path / "in.gltf"
+    path.write_text(json.dumps(gltf), "utf-8")
+    points = ["--points", "0,0,0", "--points", "0,1,0", "--parent", "hips"]
+    cli("make-limb", path, "-o", tmp_path / "out.gltf", *points, code=0)

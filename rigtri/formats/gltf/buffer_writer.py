@@ -96,7 +96,7 @@ class Storage:
 
         normalized: integers stand for 0 to 1.
         """
-        source = self._gltf["accessors"][like] if like is not None else {}
+        source = self._gltf["accessors"][int(like)] if like is not None else {}
         bounds = bounds or "min" in source or "max" in source
         content = rows.tobytes()
         key = (role, kind, content, bounds, rows.dtype.str, normalized)
