@@ -18,6 +18,7 @@ import numpy as np
 
 from rigtri.evaluation.constraint_solver import Parts, constraint_pole, to_parts
 from rigtri.evaluation.fk import Fk
+from rigtri.evaluation.pole_lean import NEARLY_STRAIGHT, SAME_SIDE, lean_at_rest, leaned, leaning
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver_steps import weighted
 from rigtri.evaluation.two_bone_ik import NOWHERE, Solved, bone_frame, distance_for, sides, two_bone
@@ -32,12 +33,6 @@ from rigtri.model.constraints import Constraint
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 
-# Below this sine of the bend a limb's plane is the rounding of its positions; then its pole defines it.
-_STRAIGHT = 2e-3
-# Radians between pole and plane that rounding may make; a pole that somebody moved is farther off.
-_ROUNDING = 1e-3
-# … and less than this (10° of bones as long) it is bent so little that its pole vector may say otherwise.
-_SLIGHT = 0.0436
 # Sines of the bend from which on, and up to which, a pole is placed by the bend and by the bone.
 _BENDS, _STRAIGHTENS = 0.15, 0.02
 
@@ -127,12 +122,18 @@ class Ik:
         return self.reference.world[list(self.limb.chain), 3, :3]
 
     @cached_property
+    def _size(self) -> float:
+        """How long both bones are while controls are zero, in the world."""
+        a, b, c = self._points
+        return float(length(b - a) + length(c - b))
+
+    @cached_property
     def _line(self) -> Floats:
         """The direction from root to end while controls are zero, (3,); of a folded limb, any that fits."""
         a, b, c = self._points
         square = cross(b - a, np.eye(3)[np.argmin(np.abs(b - a))])
         for line in (c - a, square):
-            if length(line) > NOWHERE * (length(b - a) + length(c - b)):
+            if length(line) > NOWHERE * self._size:
                 return normalise(line)
         return np.array([1.0, 0.0, 0.0])
 
@@ -158,31 +159,23 @@ class Ik:
         return bend, across
 
     @cached_property
-    def bends_away(self) -> bool:
-        """Whether the limb is bent a little away from its pole vector while controls are zero.
-
-        Then its bones swing through straight to get to the pole's side. Else they would turn round by half a
-        turn, and twist joints with them.
-        """
-        a, b, c = self._points
-        bend, across = self._aside
-        size = length(b - a) + length(c - b)
-        return bool(dot(across, bend) < 0 and _STRAIGHT * size < length(bend) <= _SLIGHT * size)
+    def lean(self) -> float:
+        """By how much it is bent beside its pole while controls are zero, in radians."""
+        return lean_at_rest(*self._aside, self._line, self._size) if self.limb.pole >= 0 else 0.0
 
     @cached_property
     def _pole(self) -> Floats:
         """The pole of the rest pose, (3,): the pole vector, or a point in the limb's plane."""
-        a, b, c = self._points
+        a, b, _ = self._points
         bend, across = self._aside
-        size = length(b - a) + length(c - b)
-        straight = length(bend) <= _STRAIGHT * size
+        straight = length(bend) <= NEARLY_STRAIGHT * self._size
         if self.limb.pole >= 0:
-            near = length(cross(normalise(across), normalise(bend))) <= _ROUNDING
-            if straight or (near and dot(across, bend) > 0):
+            near = length(cross(normalise(across), normalise(bend))) <= SAME_SIDE
+            if straight or self.lean or (near and dot(across, bend) > 0):
                 return np.asarray(self.reference.world[self.limb.pole, 3, :3])
         if straight:  # no direction to bend to: an axis of its own, the same one every time
             return np.asarray(a + cross(self._line, np.eye(3)[np.argmin(np.abs(self._line))]))
-        return np.asarray(b + normalise(bend) * (-size if self.bends_away else size))
+        return np.asarray(b + normalise(bend) * self._size)
 
     @cached_property
     def rest(self) -> _Rest:
@@ -192,16 +185,17 @@ class Ik:
         world, above = self.reference.world, self.above
         a, b, c = self._points
         root_to_end, side = self._line, self._pole - a
-        bends, _ = sides(root_to_end, side, side, length(b - a) + length(c - b))
-        hinge = cross(root_to_end, bends)
+        leans = np.asarray(self.lean) if self.lean else None
+        bends, _ = sides(root_to_end, side, side, np.asarray(self._size))
+        hinge = cross(root_to_end, leaned(bends, root_to_end, leans))
         upper, lower = (bone - dot(bone, hinge) * hinge for bone in (b - a, c - b))
         start = conjugate(self.reference.world_rotation(above))
         back = inverse(world[above]) if above >= 0 else np.eye(4)
         _, mid, end = self.limb.chain
         return _Rest(
             lines=(transform_directions(upper, back), transform_directions(lower, back)),
-            upper=product(start, bone_frame(upper, hinge)),
-            lower=product(start, bone_frame(lower, hinge)),
+            upper=product(start, bone_frame(upper, hinge, leans)),
+            lower=product(start, bone_frame(lower, hinge, leans)),
             between=product(start, self.reference.world_rotation(int(self.rig.parents[mid]))),
             last=product(start, self.reference.world_rotation(int(self.rig.parents[end]))),
             root_to_end=rotate(start, root_to_end),
@@ -217,9 +211,8 @@ class Ik:
     @cached_property
     def reach_at_rest(self) -> float:
         """How far the end is from the root while controls are zero, as a share of the limb."""
-        a, b, c = self._points
-        total = float(length(b - a) + length(c - b))
-        return float(length(c - a)) / total if total > 0 else 0.0
+        a, _, c = self._points
+        return float(length(c - a)) / self._size if self._size > 0 else 0.0
 
     @cached_property
     def start(self) -> Floats:
@@ -247,6 +240,7 @@ class Ik:
             soft=self.limb.soft,
             stretch=self.limb.stretch,
             at_rest=self.reach_at_rest,
+            lean=self.lean,
         )
 
     def solved(self, posed: PoseCache, target: Floats, place: Floats, hand: Floats) -> dict[int, Parts]:
@@ -386,7 +380,8 @@ class Ik:
         # A bone or a limb without length has no line; where scale has left no axes, there is no side, either.
         sized = np.min(length(source.world(start)[:, :3, :3]), axis=1, keepdims=True) > 0
         own = np.where(sized & ~np.isfinite(own), as_turned, own)
-        bend_side = normalise(bend)
+        leans = leaning(length(c - a), size, self.reach_at_rest, -self.lean)
+        bend_side = leaned(normalise(bend), line, leans)
         sine = 2.0 * length(bend) / size * np.maximum(dot(bend_side, own), 0.0)
         share = np.clip((sine - _STRAIGHTENS) / (_BENDS - _STRAIGHTENS), 0.0, 1.0)
         share = np.where(np.isfinite(share), share * share * (3.0 - 2.0 * share), 0.0)[:, np.newaxis]

@@ -10,18 +10,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rigtri.evaluation.pole_lean import ON_LINE, STRAIGHT, leaned, leaning
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.quaternions import from_axes
-from rigtri.maths.trigonometry import Floats, exponential
+from rigtri.maths.quaternions import from_axes, multiply
+from rigtri.maths.trigonometry import Floats, exponential, sin_cos
 from rigtri.maths.vectors import cross, dot, length, normalise
 
-# As shares of the limb: a target nearer than this to the root gives no direction, and a pole nearer than
-# this to the line to the target no side: files hold float32, some nodes deep.
-NOWHERE, ON_LINE = 1e-6, 1e-5
-# A limb that rests this near to straight, as a share of its length, bends by the root of what rounding does
-# to its reach: by 2e-4 radians for 3e-8. Up to how far a target is taken to be where the limb ends at rest,
-# some roundings of float32, and up to how many times that this is felt.
-STRAIGHT, _SETTLES, _FELT = 1e-5, 2e-7, 4.0
+# As a share of the limb: a target nearer than this to the root gives no direction.
+NOWHERE = 1e-6
+# A limb that rests straight bends by the root of what rounding does to its reach: by 2e-4 radians for 3e-8.
+# Up to how far a target is taken to be where the limb ends at rest, some roundings of float32, and up to
+# how many times that this is felt.
+_SETTLES, _FELT = 2e-7, 4.0
 # How many ways of slowing down a target may be off; steps of Newton's method that reach it in all digits.
 BEYOND, _NEWTON = 5.0, 12
 
@@ -50,13 +50,15 @@ def two_bone(
     soft: float = 0.0,
     stretch: bool = False,
     at_rest: float = 0.0,
+    lean: float = 0.0,
 ) -> Solved:
     """Solve a limb that starts at ``root``, (f, 3), and whose bones have ``lengths``, (f,) each.
 
     target, pole: (f, 3), in the world. root_to_end, side: (f, 3), what holds where the target stands at
     the root, or the pole on the line to the target. soft: as a share of the limb, how far before
     it is straight it slows down. stretch: bones grow so that the end reaches the target. at_rest: how far
-    the end is from the root at rest, as a share of the limb.
+    the end is from the root at rest, as a share of the limb. lean: by how much the limb is bent beside its
+    pole there, in radians (`leaning`).
     """
     first, second = lengths
     total = first + second
@@ -70,6 +72,8 @@ def two_bone(
         grows = (distance > reach) & (reach > 0)
         growth = np.where(grows, distance / np.where(grows, reach, 1.0), 1.0)
     bends, poleless = sides(along, pole - root, side, total)
+    leans = leaning(distance, total, at_rest, lean)
+    bends = leaned(bends, along, leans)
     high = _height(first, second, reach)
     with np.errstate(invalid="ignore", divide="ignore"):
         projection = (reach * reach + first * first - second * second) / (2.0 * reach)
@@ -79,8 +83,8 @@ def two_bone(
     hinge = cross(along, bends)
     rest = reach[..., np.newaxis] * along - mid
     return Solved(
-        bone_frame(mid, hinge),
-        bone_frame(rest, hinge),
+        bone_frame(mid, hinge, leans),
+        bone_frame(rest, hinge, leans),
         growth,
         np.maximum(distance - reach * growth, 0.0),
         np.asarray(near | poleless),
@@ -156,8 +160,17 @@ def _height(first: Floats, second: Floats, reach: Floats) -> Floats:
         return np.sqrt(np.maximum(around, 0.0)) / (2.0 * reach)
 
 
-def bone_frame(bone: Floats, hinge: Floats) -> Floats:
-    """The turn, (f, 4), whose x axis lies along a bone and z along the hinge, square to it."""
+def bone_frame(bone: Floats, hinge: Floats, leans: Floats | None = None) -> Floats:
+    """The turn, (f, 4), whose x axis lies along a bone and z along the hinge, square to it.
+
+    leans: radians, (f,), by how much the hinge is turned about the line from root to end. The bone does not
+    roll with it.
+    """
     x = normalise(bone)
     x = np.where(np.isfinite(x), x, np.array([1.0, 0.0, 0.0]))
-    return from_axes(np.stack([x, cross(hinge, x), hinge], axis=-2))
+    turn = from_axes(np.stack([x, cross(hinge, x), hinge], axis=-2))
+    if leans is None:
+        return turn
+    sines, cosines = sin_cos(-0.5 * leans)
+    none = np.zeros_like(sines)
+    return multiply(turn, np.stack([sines, none, none, cosines], axis=-1))

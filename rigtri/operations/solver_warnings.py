@@ -18,8 +18,9 @@ from rigtri.evaluation.timelines import Timeline
 from rigtri.evaluation.two_bone_ik import BEYOND
 from rigtri.evaluation.zero_pose import SAME_PLACE
 from rigtri.maths.matrices import transform_points
+from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
+from rigtri.maths.vectors import angle, dot, length
 from rigtri.model.animation import Track
 from rigtri.report import Notice
 
@@ -27,6 +28,8 @@ from rigtri.report import Notice
 REACHED = 1e-3
 # Scales that differ by less are one.
 EVEN = 1e-4
+# Degrees. A pole that stands beside the plane of its limb by less does not turn it visibly.
+TURNED = 1.0
 
 
 # Names the moment of a row.
@@ -108,6 +111,19 @@ def _scale(name: str, scale: Floats, at: Moment) -> Iterator[Notice]:
     yield Notice("control-scale", text, name)
 
 
+def turned_at_rest(ik: Ik) -> float:
+    """Degrees by which IK turns a limb at rest to its pole, from the side that it bends to there.
+
+    Only clearly bent limbs turn; others rest as they are (`rigtri.evaluation.pole_lean`).
+    """
+    if ik.limb.pole < 0:
+        return 0.0
+    turn, world = ik.reference.world_rotation(ik.above), ik.reference.world
+    line, side = rotate(turn, ik.rest.root_to_end), rotate(turn, ik.rest.side)
+    pole = world[ik.limb.pole, 3, :3] - world[ik.limb.chain[0], 3, :3]
+    return float(np.degrees(angle(*(way - dot(way, line) * line for way in (side, pole)))))
+
+
 def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     rig, limb = ik.rig, ik.limb
     target, place = ik.target(posed), ik.place(posed)
@@ -138,6 +154,14 @@ def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
                 geometry=True,
             )
             break
+    if (degrees := turned_at_rest(ik)) > TURNED:
+        yield Notice(
+            "pole-elsewhere",
+            f"The limb that ends in '{end}' turns by {degrees:.0f}° at rest while IK moves it, to its pole "
+            f"'{rig.title(limb.pole)}', which is not on the side it bends to: place it with add-polevector",
+            end,
+            geometry=True,
+        )
     if solved.lost.any():
         yield Notice(
             "ik-no-side",

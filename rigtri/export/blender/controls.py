@@ -12,19 +12,17 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.evaluation.ik import Ik
+from rigtri.evaluation.pole_lean import STRAIGHT, turning_way
 from rigtri.evaluation.twist_joints import twist_joints
-from rigtri.evaluation.two_bone_ik import STRAIGHT
 from rigtri.evaluation.zero_pose import SAME_PLACE, FkControl
 from rigtri.export.blender.plan import Plan, Share, armature_of, frame
 from rigtri.maths.matrices import from_frame, transform_directions, transform_points
 from rigtri.maths.quaternions import rotate
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import angle, dot, length
+from rigtri.maths.vectors import length
 from rigtri.model.constraints import Constraint, constraints_of
+from rigtri.operations.solver_warnings import TURNED, turned_at_rest
 from rigtri.report import Report
-
-# Degrees. A pole that stands beside the plane of its limb by less does not turn it visibly.
-_TURNED = 1.0
 
 
 def controls(plan: Plan, limbs: list[Ik], poles: dict[int, str], report: Report) -> None:
@@ -128,8 +126,15 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, s
         for word, bone in zip(("first", "second"), lines, strict=True)
     ]
     aim = plan.bone(f"{title} aim", base, frame(root, line, side), sizes[0])
-    upper = plan.bone(f"{title} upper", aim, frame(root, line, side), sizes[0])
-    lower = plan.bone(f"{title} lower", upper, frame(root + sizes[0] * line, line, side), sizes[1])
+    stands, last, leaning, turning = frame(root, line, side), aim, [], []
+    for word, size in zip(("upper", "lower"), sizes, strict=True):
+        if ik.lean:
+            last = plan.bone(f"{title} {word} lean", last, stands, size)
+            leaning.append(last)
+        last = plan.bone(f"{title} {word}", last, stands, size)
+        turning.append(last)
+        stands = frame(root + sizes[0] * line, line, side)
+    upper, lower = turning
     if above >= 0:
         hung = plan.socket(f"{title} base", plan.node(above), stand, bone=True, leads=True)
         plan.constrain(f"b{base}", "COPY_TRANSFORMS", hung, _ride(plan, above))
@@ -141,25 +146,18 @@ def _bones(plan: Plan, ik: Ik, pole: str | None, name: str) -> tuple[str, str, s
     if ik.limb.pivots:
         ankle = from_frame(np.eye(3), world[ik.limb.control, 3, :3])
         target = plan.socket(f"{title} ankle", plan.node(ik.limb.holder), ankle, bone=True)
-    words = [f"b{bone}" for bone in (base, *marks, aim, upper, lower)]
+    words = [f"b{bone}" for bone in (base, *marks, aim, upper, lower, *leaning)]
     about = {"name": name, "bones": words, "target": target, "pole": pole, "rest": (root + side).tolist()}
     straight = ik.reach_at_rest >= 1.0 - STRAIGHT
-    away = {"away": True} if ik.bends_away else {}
-    plan.triangles.append(about | away | ({"straight": ik.reach_at_rest} if straight else {}))
+    lean = {"lean": [ik.lean, ik.reach_at_rest, turning_way(ik.reach_at_rest)]} if ik.lean else {}
+    plan.triangles.append(about | lean | ({"straight": ik.reach_at_rest} if straight else {}))
     return f"b{base}", f"b{upper}", f"b{lower}"
 
 
 def _warn_turned(plan: Plan, ik: Ik, report: Report) -> None:
     """Warn of a limb that bends to another side than to its pole, and turns to it once IK moves it."""
-    world, rest = plan.reference.world, ik.rest
-    if ik.limb.pole < 0:
-        return
-    turn = plan.reference.world_rotation(ik.above)
-    line, side = rotate(turn, rest.root_to_end), rotate(turn, rest.side)
-    pole = world[ik.limb.pole, 3, :3] - world[ik.limb.chain[0], 3, :3]
-    across = [way - dot(way, line) * line for way in (side, pole)]
-    degrees = float(np.degrees(angle(*across)))
-    if degrees > _TURNED:
+    degrees = turned_at_rest(ik)
+    if degrees > TURNED:
         limb, name = _limb_name(plan, ik), plan.rig.title(ik.limb.pole)
         text = f"The {limb} turns by {degrees:.0f}° at rest while IK moves it, to its pole '{name}'"
         report.warn("pole-elsewhere", text, joint=name)

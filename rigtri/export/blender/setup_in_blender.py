@@ -605,7 +605,6 @@ class Setup:
         self.names: list[str] = []
         self.frames: list[Matrix] = []
         self.solver: Any = None
-        self.away: list[Any] = []
         if RIG["bones"]:
             self.solver = self.bones()
         self.sockets = [self.empty(about) for about in RIG["sockets"]]
@@ -752,9 +751,6 @@ class Setup:
         for bend, point, about in zip(bends, points, RIG["triangles"], strict=True):
             point.location = from_file() @ Vector(about["rest"])
             bend.target = point
-        angles = [driver.expression for driver in self.away]
-        for driver in self.away:  # at rest these limbs are bent to the other side
-            driver.expression = f"-({driver.expression})"
         self.solver.hide_viewport = False
         for _ in range(2):  # a limb may hang on another
             bpy.context.view_layer.update()
@@ -764,8 +760,6 @@ class Setup:
                 if about["on"].startswith("b"):
                     self.hang(about, thing)
         self.solver.hide_viewport = True
-        for driver, angle in zip(self.away, angles, strict=True):
-            driver.expression = angle
         for bend, (thing, bone), point in zip(bends, poles, points, strict=True):
             bend.target, bend.subtarget = thing, bone
             bpy.data.objects.remove(point)
@@ -786,8 +780,10 @@ class Setup:
         """Let a limb's bones point at the target, bend to the pole, and reach as far as the target is.
 
         a, c: lengths of the bones as the node above scales them; d: how far off the target is.
+        Where the limb rests bent beside its pole, two bones more lean the plane in which it bends, and its
+        bones do not roll with them.
         """
-        base, first, second, aim, upper, lower = (self.target(word)[1] for word in about["bones"])
+        base, first, second, aim, upper, lower, *leaning = (self.target(word)[1] for word in about["bones"])
         bones = self.solver.pose.bones
         track = bones[aim].constraints.new("DAMPED_TRACK")
         track.name, track.target, track.subtarget = about["name"], *target
@@ -801,19 +797,26 @@ class Setup:
             there = f"{about['straight']:.8g}*(a+c)"
             far = f"({there} if abs(d-{there})<{SETTLES}*(a+c) else d)"
         sides = (upper, "-", f"a*a+{far}*{far}-c*c"), (lower, "pi-", f"a*a+c*c-{far}*{far}")
+        turns = []
         for bone, start, square in sides:
+            around = f"max(2*a*{far if bone == upper else 'c'},1e-12)"
+            turns.append((bone, 2, f"{start}acos(max(min(({square})/{around},1),-1))"))
+        if leaning:
+            lean, there, way = about["lean"]
+            nearer = f"max(min(({there:.8g}-{far}/(a+c))/{way:.8g},1),0)"
+            half = f"{0.5 * lean:.8g}*(1+cos(pi*{nearer}))"
+            turns += [(bone, 1, half) for bone in leaning]
+            turns += [(bone, 1, f"-({half})") for bone in (upper, lower)]
+        for bone, axis, expression in turns:
             bones[bone].rotation_mode = "XYZ"
             path = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].rotation_euler'
-            driver = self.solver.driver_add(path, 2).driver
+            driver = self.solver.driver_add(path, axis).driver
             for name, end in ends.items():
                 variable = driver.variables.new()
                 variable.name, variable.type = name, "LOC_DIFF"
                 for each, (thing, part) in zip(variable.targets, ((self.solver, base), end), strict=True):
                     each.id, each.bone_target = thing, part
-            around = f"max(2*a*{far if bone == upper else 'c'},1e-12)"
-            driver.expression = f"{start}acos(max(min(({square})/{around},1),-1))"
-            if about.get("away"):
-                self.away.append(driver)
+            driver.expression = expression
 
     def target(self, word: str) -> tuple[Any, str]:
         """The object and bone that a word of the plan means."""
