@@ -738,5 +738,5 @@ def test_an_accessor_by_a_whole_number_with_a_point_is_known_where_a_skin_grows(
     gltf["skins"][0]["inverseBindMatrices"] *= 1.0
     path = tmp_path / "in.gltf"
     path.write_text(json.dumps(gltf), "utf-8")
-    points = ["--points", "0,0,0", "--points", "0,1,0", "--parent", "hips"]
+    points = ["--points", "0,0,0", "0,1,0.1", "0,2,0", "--parent", "hips"]
     cli("make-limb", path, "-o", tmp_path / "out.gltf", *points, code=0)
