@@ -61,7 +61,7 @@ class Mesh:
     box: Floats | None = None
 
     def __repr__(self) -> str:
-        return f"<Mesh {self.name!r}: {len(self.points)} points>"
+        return f"<Mesh {self.name!r}: {len(self.points)} vertices>"
 
     @cached_property
     def moved(self) -> tuple[Integers, Integers]:

@@ -9,6 +9,7 @@ option's everywhere: ``max_influences`` is ``--max-influences`` and the key ``ma
 from __future__ import annotations
 
 import inspect
+import re
 import types
 import typing
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -245,9 +246,13 @@ def _literals(hint: Any) -> tuple[str, ...]:
 
 def described(cls: Any) -> str:
     """The options of an operation with their help, a line for each, as Python's help shows them."""
-    return "\n".join(
-        f"    {name}: {one.described('        ')}" for name, one in options_of(cls).items() if one.help
-    )
+    words = keywords_of(cls)
+
+    def keyword(flag: re.Match[str]) -> str:
+        return words.get(flag[1], flag[0]).removesuffix("=")
+
+    lines = (f"    {name}: {one.described('        ')}" for name, one in options_of(cls).items() if one.help)
+    return re.sub("--([a-z][a-z-]*[a-z])", keyword, "\n".join(lines))
 
 
 def _without_none(hint: Any) -> tuple[bool, Any]:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import collections.abc
 import functools
 import inspect
+import re
 import types
 import typing
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
 from numbers import Integral
@@ -34,6 +35,14 @@ _WORDS: dict[Any, tuple[type, str]] = {
     bool: (bool, "True or False"),
     str: (str, "a text"),
     int: (Integral, "a whole number"),
+}
+# What those parameters are that many functions have.
+_PARAMETERS = {
+    "rig": "The rig, as `rigtri.read` returns it; it is not changed.",
+    "source": "The file to read.",
+    "target": "The file to write.",
+    "options": "All options in one object, instead of keywords.",
+    "report": "A `rigtri.Report` of your own, which gets what was done and all warnings.",
 }
 
 
@@ -185,9 +194,16 @@ def _shown(called: Callable[..., T], function: Callable[..., Any], *kinds: type)
     ]
     first = [p for p in named if p.name not in ("options", "report")]
     called.__signature__ = own.replace(parameters=[*first, *both, *more])  # type: ignore[attr-defined]
-    lines = "\n".join(map(described, kinds))
-    called.__doc__ = f"{inspect.getdoc(function)}\n\nOptions:\n{lines}"
+    text, lines = str(inspect.getdoc(function)), "\n".join(map(described, kinds))
+    parameters = [f"    {p.name}: {_PARAMETERS[p.name]}" for p in named if _undescribed(p.name, text)]
+    about = "\n".join(["", "", "Parameters:", *parameters]) if parameters else ""
+    called.__doc__ = f"{text}{about}\n\nOptions:\n{lines}"
     return called
+
+
+def _undescribed(name: str, text: str) -> bool:
+    """Whether a docstring says nothing of a parameter that many functions have."""
+    return name in _PARAMETERS and not re.search(rf"\b{name}(, \w+)*:", text)
 
 
 def defaults(kind: type) -> dict[str, Any]:
@@ -201,6 +217,16 @@ def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
     Raises TypeError for a keyword that does not exist or is missing, UsageError for a value of another type.
     """
     known, hints, declared = defaults(kind), hints_of(kind), options_of(kind)
+    refuse_unknown(name, keywords, known)
+    for keyword, default in known.items():
+        if default is MISSING and keyword not in keywords:
+            raise TypeError(f"{name}() needs {keyword}")
+    cased = {word: declared[word].cased(_spelled(declared[word], value)) for word, value in keywords.items()}
+    return kind(**{word: _fitted(hints[word], value, word) for word, value in cased.items()})
+
+
+def refuse_unknown(name: str, keywords: Iterable[str], known: Collection[str]) -> None:
+    """TypeError for the first keyword that a function does not have, with the one that it is like."""
     for keyword in keywords:
         if keyword not in known:
             from difflib import get_close_matches
@@ -208,11 +234,6 @@ def from_keywords(kind: type[T], keywords: Mapping[str, Any], name: str) -> T:
             close = get_close_matches(keyword, known, n=1)
             hint = f"; did you mean '{close[0]}'?" if close else ""
             raise TypeError(f"{name}() has no option '{keyword}'{hint}")
-    for keyword, default in known.items():
-        if default is MISSING and keyword not in keywords:
-            raise TypeError(f"{name}() needs {keyword}")
-    cased = {word: declared[word].cased(_spelled(declared[word], value)) for word, value in keywords.items()}
-    return kind(**{word: _fitted(hints[word], value, word) for word, value in cased.items()})
 
 
 def _spelled(one: Option, value: Any) -> Any:

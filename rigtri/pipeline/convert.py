@@ -19,7 +19,7 @@ from rigtri.formats.registry import need_usd, unknown_format
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.options import check
 from rigtri.model.rig import Rig
-from rigtri.operations.operation import defaults, from_keywords, with_keywords
+from rigtri.operations.operation import defaults, from_keywords, refuse_unknown, with_keywords
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.pipeline.edit import (
     Clock,
@@ -54,6 +54,7 @@ def convert(
     options: how the source is read. Warnings of the report whose code is ``lost`` say what the other format
     cannot. Raises as `convert_file`.
     """
+    refuse_unknown("convert", given, {**defaults(ConvertOptions), **defaults(RunOptions)})
     how = {name: given.pop(name) for name in defaults(ConvertOptions) if name in given}
     chosen = from_keywords(ConvertOptions, how, "convert")
     check(chosen, tuple(how))

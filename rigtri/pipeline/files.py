@@ -49,6 +49,7 @@ class Origin:
 def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
     """The rig in a file; its suffix names the format. It knows its file, so that `write` can write it.
 
+    path: a glTF, VRM or USD file; ``-`` is standard input. options: how it is read.
     Its arrays are read-only: an edit is a new rig with arrays of its own (`dataclasses.replace`).
     Raises FileError for anything unreadable, NameNotFoundError for a root that is not there.
     """
@@ -132,7 +133,7 @@ def verify(
 ) -> Comparison:
     """How far two files, or two documents, look apart, in every pose; see `compare.verify`.
 
-    options: how files are read.
+    before, after: paths, or documents as `rigtri.formats.read` returns them. options: how files are read.
     Of a glTF and a USD that `rigtri.convert` has made of one another, nodes are known by what it calls them.
     """
     with _source(before, options) as one, _source(after, options) as other:

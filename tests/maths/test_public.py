@@ -64,8 +64,8 @@ def test_a_rig_and_what_is_bound_to_it_are_one_line_each() -> None:
     assert repr(rig.skins[0]) == "<Skin 'biped': 23 joints>"
     assert repr(rig.clips[0]) == "<Clip 'walk': 24 tracks>"
     assert [repr(mesh) for mesh in rig.meshes] == [
-        "<Mesh 'staff/0': 24 points>",
-        "<Mesh 'body/0': 484 points>",
+        "<Mesh 'staff/0': 24 vertices>",
+        "<Mesh 'body/0': 484 vertices>",
     ]
 
 

@@ -398,6 +398,25 @@ def test_a_node_that_is_called_as_a_word_in_capitals_is_meant(samples: Path) -> 
         assert made.is_joint[next(iter(constraints_of(made).values())).drivers[1]] == is_joint
 
 
+def test_help_tells_of_every_parameter_in_words_of_python() -> None:
+    for function in (
+        rigtri.bake,
+        rigtri.orient_joints,
+        rigtri.convert,
+        rigtri.draw,
+        rigtri.edit,
+        rigtri.write,
+    ):
+        words = str(function.__doc__)
+        named = inspect.signature(function).parameters
+        missing = [name for name in named if not re.search(rf"\b{name}(, \w+)?:", words)]
+        assert set(missing) <= {"against", "step"}, function
+        assert set(re.findall("--[a-z-]+", words)) <= {"--allow-rename", "--save-frames", "--against"}
+    for function in (rigtri.read, rigtri.verify, rigtri.check):
+        named = inspect.signature(function).parameters
+        assert all(re.search(rf"\b{name}(, \w+)?:", str(function.__doc__)) for name in named), function
+
+
 def test_what_is_no_operation_takes_keywords_too(samples: Path) -> None:
     rig = rigtri.read(samples / "biped.glb")
     assert 'class="name"' not in rigtri.draw(rig, names=False)
@@ -449,6 +468,8 @@ def test_functions_of_files_have_the_keywords_of_their_commands(name: str) -> No
 def test_a_wrong_keyword_of_a_function_of_files_is_reported_as_of_operations(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match=r"convert\(\) has no option 'overwrit'; did you mean 'overwrite'"):
         rigtri.convert(BIPED, tmp_path / "out.usda", overwrit=True)
+    with pytest.raises(TypeError, match=r"convert\(\) has no option 'clips'; did you mean 'clip'"):
+        rigtri.convert(BIPED, tmp_path / "out.usda", clips=["walk"])
     with pytest.raises(UsageError, match="fps= -1: give a number above 0"):
         rigtri.convert(BIPED, tmp_path / "out.usda", fps=-1)
     with pytest.raises(UsageError, match="dry_run='yes': give True or False"):

@@ -59,7 +59,8 @@ class BakeOptions(OneCharacter):
     stretch: Stretch | None = option(None, rare=True)
     discard_motion: bool = option(
         False,
-        help="With --to controls: also discard motion that only controls have: what was not baked to joints.",
+        help="With --to controls: also discard motion that only controls have, because it was not baked to "
+        "joints.",
         group="what",
         rare=True,
     )

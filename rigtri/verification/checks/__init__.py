@@ -32,7 +32,7 @@ def check(
 ) -> list[Finding]:
     """Everything that is wrong with a skinned rig in a glTF, VRM or USD file, the worst first.
 
-    A file that cannot be read at all has the one finding ``file.unreadable``.
+    path: the file; one that cannot be read at all has the one finding ``file.unreadable``.
     allow_external_paths: read buffers and layers outside the folder of the file. external: for
     USD, add what OpenUSD's own validators report. profile: the engine whose demands are looked at, too.
 
