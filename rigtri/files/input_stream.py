@@ -65,7 +65,7 @@ def _on_disk(source: Path | str) -> Iterator[Path]:
 
 @contextmanager
 def called(names: dict[str, str]) -> Iterator[None]:
-    """Let errors speak of files by the names that the user gave."""
+    """Let errors name files by the names that the user gave."""
     try:
         yield
     except RigtriError as error:

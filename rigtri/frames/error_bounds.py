@@ -29,7 +29,7 @@ _BLOCK = 1 << 20
 
 
 class LeverArm:
-    """How far from each node the farthest point, joint or frame that hangs at it can get, (n,).
+    """How far from each node the farthest point, joint or frame that is below it can get, (n,).
 
     As a share of the size of the character; bones below it as if they were all in one line, at rest and
     wherever clips stretch them.
@@ -160,7 +160,7 @@ def _keys(columns: Sequence[Column]) -> Iterator[tuple[Integers, Floats, Integer
 
 
 def _along(rig: Rig, world: Floats, own: Floats) -> Floats:
-    """How far from each node what hangs at it or below can get, (f, n), at times, (f, n, 4, 4)."""
+    """How far from each node what is below it can get, (f, n), at times, (f, n, 4, 4)."""
     reach = own.copy()
     for level in reversed(rig.levels[1:]):
         parents = rig.parents[level]

@@ -1,7 +1,7 @@
 """Scale tables: the scales of nodes at rest and at keys, and which reorientations they allow.
 
 A reorientation is exact for uniform scales and unit rotations. What falls short of that moves
-something, by a share of how far what hangs at the joint reaches; where that would be
+something, by a share of how far what is below the joint reaches; where that would be
 seen, the joint counts as one of non-uniform scale, or takes the delta of its parent.
 
 Source: glTF 2.0 §3.5.3 forbids sheared nodes; docs/exactness.md, "Scale" and "Quaternions that are not unit".
@@ -51,7 +51,7 @@ class ScaleTable:
     rows: (k, 3). owner: (k,), the node of each row. sign: (n, 3), of the scale at rest.
     apart: (n, 3), how far x and y, y and z, z and x of |S| are apart at most, as a share of the largest.
     same: (n,), how far apart they may be to count as one number: `SAME_SCALE`, or less where so
-    much hangs at a node that it would be seen.
+    much is below a node that it would be seen.
     """
 
     rows: Floats
@@ -184,7 +184,7 @@ def same_scales(
 ) -> Floats:
     """How far apart the components of each scale may be to count as one number, (n,).
 
-    reach: how far what hangs at each node reaches; tolerance: how far anything may move, as a share of
+    reach: how far what is below each node reaches; tolerance: how far anything may move, as a share of
     the size.
     """
     spread = np.zeros(len(rig))

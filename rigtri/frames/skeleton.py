@@ -37,7 +37,7 @@ class Skeleton:
     above: dict[int, int]  # the nearest joint above, −1 for a root joint
     below: dict[int, tuple[int, ...]]  # the nearest joints below
     carries: Booleans  # (n,), weight or a rigid mesh on or below
-    sockets: frozenset[int] = frozenset()  # joints that only hold what hangs at them
+    sockets: frozenset[int] = frozenset()  # joints that only hold what is below them
 
     @cached_property
     def roots(self) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""The characters of a rig: what skins with common joints move, and what hangs on these joints."""
+"""The characters of a rig: what skins with common joints move, and what is below these joints."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ FOOT = 0.5
 EYES = ("leftEye", "rightEye")
 # Chains whose last joint may have one below it that only says where it ends.
 _ENDED = ("finger", "hand", "foot", "head")
-# What names say of nodes that are no end of the joint that they hang at.
+# What names say of nodes that are no end of their parent.
 _OTHER = frozenset(["face", "ear", "feeler", "tail", "wing", *BESIDE]) - {"end"}
 
 
@@ -61,7 +61,7 @@ class Rules:
 
     apart: ends that go on as they arrive where they have no tip, for their parents have other axes.
     heads: heads, with the hips of the bodies that stand upright, else −1; a head goes on as its trunk,
-    whatever hangs at it.
+    whatever is below it.
     feet: feet without toes, and where they point in the world, unit, (3,). hands: those without fingers.
     """
 
@@ -157,7 +157,7 @@ def limb_path(tree: Skeleton, limb: Limb) -> list[int]:
         while node >= 0 and node != here:
             way.append(node)
             node = tree.above[node]
-        # Where the end does not hang below, nothing lies between.
+        # Where the end is not below, nothing lies between.
         path = [here, *(reversed(way) if node == here else ()), *path]
     return path
 
@@ -204,7 +204,7 @@ def chain_children(tree: Skeleton, ref: ReferencePose, characters: Iterable[Char
             last = chain.joints[-1]
             if chain.kind in ("finger", "foot"):
                 found |= {a: b for a, b in pairwise(chain.joints) if tree.above.get(b) == a}
-            # What hangs at a palm or ankle may be anything.
+            # What is below a palm or ankle may be anything.
             called = chain.kind in ("hand", "foot") and len(chain.joints) == 1
             ends = _end_joints(tree, ref, last, called=called) if last in tree.below else []
             if not ends and chain.kind == "head" and _is_on_all_fours(character):

@@ -5,7 +5,7 @@ on the ground, where the skin of the foot ends behind and ahead; the ball is the
 about the lateral axis of the foot: a positive turn rolls ahead.
 
 Source: reverse foot of rigging practice: heel, tip and ball are children of each other, and the ankle
-hangs at the ball, while the toe hangs at the tip.
+is below the ball, while the toe is below the tip.
 """
 
 from __future__ import annotations

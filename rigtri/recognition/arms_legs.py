@@ -37,7 +37,7 @@ _LATERAL = 0.7
 _LYING = 0.3
 # Of a body of many legs it has to be so sure before any side is given.
 _SEEN = 0.5
-# Another way to see the body that is as good as this speaks against both.
+# Another way to see the body that is as good as this counts against both.
 _CLOSE = 0.04
 # A pair of legs or of arms alone is never surer than this by its shape.
 _HALF = 0.62
@@ -268,7 +268,7 @@ def _sided(draft: Draft, pairs: Sequence[Found]) -> list[Found]:
     share = 1.0 if by_names else 0.7 if sure < _DOUBT else 0.9 + 0.1 * within(sure, _DOUBT, 2.0 * _DOUBT)
     because = () if by_names else tuple(f"faces so that: {w}" for w in why[:1])
     if draft.shape.legs and not by_names and sure < _SEEN:
-        return list(pairs)  # nothing tells front from behind, and so left from right
+        return list(pairs)  # nothing shows what is front, and so what is left
     return [
         replace(
             each,

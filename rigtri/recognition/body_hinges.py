@@ -65,7 +65,7 @@ def bodies(rig: Rig, characters: Sequence[Character], world: Floats, facing: Flo
     """What the characters say of their joints in a pose, world (n, 4, 4).
 
     facing: where they look by the user's word, (3,), instead of what was recognised. Characters that are not
-    sure, or whose facing direction nothing tells, are left out; of a hand alone there are hinges, and no
+    sure, or whose facing direction nothing shows, are left out; of a hand alone there are hinges, and no
     directions (NaN). That is one by its shape: fingers side by side close together, whatever they are of.
     """
     found = []
@@ -115,7 +115,7 @@ def body_of(bodies: Sequence[Body], node: int) -> Body | None:
 
 
 def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
-    """The joints that only hold what hangs at them: in no chain of a character, no weight on or below them.
+    """The joints that only hold what is below them: in no chain of a character, no weight on or below them.
 
     None where no skin has weights: there meshes that hang at joints are the body.
     """
@@ -138,7 +138,7 @@ def sockets(rig: Rig, characters: Sequence[Character]) -> frozenset[int]:
 def _frame(
     rig: Rig, character: Character, world: Floats, facing: Floats | None
 ) -> tuple[Floats, Floats, bool] | None:
-    """Where a character looks in a pose and where its up is, (3,) each; None where nothing tells.
+    """Where a character looks in a pose and where its up is, (3,) each; None where nothing shows it.
 
     And whether its names say left where it has its right.
     """

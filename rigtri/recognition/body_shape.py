@@ -30,7 +30,7 @@ from rigtri.recognition.symmetry import Pair, Plane, between
 
 # So many of the longest pairs are tried as legs and as arms.
 _TRIED = 10
-# Another file's up than the one it says is believed so much less.
+# Another file's up than the one it says counts so much less.
 _OTHER_UP = 0.8
 # The line between two limbs of a pair lies across the plane: the cosine, which allows for a turned chest.
 _SQUARE = 0.8
@@ -257,7 +257,7 @@ def _apart(tree: Tree, legs: Limbs, arms: Limbs) -> bool:
 
 
 def _both(tree: Tree, legs: Limbs, arms: Limbs, others: Sequence[Limbs], longest: float) -> Body:
-    """A pair as legs and another as arms, up as suits them best: what speaks for it, as a weighted mean."""
+    """A pair as legs and another as arms, up as suits them best: what supports it, as a weighted mean."""
     spine = arms.starts - legs.starts
     on, down, out = spine.unit, (legs.ends - legs.starts).unit, (arms.ends - arms.starts).unit
     common = tree.common(legs.pair.above, arms.pair.above)
@@ -326,7 +326,7 @@ def _most_beside(legs: Limbs, others: Sequence[Limbs]) -> float:
 
 
 def _passed_over(tree: Tree, arms: Limbs, others: Sequence[Limbs], common: int) -> bool:
-    """Whether a pair hangs at the spine below the arms that would be arms as well: they are hair, or ears."""
+    """Whether a pair is at the spine, below the arms, that would be arms as well: they are hair, or ears."""
     high = arms.pair.above
     between = set(tree.way(common, high)[1:-1]) if high >= 0 else set()
     return any(

@@ -121,7 +121,7 @@ def _other_side(draft: Draft, each: Found) -> str:
 
 
 def _against_the_tree(draft: Draft, each: Found) -> str:
-    """Joints that do not hang below each other: so it may be in IK rigs, where they hang at the trunk."""
+    """Joints that are not below each other: so it may be in IK rigs, where they are below the trunk."""
     tree = draft.tree
     start, middle, end = each.joints
     for node, over in ((middle, start), (end, middle)):

@@ -1,4 +1,4 @@
-"""Which joints make one character: what hangs together, and what one skin moves, unless it is a crowd."""
+"""Which joints make one character: what belongs together, and what one skin moves, unless it is a crowd."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def groups_of(tree: Tree) -> list[list[int]]:
 
 
 def _tops(tree: Tree) -> list[int]:
-    """The nodes that skeletons begin at: roots, or what hangs below containers that are no joints."""
+    """The nodes that skeletons begin at: roots, or what is below containers that are no joints."""
     joint, tops, left = tree.rig.is_joint, [], list(tree.below[-1])
     for node in left:  # it grows as it is walked
         below = tree.below[node]

@@ -96,7 +96,7 @@ class _Curl(NamedTuple):
 
 
 def _alike(curls: Sequence[_Curl]) -> list[_Curl]:
-    """The same, with the mean numbers of two hands that are bent alike, so that one rule speaks for both."""
+    """The same, with the mean numbers of two hands that are bent alike, so that one rule applies to both."""
     if len(curls) != 2 or abs(curls[0].bend - curls[1].bend) > ALIKE:
         return list(curls)
     mean = [0.5 * (one + other) for one, other in zip(curls[0][1:], curls[1][1:], strict=True)]
@@ -160,7 +160,7 @@ class _PosedHand:
         return normalise(np.nan_to_num(lines).cumsum(axis=0)[-1]) if lines else normalise(self.arm)
 
     def palm(self, curl: _Curl) -> Hinge | None:
-        """About which axis the hand closes; None where nothing tells."""
+        """About which axis the hand closes; None where nothing shows it."""
         across, natural = self._across, self.natural
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
         if curl.bend > CURLED and curl.agreement > AGREEMENT:

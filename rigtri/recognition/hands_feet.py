@@ -26,7 +26,7 @@ _CALLED = {
 }
 _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
-# Of what hangs at a hand, chains longer than this part of the lower arm are no fingers.
+# Of what is below a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
@@ -86,7 +86,7 @@ def _hand(draft: Draft, arm: Found) -> None:
 
 
 def _beside(draft: Draft, arm: Found) -> list[list[int]]:
-    """The fingers of a palm of several joints side by side, and a thumb that hangs at the lower arm."""
+    """The fingers of a palm of several joints side by side, and a thumb that is below the lower arm."""
     tree, hand, size = draft.tree, arm.joints[2], _lower(draft, arm)
     others = [k for k in tree.below[tree.above[hand]] if k != hand and not _is_other(draft, k)]
     far = {k: (tree.at[k] - tree.at[hand]).length for k in others}

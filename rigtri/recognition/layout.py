@@ -55,7 +55,7 @@ class Part:
     there. role: ``deform`` moves points as a bone of the body; ``twist`` stands along a bone and takes a
     share of its turn; ``end`` only says where the last bone ends; ``helper`` corrects the shape beside a
     bone; ``attachment`` is something worn or held: hair, skirt, weapon; ``control`` is there to be
-    animated: IK targets, poles, what hangs at the root. confidence: 0 to 1. evidence: words.
+    animated: IK targets, poles, what is below the root. confidence: 0 to 1. evidence: words.
     """
 
     joint: int
@@ -98,7 +98,7 @@ class Chain:
 class Character:
     """One body: where it begins, how it stands, and what it is made of.
 
-    root: the node that all of it hangs under, −1 where several nodes without a common parent make it.
+    root: the node that all of it is below, −1 where several nodes without a common parent make it.
     hips: the joint that carries legs and spine, −1 where there is none. form: ``partial`` is a part of a
     body, an arm or a pair of legs; ``creature`` has limbs that are neither of two legs nor of four.
     parts: by node. point, normal: the plane between left and right in the world, file units, the normal

@@ -3,7 +3,7 @@
 It comes from the pose, the motion, the twin of the limb, or its kind and the facing direction.
 
 Half of all real limbs are straight at rest, and noise then looks like a bend plane; clips lock knees and
-bend them a little backwards. So what is small is believed only where limbs of that kind bend so.
+bend them a little backwards. So what is small is accepted only where limbs of that kind bend so.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from rigtri.recognition.bend_direction import (
 from rigtri.recognition.body_hinges import Body, body_of
 from rigtri.report import Report
 
-# A small bend is believed within this of the natural side (a cosine), from the second on where its twin
+# A small bend is accepted within this of the natural side (a cosine), from the second on where its twin
 # is so near to the mirror image.
 NATURAL, MIRRORED = cosine_below(60), cosine_below(30)
 # Below this sine (0.1°) a bend plane is float32 noise.
@@ -58,7 +58,7 @@ class LimbBends:
     _moved: dict[tuple[int, ...], Bend | None] = field(default_factory=dict, init=False)
 
     def of(self, limb: Limb, report: Report, given: Floats | None = None) -> Bend | None:
-        """Where a limb bends to, or None when nothing tells. given: the user's word, (3,).
+        """Where a limb bends to, or None when nothing shows it. given: the user's word, (3,).
 
         From 10° on a bend is the truth, in the pose or in the motion. Below, it is taken within 60° of what
         knees and elbows do where the body faces, but from 30° on only where it is no noise: where the limb
@@ -95,9 +95,9 @@ class LimbBends:
         return towards(limb, self.world, -facing if limb.bends_back else facing, "facing", 1.0)
 
     def _shown(self, limb: Limb, natural: Bend | None) -> tuple[Bend | None, Bend | None]:
-        """What a limb shows that is believed, and what it shows before that is not.
+        """What a limb shows that is accepted, and what it shows before that is not.
 
-        Of a pose that is not believed the motion says on which side it errs, and not which plane is right:
+        Of a pose that is not accepted the motion says on which side it errs, and not which plane is right:
         where it is near the natural one, that is taken.
         """
         doubted = None

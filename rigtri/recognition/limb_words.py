@@ -99,7 +99,7 @@ def agreement(names: Sequence[LimbWords], at: tuple[int, int, int]) -> float:
     """How far the names of a chain say that it bends at three places: 1 where all three do, −1 where none.
 
     names: of the joints of the chain, from the trunk on. What stands before, between or behind the three
-    only speaks against them. Of joints that are only numbered, ``leg_1`` …, names say nothing.
+    only counts against them. Of joints that are only numbered, ``leg_1`` …, names say nothing.
     """
     start, middle, end = at
     total = 0.0

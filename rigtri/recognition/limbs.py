@@ -87,7 +87,7 @@ def _no_line(rig: Rig, triple: tuple[int, int, int], chains: list[Chain]) -> tup
 
 
 def _has_one(rig: Rig, chain: Chain, nodes: tuple[int, ...]) -> bool:
-    """Whether one of the nodes is in a chain, or hangs below where that begins to bend."""
+    """Whether one of the nodes is in a chain, or is below where that begins to bend."""
     return any(node in chain.joints or rig.is_below(node, chain.bend[0]) for node in nodes)
 
 
@@ -123,7 +123,7 @@ def recognise(rig: Rig) -> list[Limb]:
         )
         for chain in sure_limbs(rig)
         if len(chain.bend) == 3
-        # Where all joints hang at one, there is no chain to work on.
+        # Where all joints are below one, there is no chain to work on.
         and rig.is_below(chain.bend[1], chain.bend[0])
     ]
     order = {"left": 0, "right": 1, "": 2}

@@ -1,6 +1,6 @@
 """One character of a rig that has several: what an operation sees that is to edit it alone.
 
-A character is what skins with common joints move (`model.characters`) and what hangs on them. The
+A character is what skins with common joints move (`model.characters`) and what is below them. The
 joints of the others are no joints meanwhile, so that names mean the one at hand; and what rigtri has built
 for them is not seen.
 """
@@ -96,7 +96,7 @@ def within(rig: Rig, nodes: Nodes, edit: Callable[[Rig], Rig]) -> Rig:
 def _of_others(rig: Rig, nodes: Nodes) -> dict[int, Mapping[str, Any]]:
     """The metadata that are about joints of other characters alone, and those of groups of such."""
     hidden: dict[int, Mapping[str, Any]] = {}
-    # Groups come before what they hold, and what hangs on controls after these.
+    # Groups come before what they hold, and what is below controls after these.
     for node, stored in sorted(rig.metadata.items(), reverse=True):
         about = {found for found in rig.named_by(stored) if rig.is_joint[found]}
         about |= {node} if rig.is_joint[node] else set()

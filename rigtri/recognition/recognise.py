@@ -190,7 +190,7 @@ def _missing(draft: Draft) -> list[str]:
 
 
 def parts_of(draft: Draft) -> tuple[Part, ...]:
-    """What each joint of a character is, and each node that hangs at one, in the rig's order."""
+    """What each joint of a character is, and each node that is below one, in the rig's order."""
     tree, rig = draft.tree, draft.tree.rig
     chains = {joint: chain for chain in draft.chains for joint in chain.joints}
     bones = {node: bone for bone, node in draft.bones.items()}

@@ -46,7 +46,7 @@ class Shape:
 
 
 def tree_of(nodes: Sequence[int], poses: Poses, pose: PoseName) -> Tree:
-    """The tree of joints; where all hang at one, each hangs at its neighbour."""
+    """The tree of joints; where all are children of one, each is a child of its neighbour."""
     tree = Tree(poses.rig, nodes, poses.named(pose))
     return _neighbours(tree) if len(nodes) <= MOST and is_flat(tree) else tree
 
@@ -121,13 +121,13 @@ def _pointed(
 
 
 def is_flat(tree: Tree) -> bool:
-    """Whether all joints hang at one node, so that none follows another."""
+    """Whether all joints are below one node, so that none follows another."""
     loose = [k for k in tree.nodes if not tree.below[k]]
     return 8 <= len(loose) <= MOST // 4 and len(loose) >= len(tree.nodes) - 2
 
 
 def _neighbours(tree: Tree) -> Tree:
-    """The shortest tree that joins joints which all hang at one, from the one in their middle.
+    """The shortest tree that joins joints which all are children of one, from the one in their middle.
 
     No joint follows one of the other side, and those in the middle follow one another, so that both sides
     come out alike. Source: R. C. Prim, "Shortest connection networks and some generalizations", 1957.

@@ -47,7 +47,7 @@ def pairs_of_limbs(draft: Draft, found: Sequence[Found]) -> tuple[list[Found], l
 
 
 def _hang(draft: Draft, limbs: Sequence[Found]) -> int:
-    """The joint that limbs hang at: the lowest above all of them, −1 for none."""
+    """The joint that limbs are below: the lowest above all of them, −1 for none."""
     tree = draft.tree
     if not limbs:
         return -1

@@ -31,7 +31,7 @@ def facts(rig: Rig) -> dict[str, Any]:
     row-vector matrix, of prims, which the loader need not know. above: the nearest joint above a joint,
     whatever stands between, −1 for none. aim: how far its axes miss its bone, crooked where none fits,
     as `rigtri draw` has it. pole: −1 where there is none yet. side: to which a limb bends at rest, as its
-    first joint has it; null where nothing tells.
+    first joint has it; null where nothing shows it.
     tracks: what moves prims of USD. follows: of constraints, what a node follows, and the node.
     """
     nodes = _nodes(rig)

@@ -170,7 +170,7 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
 
 
 def _home(rig: Rig, node: int) -> tuple[Rig, int]:
-    """What the twin of a node hangs under: what the node itself does, where that is on neither side."""
+    """The parent of a node's twin: the node's own parent, where that is on neither side."""
     parent = int(rig.parents[node])
     if parent < 0:
         return group(rig)

@@ -74,7 +74,7 @@ def _limb(rig: Rig, record: LimbRecord, options: MirrorOptions, report: Report) 
 
 
 def _parent(rig: Rig, joint: int) -> int | None:
-    """What the twin of a limb hangs below: −1 for the group, None where that has no twin."""
+    """The parent of a limb's twin: −1 for the group, None where that has no twin."""
     parent = int(rig.parents[joint])
     if rig.is_joint[parent]:
         return other(rig, parent)

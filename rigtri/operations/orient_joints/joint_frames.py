@@ -80,7 +80,7 @@ def dead_band(targets: Targets, scales: ScaleTable) -> DeadBand:
     """The dead band of every node before any up direction is known."""
     rig, ref = targets.tree.rig, targets.ref
     joints = list(targets.tree.joints)
-    scale_noise = scales.noise.copy()  # of each node and all above it: each takes what hangs at it along
+    scale_noise = scales.noise.copy()  # of each node and all above it: each takes what is below it along
     for level in rig.levels[1:]:
         scale_noise[level] += scale_noise[rig.parents[level]]
     noise = max(float(scale_noise[joints].max()), float(_strain(ref.world)[joints].max()))

@@ -167,7 +167,7 @@ class Counterparts:
         return np.asarray(AXIS_TURNS[best if off[best] <= MOST_DEGREES < off[0] else 0])
 
     def _bone_of(self, node: int) -> int:
-        """The joint that a joint hangs on in both files, or −1."""
+        """The joint that a joint is below in both files, or −1."""
         above = self.line(node)[2] if self.rig.is_joint[node] else -1
         return above if above >= 0 and self.rig.is_joint[above] else -1
 

@@ -1,6 +1,6 @@
 """Whether a clip that was taken plays as in EDITED, by the worlds of joints in both files.
 
-What was taken was worked out track by track, by rules for axes, places and rests. None of these is believed
+What was taken was worked out track by track, by rules for axes, places and rests. None of these is relied on
 here: both files are played, each by its own tracks and rests, and at EDITED's keys each joint is compared,
 seen from the joint above, or from the world; where EDITED's keys are far apart, at the result's, too. So a
 rule that does not hold for a clip is an error that names the clip, and never another motion.

@@ -240,7 +240,7 @@ def rotations(
 ) -> Iterator[FramePoints]:
     """The ends of the axes of nodes that show no mesh and have none below them, nor are rigtri's own.
 
-    They show rotations; as far away as what hangs on each node, a twentieth of its size, (n,), at least.
+    They show rotations; as far away as what is below each node, a twentieth of its size, (n,), at least.
     """
     unseen = ~_drawn(before, meshes) & moving & (m.node >= 0)
     unseen[list(before.own)] = False
@@ -276,7 +276,7 @@ def _drawn(rig: Rig, meshes: Sequence[Mesh]) -> Booleans:
 
 
 def _reaches(rig: Rig, least: Floats) -> Floats:
-    """How far what hangs on each node reaches at rest, (n,), in file units."""
+    """How far what is below each node reaches at rest, (n,), in file units."""
     places, found = rig.world[:, 3, :3], least.copy()
     for node in range(len(rig) - 1, -1, -1):
         parent = int(rig.parents[node])

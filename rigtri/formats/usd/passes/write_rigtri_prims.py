@@ -214,7 +214,7 @@ class _Additions:
             found += self._locator(node)
         for skin in skins:
             found += self._skeleton(skin)
-        # A group nobody hangs under would be an empty Scope.
+        # A group without children would be an empty Scope.
         return [*chain(*self.made.values()), *found]
 
     def _is_group(self, node: int) -> bool:
