@@ -2,7 +2,7 @@
 
 Nodes become prims, joints those of Skeletons, clips SkelAnimations, morph targets BlendShapes, materials
 UsdPreviewSurface; images are written to a folder beside OUT, or into it (.usdz, .glb). Both files are
-skinned at every key and between, and compared before OUT is written. What the other format cannot say is
+skinned at every key and between, and compared before OUT is written. What the other format cannot store is
 listed.
 
 \b
@@ -47,8 +47,8 @@ from .terminal_text import counted
 @reading_options
 @shared("overwrite")
 @dry_run_option
-@report_option("Write what was done, and what the other format cannot say")
-@shared("strict", more="So is what the other format cannot say.")
+@report_option("Write what was done, and what the other format cannot store")
+@shared("strict", more="So is what the other format cannot store.")
 @shared("verify")
 @shared("tolerance")
 @output_options

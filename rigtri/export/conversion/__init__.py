@@ -2,6 +2,6 @@
 
 `scene` holds it: a rig with its meshes, materials, cameras, lights and extras. `gltf_scene` and `usd_scene`
 read it, the modules whose names begin with ``usd_`` or ``gltf_`` write it, each its subject. No other
-package knows both formats. What the other format cannot say is added to `Scene.lost` by whoever finds it.
+package knows both formats. What the other format cannot store is added to `Scene.lost` by whoever finds it.
 Files, their verification and what is reported are `rigtri.pipeline.convert`'s.
 """

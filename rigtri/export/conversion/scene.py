@@ -135,7 +135,7 @@ class Scene:
     lost: list[str] = field(default_factory=list)
 
     def lose(self, what: str) -> None:
-        """Note what the other format cannot say; the same words only once."""
+        """Note what the other format cannot store; the same words only once."""
         if what not in self.lost:
             self.lost.append(what)
 

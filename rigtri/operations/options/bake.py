@@ -30,8 +30,8 @@ class BakeOptions(OneCharacter):
         "joints",
         help="What gets the keys.",
         values={
-            "joints": "what controls, IK and constraints make of them",
-            "controls": "the motion that the joints have",
+            "joints": "the result of controls, IK and constraints",
+            "controls": "the motion of the joints",
         },
         group="what",
     )

@@ -68,8 +68,8 @@ class ConstrainOptions(OneCharacter):
         "parent",
         help="What the child takes over.",
         values={
-            "parent": "place and axes, as if it were a child",
-            "point": "the place",
+            "parent": "position and axes, as if it were a child",
+            "point": "the position",
             "orient": "the axes",
             "scale": "the scale",
             "aim": "points an axis at the driver",
