@@ -239,9 +239,7 @@ def _axes(rig: Rig, points: Floats, normal: Floats, options: MakeLimbOptions, re
     if options.end_aim is not None:
         aims.append(_end_point(rig, options.end_aim, options.pose) - points[-1])
         if not length(aims[-1]) > ONE_PLACE * float(length(points[-1] - points[0])):
-            raise GeometryError(
-                "--end-aim: that is the position of the end joint itself, so it cannot aim at it"
-            )
+            raise GeometryError("--end-aim: the end joint is at this position, so it cannot aim at it")
     found = []
     for part, aim in enumerate(aims):
         if options.is_chain:

@@ -386,11 +386,7 @@ def _of_words(where: str, table: str, text: str) -> Iterator[str]:
     for word in text.split():
         can_be, better = _read(table, word)
         if not can_be:
-            hint = (
-                f"write '{better}'"
-                if better
-                else "sides and words like joint are ignored in names; leave it out"
-            )
+            hint = f"write '{better}'" if better else "sides and words like joint are ignored; leave it out"
             yield f"{where}: no name can say '{word}': {hint}"
 
 

@@ -82,7 +82,7 @@ def test_the_end_aims_along_the_given_axis() -> None:
     assert_allclose(out.world[joints[2], :2, :3], [[0, 0, 1], [0, 1, 0]], atol=1e-6)
     with pytest.raises(GeometryError, match="along the limb's hinge"):
         made(end_aim=(6.0, 0.0, 2.0))
-    with pytest.raises(GeometryError, match="the end joint itself"):
+    with pytest.raises(GeometryError, match="the end joint is at this position"):
         made(end_aim=(6.0, 0.0, 0.0))
 
 
