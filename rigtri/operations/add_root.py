@@ -44,6 +44,10 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     start = rig.find(options.above) if options.above is not None else _start(rig)
     if not any(rig.is_joint[node] for node in rig.below(start)):
         raise UsageError(f"--above {rig.title(start)}: this is not a joint, and no joint is below it")
+    # Where no hips are known, a root that is there is the first of the body's joints.
+    is_root = options.above is None and rig.names[start] == options.name and not weighted_joints(rig)[start]
+    if is_root:
+        return rig if options.profile is None else with_ik_bones(rig, start, options.profile, report)
     if (root := root_above(rig, start)) >= 0 and rig.names[root] != options.name:
         report.joints.append(joint_record(rig, root, "kept", reason="is the root already"))
         return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)
@@ -115,7 +119,7 @@ def _start(rig: Rig) -> int:
         raise GeometryError(f"{found}: name the joint below the root with --above")
     (body,) = layout.characters
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
-    if not joints and body.hips < 0:
+    if not joints:
         raise GeometryError(
             "There is no skeleton in this file: no skin lists joints. "
             "Name the node below the root with --above"

@@ -438,3 +438,11 @@ def test_a_file_without_a_skin_has_no_body_to_put_a_root_below() -> None:
     reason = cli("add-root", SAMPLES / "arm.gltf", "-n", code=5).stderr
     assert "There is no skeleton in this file" in reason
     assert "--above" in reason
+
+
+def test_a_second_root_is_not_added_where_no_hips_are_known(tmp_path: Path) -> None:
+    """Before, it was an error, for the first of the body's joints is the root then."""
+    once, twice = tmp_path / "once.glb", tmp_path / "twice.glb"
+    cli("add-root", SAMPLES / "hand.glb", "-o", once, code=0)
+    cli("add-root", once, "-o", twice, code=0)
+    assert twice.read_bytes() == once.read_bytes()
