@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rigtri.errors import GeometryError, UsageError, did_you_mean
+from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
@@ -112,8 +112,11 @@ def steps_of(options: ConformOptions, skeleton: Skeleton) -> Steps:
 def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     """The rig with the standard skeleton of an engine; every clip looks as before.
 
-    Raises as the steps do (`steps_of`): freeze, rename-joints, set-rest, add-root, orient-joints.
+    FileError where no skin has joints; else as the steps do (`steps_of`): freeze, rename-joints, set-rest,
+    add-root, orient-joints.
     """
+    if not rig.is_joint.any():
+        raise FileError("There is no skeleton in this file: no skin lists joints, as the standard ones have")
     skeleton = skeleton_of(options.to)
     steps = steps_of(options, skeleton)
     bodies = recognise(rig).characters

@@ -12,7 +12,7 @@ from program import cli
 from usd_files import deviation
 
 import rigtri
-from rigtri.errors import GeometryError
+from rigtri.errors import FileError, GeometryError
 from rigtri.maths.matrices import compose, decompose, inverse, multiply
 from rigtri.maths.quaternions import angle_between, from_axis_angle, normalise
 from rigtri.maths.vectors import cross, dot, length
@@ -314,3 +314,10 @@ def test_a_body_that_is_bound_facing_aside_is_reported() -> None:
     bound = replace(skin, inverse_bind=inverse(multiply(rig.world, aside)[skin.joints]))
     rigtri.conform(replace(turned, skins=(bound,)), to="unreal", report=report)
     assert [warning.code for warning in report.warnings].count("facing") == 1
+
+
+def test_without_a_skeleton_nothing_is_conformed() -> None:
+    """Before, a traceback, as there is no joint to be on the ground."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    with pytest.raises(FileError, match="no skin lists joints"):
+        rigtri.conform(replace(rig, skins=()), to="unreal")

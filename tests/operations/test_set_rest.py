@@ -158,3 +158,10 @@ def test_joints_that_rest_within_a_clip_are_refused(tmp_path: Path) -> None:
     source = save(tmp_path, scene(skeleton(rest=rest), animation(rotations=blocked), MESH))
     ran = cli("set-rest", source, "-o", tmp_path / "out.usda", "--pose", "bind", code=5)
     assert "</Root/Anim>.rotations is blocked at 5" in " ".join(ran.stderr.split())
+
+
+def test_plain_prims_get_no_other_rest_pose_and_the_error_says_why(tmp_path: Path) -> None:
+    """Before, it ended with 3, as if the file were damaged."""
+    words = ["--root", "/arm", "--pose", "xforms@10"]
+    reason = cli("set-rest", SAMPLES / "arm.usda", "-o", tmp_path / "o.usda", *words, code=5).stderr
+    assert "/arm/shoulder/elbow> is a plain prim" in reason

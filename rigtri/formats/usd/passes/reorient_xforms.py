@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pxr import Sdf, UsdGeom
 
-from rigtri.errors import FileError
+from rigtri.errors import FileError, GeometryError
 from rigtri.formats.usd.composition.stage import DEFAULT, refuse, tokens_of, why_locked
 from rigtri.formats.usd.composition.time_samples import ops_times
 from rigtri.formats.usd.opinions.edits import Edit, remove_properties, set_tokens, set_value
@@ -58,7 +58,7 @@ SAME_PLACE = 1e-9
 def reorient_xforms(edit: UsdEdit) -> None:
     """Give all prims whose local matrix changed their new axes, and those below them theirs.
 
-    FileError where a prim cannot be edited, or no rotation explains the change.
+    FileError where a prim cannot be edited, GeometryError where no rotation explains the change.
     """
     before, rig = edit.source.rig, edit.rig
     reoriented = {
@@ -127,7 +127,7 @@ class _Frame(NamedTuple):
 
 
 def _delta(before: Rig, after: Rig, node: int, above: _Frame) -> _Frame:
-    """C of one prim from local' = C·local·Cp⁻¹; FileError where no rotation and size explain the change."""
+    """C of one prim from local' = C·local·Cp⁻¹; GeometryError where no rotation and size explain it."""
     old, new = before.local[node], after.local[node]
     lifted = multiply(new, compose(np.zeros(3), above.rotation, np.full(3, above.size)))
     change = multiply(lifted, inverse(old))
@@ -137,7 +137,10 @@ def _delta(before: Rig, after: Rig, node: int, above: _Frame) -> _Frame:
     axes = compose(np.zeros(3), q, np.full(3, size))
     left = np.abs(multiply(axes, old) - lifted).max()
     if not left <= SAME_PLACE * max(1.0, float(np.abs(lifted).max())):
-        raise FileError(f"<{before.labels[node]}>: prims can be re-oriented, but not moved or scaled.")
+        raise GeometryError(
+            f"<{before.labels[node]}> is a plain prim, which can get other axes, but no other rest pose. "
+            "Change its xformOps in the program that it is from"
+        )
     return _Frame(np.asarray(IDENTITY) if np.abs(q - IDENTITY).max() < SAME_ROTATION else q, size)
 
 
