@@ -26,6 +26,7 @@ from .option_types import FilePath, Tolerance
 from .options import json_option, quiet_option, reading_options
 from .parameters import check_streams, read_options
 from .printing import print_json, warn_unused_root
+from .progress import Progress
 from .terminal_text import echo, plain
 
 # As of diff and usddiff: 0 nothing differs, 1 something does, 2 an error.
@@ -81,7 +82,8 @@ def _diff(before: str, after: str, values: dict[str, Any]) -> bool:
 
     check_streams(before, after)
     brief, quiet = values["brief"], values["quiet"]
-    with opened(before) as one, opened(after) as other:
+    bar = Progress(after, quiet=quiet or values["as_json"])
+    with opened(before) as one, opened(after) as other, bar:
         found = diff(
             Path(one),
             Path(other),

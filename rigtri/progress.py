@@ -75,6 +75,20 @@ def count_done(done: float, total: int, what: str) -> None:
         watcher.at(one.done, one.total, one.what)
 
 
+@contextmanager
+def as_share(begin: float, end: float) -> Iterator[None]:
+    """What is counted in here is this share, from 0 to 1, of the thing that is begun."""
+    outer = _outer.get()
+    if outer is not None:
+        inner = outer.within(begin, 1)
+        _outer.set(inner._replace(share=outer.share * (end - begin)))
+        count_done(0, 1, inner.what)
+    try:
+        yield
+    finally:
+        _outer.set(outer)
+
+
 def counted(things: Collection[T], what: str) -> Iterator[T]:
     """Things one by one, with a sign of how many are done; ``what`` they are, in the plural."""
     outer, total = _outer.get(), len(things)

@@ -28,6 +28,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.progress import as_share, counted
 
 # Samples a second, at most and on average, where no number is given; a short clip has those of a second.
 MOST_A_SECOND = 1024.0
@@ -91,6 +92,7 @@ class _Refinement:
         self.most = min(int(seconds * MOST_A_SECOND) + 1, MOST_KEYS)
         self.worst, self.limited = (0.0, 0.0, -1), False
         self.nodes = np.zeros(0, dtype=np.int64)
+        self.rounds = 0
 
     def deviations(self, times: Floats, left: Integers) -> Floats:
         """The largest deviation in each interval, (m,), in file units."""
@@ -100,7 +102,10 @@ class _Refinement:
             parts = self.curve.at(new)
             self.parts = _merged(self.parts, len(self.times), parts, len(new), order)
             self.times = times
-        off, self.nodes = _off(self.curve, times, self.parts, left)
+        # How many rounds there will be nobody knows: each is half of what is left.
+        with as_share(1 - 0.5**self.rounds, 1 - 0.5 ** (self.rounds + 1)):
+            off, self.nodes = _off(self.curve, times, self.parts, left)
+        self.rounds += 1
         return off
 
     def division(self, start: Floats, span: Floats, off: Floats) -> Integers:
@@ -140,7 +145,7 @@ def _off(curve: Curve, times: Floats, parts: Mapping[int, Parts], left: Integers
     inside = np.concatenate([as_float32(start + share * span) for share in _SHARES])
     which = np.tile(np.arange(len(left)), len(_SHARES))
     real = np.flatnonzero((inside > start[which]) & (inside < start[which] + span[which]))
-    for rows in blocks(len(real)):
+    for rows in counted([*blocks(len(real))], "moments"):
         some = real[rows]
         k = which[some]
         shown = _line(parts, left[k], (inside[some] - start[k]) / span[k])

@@ -16,7 +16,7 @@ from rigtri.formats import read
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.bake.bake import BakeOptions, bake
 from rigtri.operations.snap import SnapOptions, snap
-from rigtri.progress import as_part, begin_stage, count_done, counted, report_progress
+from rigtri.progress import as_part, as_share, begin_stage, count_done, counted, report_progress
 from rigtri.report import Report
 
 
@@ -98,7 +98,11 @@ def test_work_on_many_things_tells_how_many_are_done() -> None:
         assert steps.counts == [(k, 23, "controls") for k in range(24)]
         steps.counts.clear()
         rig = bake(rig, options=BakeOptions(to="controls"), report=Report())
-        assert steps.counts == [(0, 2, "clips"), (1, 2, "clips"), (2, 2, "clips")]
+        done = [round(done, 9) for done, *_ in steps.counts]
+        assert {(total, what) for _, total, what in steps.counts} == {(2, "clips")}
+        assert done == sorted(done)
+        assert {0, 1, 2} <= set(done)
+        assert len([part for part in done if 0 < part < 1]) > 10  # within one clip, too
         steps.counts.clear()
         snap(rig, options=SnapOptions(at=("walk@0.4",), to="fk", all_limbs=True), report=Report())
     assert steps.counts == [(k, 4, "limbs") for k in range(5)]
@@ -128,6 +132,19 @@ def test_what_is_counted_within_a_count_is_a_part_of_one_of_its_things() -> None
             break
         count_done(1, 3, "limbs")
     assert steps.counts == [(0, 2, "clips"), (1, 3, "limbs")]
+
+
+def test_shares_of_one_thing_follow_each_other() -> None:
+    steps = Steps()
+    with report_progress(steps), as_share(0, 0.5):
+        assert steps.counts == []  # nothing is begun that this could be a share of
+    with report_progress(steps):
+        for _ in counted("a", "clips"):
+            with as_share(0, 0.5):
+                list(counted("ab", "moments"))
+            with as_share(0.5, 1):
+                list(counted("ab", "controls"))
+    assert steps.counts == [(k, 1, "clips") for k in (0, 0, 0, 0.25, 0.5, 0.5, 0.5, 0.75, 1, 1)]
 
 
 def test_a_build_shows_every_pass_over_the_clips(tmp_path: Path) -> None:

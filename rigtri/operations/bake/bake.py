@@ -70,7 +70,7 @@ from rigtri.operations.solver_warnings import clip_solver_warnings, solver_warni
 from rigtri.operations.take_clips.ik_switches import ik_ends
 from rigtri.operations.take_clips.rejoin_clips import joined
 from rigtri.operations.take_clips.restore_metadata import as_described
-from rigtri.progress import counted
+from rigtri.progress import as_share, count_done, counted
 from rigtri.report import Report
 
 # Types of nodes whose keys follow joints, and are made anew after them.
@@ -79,6 +79,8 @@ _FOLLOW = ("poseReader", "poseWeight", "rivet", "twist")
 _ROUNDS = 8
 # What follows rivets has come to rest after so many passes for each of them, or forms a cycle.
 _PASSES = 6
+# The share of a clip's work that goes into finding its samples, about.
+_SAMPLED = 0.7
 
 
 @operation(BakeOptions)
@@ -251,7 +253,8 @@ class _Baker:
         }
         replaced |= {(node, path) for node in solver.offsets for path in PATHS}
         timing = self._times_from(timeline, replaced)
-        samples = self._samples(JointCurve(solver, timeline.clip, self.size), timing)
+        with as_share(0, _SAMPLED):
+            samples = self._samples(JointCurve(solver, timeline.clip, self.size), timing)
         times, parts = samples.times, samples.parts
         held = times if steps_only(timing) else jumps(timing)
         refuse_overstretch(self.rig, solver.limbs, parts, timeline.name, times)
@@ -320,13 +323,17 @@ class _Baker:
         timing = self._times_from(timeline, {(node, path) for node in made for path in PATHS})
         joints = tuple(t for t in timeline.clip.tracks if t.node not in made)
         clip = replace(timeline.clip, tracks=joints)
-        samples = self._samples(ControlCurve(solver, clip, self.size), timing)
+        with as_share(0, _SAMPLED):
+            samples = self._samples(ControlCurve(solver, clip, self.size), timing)
         times = samples.times
         held = times if steps_only(timing) else jumps(timing)
         tracks: list[Track] = []
+        solved: set[int] = set()
 
         def keep(node: int, parts: Parts) -> Parts:
             """Tracks for a control, and their values at all times."""
+            count_done(len(solved), len(made | solved), "controls")
+            solved.add(node)
             at_zero = PoseCache(self.rig).part(node)
             own = self._tracks(timeline, times, held, node, parts, at_zero)
             tracks.extend(own)
@@ -335,7 +342,8 @@ class _Baker:
                 read[track.path] = track.values if track.times is times else sample(track, times)
             return Parts(read["translation"], unit(read["rotation"]), read["scale"])
 
-        found = solve_controls(solver, sample_parts(self.rig, clip, times), keep)
+        with as_share(_SAMPLED, 1):
+            found = solve_controls(solver, sample_parts(self.rig, clip, times), keep)
         before, self.rig = self.rig, put_tracks(self.rig, timeline, tracks)
         if not self.options.discard_motion:
             bound = max(self.options.between, UNBAKED)
