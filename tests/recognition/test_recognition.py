@@ -494,7 +494,7 @@ def test_a_scheme_of_ones_own_comes_first(tmp_path: Path, monkeypatch: pytest.Mo
         ('[sides]\nHand = "h"', "'title' is missing"),
         ("title = 3", "'title' is a number: give a text"),
         ('title = "A"\nside = 1', "there is no 'side'. Did you mean 'sides'"),
-        ('title = "A"\n[middle]\nHand = "h"', r"\[middle\] Hand: there is no such bone here. There are hips"),
+        ('title = "A"\n[middle]\nWing = "w"', r"\[middle\] Wing: there is no such bone here. There are hips"),
         ('title = "A"\n[sides]\nUperArm = "h"', r"\[sides\] UperArm: .*Did you mean 'UpperArm'"),
         ('title = "A"\n[chains]\ntail = "t"', r"\[chains\] tail: .*There are arm, leg"),
         ('title = "A"\n[sides]\nHand = ["a"]', r"\[sides\] Hand is a list: give a text in quotes"),
