@@ -17,12 +17,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HEAD = """# How much is recognised
 
-Every character here has its truth in the repository, written by hand
-(`tests/builders/recognition_bodies/truth`) or by the script that makes it. Right is a limb whose
-start, middle and end, kind and side are right; surely wrong is one that would be acted upon and is
-not right. For "without names" the same rigs lose theirs:
-then four legs of two joints are what the suspension of a car is, too, and a wing may be an arm. What
-cannot be known is to be missed, or unsure, and not guessed.
+The right answer for every character here is in the repository, written by hand
+(`tests/builders/recognition_bodies/truth`) or by the script that makes the character. A limb is right
+if its start, middle and end joint, its kind and its side are. It is surely wrong if it is not right,
+and sure enough for commands to use it. "Without names" are the same rigs with their names removed: then
+four legs of two joints look like the suspension of a car, and a wing like an arm. What nothing in the
+file shows should be missed or unsure, and not guessed.
 
     python benchmarks/accuracy.py --assets FOLDER --write docs/recognition-accuracy.md
 
