@@ -50,7 +50,7 @@ class BakeOptions(OneCharacter):
     )
     clip: Clips = option(())
     fps: Above | None = option(
-        None, help="Add this many samples per second to those at keys. [as many as --between needs]"
+        None, help="Sample at keys and this many times a second, nowhere else. [as many as --between needs]"
     )
     between: Tolerance = option(
         BETWEEN, help="Largest error between samples, as a share of the rig's size.", group="how"
