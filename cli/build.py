@@ -153,7 +153,7 @@ def _explain(values: dict[str, Any], spec: Spec) -> None:
     alone = values["source"] is None
     if alone and (values["report_path"] or values["output"]):
         raise UsageError("--explain without IN builds nothing: give IN, or leave out --report and -o")
-    for one in spec.steps:  # beside JSON on standard output they would be none
+    for one in () if values["quiet"] else spec.steps:  # beside JSON on standard output they would be none
         click.echo(plain(_line(one), one_line=True), err=values["as_json"])
     if not alone:
         _run(values | {"dry_run": True}, spec)

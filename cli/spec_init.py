@@ -22,7 +22,7 @@ from rigtri.errors import UsageError
 from . import output_file
 from .help_format import Command
 from .option_types import FilePath
-from .options import json_option, output_option, reading_options, shared, source_argument
+from .options import json_option, output_option, quiet_option, reading_options, shared, source_argument
 from .parameters import read_options
 from .terminal_text import plain
 
@@ -38,6 +38,7 @@ from .terminal_text import plain
 )
 @shared("overwrite")
 @reading_options
+@quiet_option
 @json_option
 def command(source: str, output: str, **values: Any) -> None:
     from rigtri.pipeline.rigspec.load import need_libraries
@@ -58,4 +59,5 @@ def command(source: str, output: str, **values: Any) -> None:
     if output != "-":
         content = in_json + "\n" if suffix == ".json" else text
         output_file.write_output(content.encode("utf-8", "backslashreplace"), output)
-        click.echo(f"Wrote {output}", err=True)
+        if not values["quiet"]:
+            click.echo(f"Wrote {output}", err=True)

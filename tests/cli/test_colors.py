@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from places import SAMPLES
@@ -46,11 +47,18 @@ QUIET = [
     ["explain", "0,0,0", "1,0,.1", "2,0,0"],
     ["mirror", PAIR, "--check"],
     ["orient-joints", BIPED, "--dry-run"],
+    ["spec-init", BIPED, "-o", "rig.yaml"],
+    ["build", "--spec", "rig.yaml", "--explain"],
 ]
 
 
 @pytest.mark.parametrize("line", QUIET, ids=lambda line: str(line[0]))
-def test_quiet_is_quiet_in_every_command(line: list[object]) -> None:
+def test_quiet_is_quiet_in_every_command(
+    line: list[object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.yaml").write_text("steps: [{do: orient-joints}]")
+    line = [*line, "--overwrite"] if line[0] == "spec-init" else line
     done = cli(*line, "-q", env={"FORCE_COLOR": "1", "NO_COLOR": None})
     assert (done.stdout, done.stderr) == ("", "")
 
