@@ -77,9 +77,12 @@ class Manifest:
 
         self.folder, self._lock = os.path.abspath(path.parent), threading.RLock()
         self._path = path
+        new = not path.exists()
         with sqlite_errors(path):
             self._base = sqlite3.connect(path, timeout=0.0, isolation_level=None, check_same_thread=False)
             with ExitStack() as failing:
+                if new:
+                    failing.push(self._remove)
                 failing.callback(self._base.close)
                 check(self._base, path, empty=True)
                 self._base.execute("PRAGMA journal_mode=WAL")
@@ -97,6 +100,12 @@ class Manifest:
                 self._run = row.lastrowid
                 self._commit()
                 failing.pop_all()
+
+    def _remove(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Remove a new manifest that SQLite could not write; one that another run has just made is locked."""
+        if kind is not None and issubclass(kind, sqlite3.Error):
+            for ending in ("", "-wal", "-shm"):
+                Path(f"{self._path}{ending}").unlink(missing_ok=True)
 
     def __enter__(self) -> Self:
         return self

@@ -259,3 +259,20 @@ def test_a_manifest_on_a_full_disk_is_one_error_and_the_next_run_goes_on(
         manifest.ready(entry, "key", record)
         manifest.done(entry, "key", record)
         assert manifest.known(entry) is not None
+
+
+def test_a_new_manifest_that_a_full_disk_does_not_hold_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, one without tables was left behind."""
+    path, connect = tmp_path / "rigtri-batch.sqlite", sqlite3.connect
+
+    def full(*given: Any, **more: Any) -> sqlite3.Connection:
+        base = connect(*given, **more)
+        base.execute("PRAGMA max_page_count=1")
+        return base
+
+    monkeypatch.setattr(sqlite3, "connect", full)
+    with pytest.raises(FileError, match="database or disk is full"):
+        Manifest(path)
+    assert list(tmp_path.iterdir()) == []
