@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import click
 
 from rigtri.errors import UsageError
+from rigtri.progress import counted
 from rigtri.report import SEVERITIES
 from rigtri.verification import Profile
 
@@ -28,6 +29,7 @@ from .help_format import Command, option
 from .option_types import FilePath
 from .options import json_option, quiet_option, shared
 from .printing import print_json
+from .progress import Progress
 from .terminal_text import echo, plain, plain_lines
 
 if TYPE_CHECKING:
@@ -94,8 +96,9 @@ def command(files: tuple[str, ...], **values: Any) -> None:
     if values["strict"] and values["severity"] == "error":
         raise UsageError("--strict fails on warnings, and --severity error leaves them out; give one of them")
     ignored = matching(values["ignore"])
-    with WorkerProcess() as child:  # it starts with the first file that needs it
-        every = {name: _check(name, values, child) for name in files}
+    bar = Progress(files[0] if len(files) == 1 else "check", quiet=values["quiet"] or values["as_json"])
+    with WorkerProcess() as child, bar:  # the process starts with the first file that needs it
+        every = {name: _check(name, values, child) for name in counted(files, "files")}
     results = {name: _kept(findings, ignored, values["severity"]) for name, findings in every.items()}
     left_out = {name: _without(every[name], results[name]) for name in files}
     code = _exit_code(results, strict=values["strict"])

@@ -11,6 +11,7 @@ import pytest
 from places import SAMPLES
 
 import rigtri
+from rigtri.cli import check
 from rigtri.cli.progress import Progress
 from rigtri.formats import read
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -162,3 +163,11 @@ def test_a_build_shows_every_pass_over_the_clips(tmp_path: Path) -> None:
     done = [done for done, total, _ in steps.counts if total == 2]  # another pass is over those that play
     assert [done[0], done[-1]] == [0, 2]
     assert sum(after < before for before, after in pairwise(done)) == 1  # written, then measured
+
+
+def test_the_files_of_a_check_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = on_terminal(monkeypatch)
+    with pytest.raises(SystemExit):
+        check.command.main([str(SAMPLES / "arm.gltf"), str(SAMPLES / "hand.glb")])
+    assert "check  \x1b[32m━━━━━━━━━━━━\x1b[0m" in terminal.getvalue()
+    assert "1/2 files" in terminal.getvalue()
