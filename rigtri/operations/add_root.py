@@ -54,7 +54,7 @@ def add_root(rig: Rig, *, options: AddRootOptions, report: Report) -> Rig:
     joints = [node for node in rig.path_to_root(start) if rig.is_joint[node]]
     top = start if options.above is not None or not joints else joints[-1]
     if rig.names[start] == options.name:
-        raise UsageError(f"--name {options.name}: so is the joint called that the root is to be above")
+        raise UsageError(f"--name {options.name}: the joint below the new root has this name already")
     rig, root = _rooted(rig, top, options, report)
     return rig if options.profile is None else with_ik_bones(rig, root, options.profile, report)
 

@@ -91,7 +91,10 @@ def with_ik_bones(rig: Rig, root: int, profile: str, report: Report) -> Rig:
         if not still:
             followers.append(_Follower(nodes[name], parent, leader))
     if left_out:
-        report.warn("no-bones", f"{listed(left_out, 8)} left out: nothing here is surely what they follow")
+        report.warn(
+            "no-bones",
+            f"{listed(left_out, 8)} left out: the bones that they follow are not recognised with confidence",
+        )
     for timeline in counted(timelines(rig) if followers else (), "clips"):
         # Keys that follow already stay to the bit: the rounding of what they were made of is in them.
         if not _follow(rig, timeline, followers):

@@ -48,7 +48,7 @@ def check_numbers(before: Rig, after: Rig) -> None:
     if lost.any():
         node = int(lost.argmax())
         raise GeometryError(
-            f"'{after.names[node] or after.labels[node]}' gets no place that is a number: a scale at or "
+            f"'{after.names[node] or after.labels[node]}' gets no finite position: a scale at or "
             "above it is zero, or numbers there are too large. Leave it out with --exclude"
         )
 

@@ -338,7 +338,7 @@ def test_an_edit_may_not_make_a_number_none(what: str, tmp_path: Path) -> None:
         return replace(rig, **{what: numbers})
 
     path = small().glb(tmp_path / "a.glb")
-    with pytest.raises(GeometryError, match="'joint 1' gets no place that is a number"):
+    with pytest.raises(GeometryError, match="'joint 1' gets no finite position"):
         edit(path, tmp_path / "out.glb", overflow)
     assert not (tmp_path / "out.glb").exists()
 

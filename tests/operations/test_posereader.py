@@ -358,7 +358,7 @@ def test_a_pose_of_a_clip_is_read_as_one_at_its_time(tmp_path: Path) -> None:
         (
             {"reader": "rbf", "target": (SIDE, Goal("same", pose="bend@1"))},
             GeometryError,
-            "'side' and 'same' are one pose",
+            "'side' and 'same' are the same pose",
         ),
     ],
 )

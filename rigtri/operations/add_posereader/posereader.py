@@ -135,8 +135,8 @@ class _Builder:
         self.reader = PoseReader.of_record(self.record)
         if options.reader == "rbf" and (same := same_poses(self.reader)) is not None:
             raise GeometryError(
-                f"Targets '{same[0]}' and '{same[1]}' are one pose of '{rig.title(self.driver)}' "
-                f"as to its {options.mode}; leave one of them out"
+                f"Targets '{same[0]}' and '{same[1]}' are the same pose of "
+                f"'{rig.title(self.driver)}' in its {options.mode}; leave one of them out"
             )
         self.drives = morph_drives(rig, options.morph, [goal.name for goal in self.goals], self.name, report)
         self.motion = ReaderMotion(rig, self.driver, self.frame, self._nodes())
@@ -336,7 +336,7 @@ class _Builder:
                 self.report.warn(
                     "target-at-rest",
                     f"Target '{goal.name}' of '{self.name}' has the weight {weight:.2g} at rest already, so "
-                    "what it drives is there without any motion: name another direction or pose, or --axis",
+                    "what it drives changes at rest, too: name another direction or pose, or --axis",
                 )
         self.report.added.append(
             {

@@ -146,7 +146,7 @@ class _Ground:
         points = np.concatenate(self.points)
         points = points[np.isfinite(points).all(axis=1)]
         if not len(points):
-            raise GeometryError(f"No point of mesh '{self.name}' has a place at rest")
+            raise GeometryError(f"No point of mesh '{self.name}' has a finite position at rest")
         return float(length(points.max(axis=0) - points.min(axis=0))) or 1.0
 
     def seats(self, options: AddRivetOptions) -> list[_Seat]:
@@ -296,7 +296,9 @@ class _Rivet:
         """Values with turns also where the triangle has no area: those of the key before, or after."""
         if not np.isfinite(values[:, :3]).all():
             at = float(times[int((~np.isfinite(values[:, :3]).all(axis=1)).argmax())])
-            raise GeometryError(f"Rivet '{self.name}' has no place in clip '{timeline.name}' at {at:g}")
+            raise GeometryError(
+                f"Rivet '{self.name}' has no finite position in clip '{timeline.name}' at {at:g}"
+            )
         known = np.asarray(np.isfinite(values[:, 3:]).all(axis=1))
         if known.all():
             return values

@@ -278,7 +278,7 @@ def _warn(rig: Rig, rule: Constraint, switched: bool, report: Report) -> None:
         if rule.kind == "parent" and uneven:
             report.warn(
                 "constraint-shear",
-                f"'{rig.title(driver)}' is stretched unlike along its axes; where it turns against "
+                f"'{rig.title(driver)}' has a non-uniform scale; where it rotates against "
                 f"'{rig.title(rule.child)}' the shear is left out, which no node can hold",
             )
 
