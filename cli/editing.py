@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -109,7 +109,7 @@ def _report_json(
         "limbs": report.limbs,
         "added": report.added,
         "removed": report.removed,
-        "warnings": [asdict(notice) for notice in report.warnings],
+        "warnings": [notice.as_record() for notice in report.warnings],
         "verification": verification,
         "seconds": {name: round(value, 4) for name, value in outcome.seconds.items()},
         **({"hides": outcome.hides} if outcome.hides else {}),

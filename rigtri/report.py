@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
 from rigtri.errors import GeometryError
@@ -19,17 +19,23 @@ class Notice:
     """One thing the user should know.
 
     code: a stable word for machines. geometry: a choice the geometry did not
-    force; with ``--strict`` such a warning is an error.
+    force; with ``--strict`` such a warning is an error. names: all of what the text names the first of.
     """
 
     code: str
     text: str
     joint: str | None = None
     geometry: bool = False
+    names: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, str]:
         """The notice as commands print it that report nothing else of it."""
         return {"code": self.code, "text": self.text}
+
+    def as_record(self) -> dict[str, Any]:
+        """The notice in a report of an edit: all of it, names where it has any."""
+        found = asdict(self)
+        return found if self.names else {key: value for key, value in found.items() if key != "names"}
 
 
 class SameNotices:
@@ -70,9 +76,17 @@ class Report:
     records: bool = True
     _known: set[Notice] = field(default_factory=set, repr=False, compare=False)
 
-    def warn(self, code: str, text: str, *, joint: str | None = None, geometry: bool = False) -> None:
+    def warn(
+        self,
+        code: str,
+        text: str,
+        *,
+        joint: str | None = None,
+        geometry: bool = False,
+        names: Iterable[str] = (),
+    ) -> None:
         """Note something that the user should know; the same words only once."""
-        self.extend([Notice(code, text, joint, geometry)])
+        self.extend([Notice(code, text, joint, geometry, tuple(names))])
 
     def extend(self, notices: Iterable[Notice]) -> None:
         """Take up notices that are not here yet."""

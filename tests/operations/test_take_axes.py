@@ -130,6 +130,9 @@ def test_rolled_joints_are_reported_with_what_is_edited_of_them_and_poses_are_no
         texts = [notice.text for notice in report.warnings if notice.code == "unsure-axes"]
         assert bool(texts) is told
     assert re.search(r"\('forearm_L: \d\d\.\d°', 'hand_L: \d\d\.\d°'\)", texts[0])
+    (notice,) = (notice for notice in report.warnings if notice.code == "unsure-axes")
+    assert notice.as_record()["names"] == ("forearm_L", "hand_L")  # all, however many the text has
+    assert "names" not in replace(notice, names=()).as_record()
 
 
 @pytest.mark.ci

@@ -71,7 +71,7 @@ def test_a_clip_with_a_name_of_its_own_is_new_whatever_its_length() -> None:
         playing(walk=(LONG, 0.1), idle=(LONG, 0.2)), playing(walk=(LONG, 0.1), run=(LONG, 0.7))
     )
     assert far == {"walk": 0.1, "idle": 0.2, "run": 0.7}
-    assert "'idle'" in notices["new-clip"]
+    assert "EDITED has none for 'idle'." in notices["new-clip"]  # which is not like "run"
 
 
 def test_a_number_is_also_of_a_clip_with_a_name() -> None:

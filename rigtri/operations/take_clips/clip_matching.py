@@ -196,7 +196,7 @@ class ClipNames:
 
     def _warn_unmatched(self, together: Mapping[str, Sequence[Timeline]]) -> None:
         """Warn of clips that were not matched by name, and keep those for which RIG may need a new one."""
-        left = [name for name in self.known if name not in together]
+        left = [name for name in self.known if name not in self.homes.values()]
         # What has no motion at all gets its one clip, whatever that is called.
         motionless = self.one_timeline and not self.ours
         known = {*self.known, *(clip.name for clip in self.rig.clips if not clip.tracks)}
@@ -205,8 +205,9 @@ class ClipNames:
             if self.warn_unsure(name, parts) or name in known or motionless:
                 continue
             if self.user_names.get(called) != called:
-                close = get_close_matches(name, list(self.known), n=3) or left[:3]
-                hint = f" Did you mean {', '.join(map(repr, close))}?" if close else ""
+                hint = f" EDITED has none for {', '.join(map(repr, left[:3]))}." if left else ""
+                if close := get_close_matches(name, list(self.known), n=3):
+                    hint = f" Did you mean {', '.join(map(repr, close))}?"
                 self.unmatched[name] = f"{hint} Name the clip of RIG with --as '{called}=CLIP'"
 
     def warn_new(self, name: str, *, written: bool) -> None:

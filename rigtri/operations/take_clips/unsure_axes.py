@@ -71,13 +71,15 @@ class AxesEvidence:
             found |= own if joint in taken else set()
             deciding[joint] = own if joint in self._unshown else set()
         if found:
-            names = list_names(f"{both.rig.title(n)}: {self.off[n]:.3g}°" for n in sorted(found))
+            joints = sorted(found)
+            names = list_names(f"{both.rig.title(n)}: {self.off[n]:.3g}°" for n in joints)
             report.warn(
                 "unsure-axes",
                 "No skin of EDITED shows which axes some joints have. RIG's were assumed, though their "
                 f"rotation differs from RIG's rest and bind pose at every key ({names}). If EDITED has "
                 "other axes there, and not another pose, these joints and their children are twisted: export "
                 "EDITED with its skin",
+                names=[both.rig.title(n) for n in joints],
             )
 
 
