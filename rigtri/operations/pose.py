@@ -118,7 +118,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):
-            raise GeometryError(f"'{rig.title(node)}' has no place that is a number in {options.at}")
+            raise GeometryError(f"'{rig.title(node)}' has no finite position in {options.at}")
     timeline, time = timeline_and_time(rig, options.at)
     taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * size_of(rig)))
     weights = _morphed(rig, timeline, time)

@@ -226,7 +226,7 @@ def test_aim_at_is_obeyed_for_any_node_whatever_is_selected(node: str, selection
         ({"aim_at": (("b", "c"),), "exclude": ("b",)}, UsageError, "'b' is excluded"),
         ({"aim_at": (("b", "c"), ("b", "a"))}, UsageError, "'b' cannot aim at two nodes"),
         ({"aim_at": (("b", "c"),), "world": True}, UsageError, "parallel to the world"),
-        ({"aim_at": (("lamp", "here"),)}, GeometryError, "in the same place"),
+        ({"aim_at": (("lamp", "here"),)}, GeometryError, "at the same position"),
         ({"aim_at": (("prop", "c"),)}, GeometryError, "cannot be re-oriented: it is data"),
     ],
 )

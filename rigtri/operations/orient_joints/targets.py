@@ -202,7 +202,7 @@ def _check_aims(
         if styles[joint].world:
             raise UsageError(f"{pair}: axes of the world are requested, and these aim at nothing")
         if not length(ref.position(target) - ref.position(joint)) > ZERO_LENGTH * ref.extent:
-            raise GeometryError(f"{pair}: both stand in the same place, so there is no direction to aim in")
+            raise GeometryError(f"{pair}: both are at the same position, so there is no direction to aim in")
 
 
 def _check_world_aligned(rig: Rig, options: OrientJointsOptions) -> None:

@@ -32,7 +32,7 @@ def refuse_infinite_motion(both: Counterparts, every: Sequence[Taken]) -> None:
         node, track, key = found
         largest = float(np.abs(key_values(track)[key]).max())
         raise GeometryError(
-            f"'{taken.name}' of EDITED gives '{both.other.title(node)}' no place and size that are numbers: "
+            f"'{taken.name}' of EDITED gives '{both.other.title(node)}' no finite position and size: "
             f"key {key} of '{both.other.names[track.node]}', at {track.times[key]:.6g}, has a {track.path} "
             f"of {largest:g}. Remove the key, or --clip without '{taken.name}'"
         )
