@@ -15,6 +15,7 @@ from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limb_triples import HAND, STRAIGHT, branches
 from rigtri.recognition.limb_words import NO_WORDS, limb_words
 from rigtri.recognition.naming_schemes import limb_kind_in_name, parse_name, roles_in_name
+from rigtri.recognition.parted_bones import further_part, no_hand, split_bone
 
 # What a contradiction leaves of a confidence: less than `CONFIDENT`.
 _UNSURE = 0.6
@@ -39,10 +40,6 @@ _DIGITS, _PHALANGES = 5, 3
 # A middle that leads by less over the next best, of bones that are less like those of a limb than this: so
 # it is in straight chains of many joints, where crooked places (2 % of a bone) choose it.
 _NARROW, _HARDLY = 0.16, 0.45
-# Where a twist joint parts a bone that has one, as a part of the bone before.
-_PARTED = 0.7
-# How Blender numbers the further parts of a bone that was split.
-_PART = re.compile(r"(.+)\.\d{3}")
 
 
 def doubted(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -79,8 +76,10 @@ def _contradiction(draft: Draft, each: Found, found: Sequence[Found]) -> str:
         or _upside_down(draft, each, found)
         or _no_trunk(draft, each)
         or _no_body(draft, each, found)
-        or (not by_name and (_arm_as_leg(draft, each, found) or _split_bone(draft, each)))
-        or (not by_name and (_misnamed(draft, each) or _other_bend(each) or _no_hand(draft, each)))
+        or (not by_name and _arm_as_leg(draft, each, found))
+        or (not by_name and (_misnamed(draft, each) or _other_bend(each) or no_hand(draft, each)))
+        or split_bone(draft, each)
+        or (not by_name and further_part(draft, each))
         or (not by_name and (_skirt(draft, each) or _rival(draft, each)))
         or (not by_name and _by_the_legs(draft, each, found))
         or ""
@@ -260,24 +259,20 @@ def _arm_as_leg(draft: Draft, each: Found, found: Sequence[Found]) -> str:
     fingers = [k for k in tree.below[each.joints[-1]] if len(tree.paths[k]) >= _PHALANGES]
     if len(fingers) >= _DIGITS:
         return "it ends in a hand, and the arms do not"
-    if mine.at[0] == 1 and any(_rival(draft, k) for k in found if k.pair is arms):
-        return "it may be an arm below its clavicle, for the arms are not sure"
+    if any(_rival(draft, k) or not _is_sure(k) for k in found if k.pair is arms):
+        if mine.at[0] == 1:
+            return "it may be an arm below its clavicle, for the arms are not sure"
+        if _leads_up(draft, mine.pair.above) and _leads_up(draft, tree.above[mine.pair.above]):
+            return "it may be an arm, for a trunk leads up to it and the arms are not sure"
     return ""
 
 
-def _split_bone(draft: Draft, each: Found) -> str:
-    """A limb that begins at what its name calls a further part of the joint above: ``shoulder.001``.
-
-    So programs number what nobody has named (``Bone``, ``Bone.001``), too, in one branch and in another.
-    """
-    tree, names, start = draft.tree, draft.tree.rig.names, each.joints[0]
-    whole, part = _PART.fullmatch(names[start]), tree.above[start]
-    if whole is None or part < 0 or names[part] != whole[1] or not parse_name(whole[1]).plain:
-        return ""
-    parts = (k for k in tree.nodes if (found := _PART.fullmatch(names[k])) and found[1] == whole[1])
-    if any(not tree.is_below(k, start) and not tree.is_below(start, k) for k in parts if k != start):
-        return ""
-    return f"{_title(draft, part)} may be the first part of its upper bone"
+def _leads_up(draft: Draft, node: int) -> bool:
+    """Whether a bone leads up to a joint: a root on the ground, which moves no points, is none."""
+    above = draft.tree.above[node] if node >= 0 else -1
+    if above < 0 or not draft.poses.moves_points(above):
+        return False
+    return (draft.tree.at[node] - draft.tree.at[above]).dot(draft.up) > 0.0
 
 
 def _misnamed(draft: Draft, each: Found) -> str:
@@ -304,18 +299,6 @@ def _other_bend(each: Found) -> str:
         return ""
     unclear = mine.lead < _NARROW and mine.quality < _HARDLY
     return "another joint of its chain may be the one that bends" if unclear else ""
-
-
-def _no_hand(draft: Draft, each: Found) -> str:
-    """A last joint without any below that parts the lower bone as another leaf parts the upper one."""
-    tree, (start, middle, end) = draft.tree, each.joints
-    upper, lower = tree.at[middle] - tree.at[start], tree.at[end] - tree.at[middle]
-    if tree.below[end] or lower.length > _PARTED * upper.length:
-        return ""
-    beside = [k for k in tree.below[start] if k != middle and not tree.below[k]]
-    along = (tree.at[k] - tree.at[start] for k in beside)
-    parts = any(way.unit.dot(upper.unit) > STRAIGHT and way.length < upper.length for way in along)
-    return f"{_title(draft, end)} may be a twist joint, like that of the upper bone" if parts else ""
 
 
 def _skirt(draft: Draft, each: Found) -> str:
@@ -359,12 +342,15 @@ def _rival(draft: Draft, each: Found) -> str:
     if mine is None or not (each.kind == "arm" or front) or len(mine.at) < 3:
         return ""
     path, start, end = mine.pair.paths[0], mine.at[0], mine.at[2]
-    long = start == 0 and end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
+    long = end + 1 < len(path) and tree.bone[path[end + 1]] > _NEXT * tree.bone[path[end]]
     a, b, c = (tree.at[k] for k in mine.joints(0))
+    bend = (b - a).unit.dot((c - b).unit)
     at, fingers = branches(tree, path)
     hand = at == end and fingers >= HAND  # no elbow has so many below it
-    if long and not hand and (not front or (b - a).unit.dot((c - b).unit) > _CLEAR):
+    if start == 0 and long and not hand and (not front or bend > _CLEAR):
         return "its first bone may be a clavicle, as a long bone follows"
+    if start > 0 and long and not hand and bend > STRAIGHT:
+        return "its middle may be a twist joint of its upper bone, as a long bone follows"
     if front:
         return ""
     if mine.fingers >= 2 or draft.shape.plane is None:

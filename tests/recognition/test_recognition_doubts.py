@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from posed_bodies import Pose, posed_body
 from recognition_bodies.measure import measure
-from recognition_bodies.population import crowd, furnished, population
+from recognition_bodies.population import company, crowd, furnished, population
 from recognition_bodies.skeletons import ARM, FINGERS, LEG, MAN, TRUNK, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
@@ -209,6 +209,17 @@ def test_a_limb_that_begins_at_the_further_part_of_a_split_bone_is_not_sure() ->
     assert [each for each in found if each.outcome == "surely wrong"] == []
 
 
+@pytest.mark.parametrize(("which", "number", "bone"), [(6, 0, "upper"), (26, 4, "lower")])
+def test_a_bone_that_begins_at_the_second_of_two_joints_of_one_name_is_not_sure(
+    which: int, number: int, bone: str
+) -> None:
+    case = company(which, number, 190)
+    layout = recognise(case.rig)
+    found = measure(case.rig, case.truth, layout, named=True)
+    assert [each for each in found if each.outcome == "surely wrong"] == []
+    assert any(f"may be the first part of its {bone} bone" in remark for remark in layout.remarks)
+
+
 @pytest.mark.parametrize(
     "called",
     ["Bone.{k:03}", "Bone{k:03}", "joint{k}", "bone_{k}", "Armature_{k}", "Node.{k:03}", "Object_{k}"],
@@ -231,6 +242,11 @@ def test_names_that_a_program_has_numbered_say_nothing(called: str) -> None:
         (1240, 0, False, "both may be a skirt"),
         (9001, 2, True, "its bones are counted from"),
         (9001, 6, True, "is called as a lower bone is"),
+        (6, 4, False, "its middle may be a twist joint of its upper bone"),
+        (22, 1, False, "may be a twist joint, and its first bone a clavicle"),
+        (26, 0, False, "as the upper bone has more of them"),
+        (26, 1, False, "it may be an arm below its clavicle"),
+        (26, 4, False, "for a trunk leads up to it"),
     ],
 )
 def test_limbs_of_partial_people_side_by_side_are_not_surely_others(

@@ -1,0 +1,85 @@
+"""Why joints of a limb may be parts of a bone: of one that was split, or twist joints without a hand."""
+
+from __future__ import annotations
+
+import re
+
+from rigtri.maths.scalar_vector import Vector
+from rigtri.recognition.arms_legs import Found
+from rigtri.recognition.candidates import Draft
+from rigtri.recognition.limb_triples import CLAVICLES, STRAIGHT
+from rigtri.recognition.naming_schemes import parse_name
+
+# Where a twist joint parts a bone that has one, as a part of the bone before.
+_PARTED = 0.7
+# Parts of one bone are as long as each other up to this part of their length.
+_ALIKE = 0.25
+# How Blender numbers the further parts of a bone that was split.
+_PART = re.compile(r"(.+)\.\d{3}")
+
+
+def split_bone(draft: Draft, each: Found) -> str:
+    """A bone that begins at what its name calls a further part of the joint above: ``shoulder.001``.
+
+    Or below a joint of the same name. So programs number what nobody has named (``Bone``, ``Bone.001``), too,
+    in one branch and in another.
+    """
+    tree, names = draft.tree, draft.tree.rig.names
+    for joint, bone in zip(each.joints, ("upper", "lower"), strict=False):
+        part, whole = tree.above[joint], _whole(names[joint])
+        if part < 0 or names[part] not in (names[joint], whole) or not parse_name(whole).plain:
+            continue
+        parts = (k for k in tree.nodes if k != joint and names[k] != whole == _whole(names[k]))
+        if not any(not tree.is_below(k, joint) and not tree.is_below(joint, k) for k in parts):
+            return f"'{tree.rig.title(part)}' may be the first part of its {bone} bone"
+    return ""
+
+
+def _whole(name: str) -> str:
+    """The name of the bone that a joint is a part of."""
+    part = _PART.fullmatch(name)
+    return part[1] if part else name
+
+
+def no_hand(draft: Draft, each: Found) -> str:
+    """A last joint that parts the lower bone as another leaf parts the upper one, without any below it.
+
+    Or one with nothing but a leaf below, like that which parts the lower bone, after what may be a clavicle.
+    """
+    tree, (start, middle, end) = draft.tree, each.joints
+    bones = (tree.at[middle] - tree.at[start]).length, (tree.at[end] - tree.at[middle]).length
+    if not tree.below[end] and bones[1] <= _PARTED * bones[0] and _is_parted(draft, start, middle):
+        return f"'{tree.rig.title(end)}' may be a twist joint, like that of the upper bone"
+    mine, below = each.pair, tree.below[end]
+    if each.kind != "arm" or mine is None or len(below) != 1 or tree.below[below[0]]:
+        return ""
+    near = (tree.at[mine.joints(0)[0]] - tree.at[mine.joints(1)[0]]).length < CLAVICLES * sum(bones)
+    if near and _is_parted(draft, middle, end):
+        return f"'{tree.rig.title(below[0])}' may be a twist joint, and its first bone a clavicle"
+    return ""
+
+
+def further_part(draft: Draft, each: Found) -> str:
+    """An arm that ends in nothing, where its upper bone has more parts than its lower one, or goes on above.
+
+    Then its last joint may be one of those parts, and its hand is missing.
+    """
+    tree, (start, middle, end) = draft.tree, each.joints
+    if each.kind != "arm" or tree.below[end] or not tree.is_below(end, start):
+        return ""
+    upper, lower = len(tree.way(start, middle)) - 1, len(tree.way(middle, end)) - 1
+    above, size = tree.above[start], (tree.at[middle] - tree.at[start]).length / max(upper, 1)
+    before = tree.at[start] - tree.at[above] if above >= 0 else Vector()
+    in_line = before.unit.dot((tree.at[middle] - tree.at[start]).unit) > STRAIGHT
+    goes_on = upper > 1 and in_line and abs(before.length - size) < _ALIKE * size
+    if upper > lower or goes_on:
+        return f"'{tree.rig.title(end)}' may be a twist joint, as the upper bone has more of them"
+    return ""
+
+
+def _is_parted(draft: Draft, start: int, end: int) -> bool:
+    """Whether a leaf beside ``end`` stands on the bone that goes there."""
+    tree = draft.tree
+    bone = tree.at[end] - tree.at[start]
+    ways = (tree.at[k] - tree.at[start] for k in tree.below[start] if k != end and not tree.below[k])
+    return any(way.unit.dot(bone.unit) > STRAIGHT and way.length < bone.length for way in ways)
