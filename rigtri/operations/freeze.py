@@ -25,6 +25,7 @@ from rigtri.model.constraints import constraints_of
 from rigtri.model.pending_edits import Conversion
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
+from rigtri.operations.joint_selection import warn_unread
 from rigtri.operations.operation import operation
 from rigtri.operations.options.freeze import FreezeOptions as FreezeOptions
 from rigtri.report import Report
@@ -50,6 +51,7 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     is not uniform in it, with a warning. What each node
     had is in ``report.joints``. Raises UsageError for a unit or up axis that the format does not have.
     """
+    known = len(report.joints)
     rig = _converted(rig, options)
     nodes = _nodes(rig)
     if options.rotates:
@@ -59,6 +61,8 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
         rig = _without_scale(rig, nodes, options, report)
         _warn_keyed(rig, nodes, report)
     _warn_instances(rig, options, report)
+    if len(report.joints) > known:
+        warn_unread(rig, report)
     return rig
 
 

@@ -38,7 +38,7 @@ from rigtri.formats.gltf.structure import (
     extension_in_axes,
     referred_frames,
     shows,
-    unknown_at_root,
+    unread_extensions,
 )
 from rigtri.formats.gltf.uris import accompany, decode_data, file_of, files, is_data, missing, relink
 from rigtri.formats.json_values import Value, name_in
@@ -324,7 +324,7 @@ class GltfDocument:
         return found
 
     def _unread_extensions(self) -> tuple[str, ...]:
-        return () if self.options.unknown_node_ext == "ignore" else unknown_at_root(self.container.gltf)
+        return () if self.options.unknown_node_ext == "ignore" else unread_extensions(self.container.gltf)
 
     def _freeze(self, rig: Rig, ordered: list[dict[str, object]], fixed: dict[int, str]) -> None:
         """Joints whose matrix is no frame, and nodes with extensions that may name their axes."""

@@ -151,11 +151,23 @@ def referred_frames(gltf: Mapping[str, Any], above: Sequence[int]) -> dict[int, 
     return found
 
 
-def unknown_at_root(gltf: Mapping[str, Any]) -> tuple[str, ...]:
-    """Extensions of the file alone that rigtri does not know: those of nodes keep the axes of these."""
-    held = [(holder, name) for holder, name, _ in _extensions(gltf) if name not in _node_extensions()]
-    at_nodes = {name for holder, name in held if holder.startswith(" of node ")}
-    return tuple(unknown_required({name for holder, name in held if not holder} - at_nodes))
+def unread_extensions(gltf: Mapping[str, Any]) -> tuple[str, ...]:
+    """Extensions that are not known and may mean joints: those of the file, others that hold their numbers.
+
+    Those of a node keep its own axes, and are told there.
+    """
+    held = [each for each in _extensions(gltf) if each[1] not in _node_extensions()]
+    at_nodes = {name for holder, name, _ in held if holder.startswith(" of node ")}
+    found = {name for holder, name, _ in held if not holder} - at_nodes
+    joints = {joint for skin in gltf.get("skins", []) for joint in skin.get("joints", [])}
+    for holder, name, content in held:
+        numbers = {item for item in _walked(content) if type(item) in (int, float)} if holder else set()
+        where, number = holder.rsplit("#", 1) if holder else ("", "")
+        own = {int(number)} if where == " of node " else set()
+        told = {index_of(item, len(gltf["nodes"])) for _, item in _frames(content)}
+        if numbers & joints - own - told:
+            found.add(name)
+    return tuple(unknown_required(found))
 
 
 def _extensions(gltf: Mapping[str, Any]) -> Iterator[tuple[str, str, object]]:

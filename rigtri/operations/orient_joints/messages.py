@@ -19,7 +19,7 @@ from rigtri.maths.vectors import angle, length, triple
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
 from rigtri.operations.joint_records import joint_record
-from rigtri.operations.joint_selection import warn_held
+from rigtri.operations.joint_selection import warn_held, warn_unread
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
@@ -76,10 +76,8 @@ def warn_fixed(outcome: Outcome, selection: Selection, report: Report) -> None:
         if node in rig.rules.data_nodes:
             report.warn("fixed", f"skipped: {rig.title(node)}: {rig.rules.fixed[node]}")
     warn_held(rig, outcome.skipped, report)
-    if rig.rules.unread_extensions and rotates(outcome.delta).any():
-        names = listed(rig.rules.unread_extensions, 6)
-        text = f"The file has {names}, which rigtri does not know: what it may hold in the axes of joints "
-        report.warn("extension-axes", f"{text}is as it was. Check joints that it refers to")
+    if rotates(outcome.delta).any():
+        warn_unread(rig, report)
 
 
 _OF_BONES = "joints take the planes of their own bones, not those of a body. Name limbs with --limb"

@@ -169,3 +169,37 @@ def test_an_extension_of_the_file_that_is_not_known_is_reported_where_joints_tur
     found = [w["text"] for w in done.json["warnings"] if w["code"] == "extension-axes"]
     assert len(found) == count
     assert all(f"The file has {name}, which rigtri does not know" in text for text in found)
+
+
+@pytest.mark.parametrize(
+    ("section", "content", "count"),
+    [
+        ("scenes", {"hand": 1}, 1),
+        ("skins", {"ends": [{"bone": 1}]}, 1),
+        ("meshes", {"bone": 1}, 1),
+        ("nodes", {"bone": 1}, 1),
+        ("nodes", {"level": 3}, 0),  # its own number
+        ("meshes", {"scale": 0.5, "name": "1"}, 0),
+        ("meshes", {"connectedNode": 1}, 0),  # which keeps its axes
+    ],
+)
+def test_numbers_of_joints_in_extensions_that_are_not_known_are_reported(
+    section: str, content: Any, count: int, tmp_path: Path
+) -> None:
+    """Before, those of nodes, scenes, skins and meshes were passed over in silence."""
+    builder = small()
+    builder.gltf[section][-1]["extensions"] = {"ACME_thing": content}
+    builder.gltf["extensionsUsed"] = ["ACME_thing"]
+    builder.glb(path := tmp_path / "in.glb")
+    done = cli("orient-joints", path, "-o", tmp_path / "out.glb", "--aim", "z", "--up", "x", "--json", code=0)
+    assert [w["code"] for w in done.json["warnings"]].count("extension-axes") == count
+
+
+def test_freeze_reports_extensions_that_are_not_known(tmp_path: Path) -> None:
+    builder = small()
+    builder.gltf["extensions"] = {"ACME_thing": {"joint": 1}}
+    builder.gltf["extensionsUsed"] = ["ACME_thing"]
+    builder.gltf["nodes"][builder.gltf["scenes"][0]["nodes"][0]]["scale"] = [0.5, 0.5, 0.5]
+    builder.glb(path := tmp_path / "in.glb")
+    done = cli("freeze", path, "-o", tmp_path / "out.glb", "--json", code=0)
+    assert "extension-axes" in [w["code"] for w in done.json["warnings"]]
