@@ -105,6 +105,23 @@ def test_which_animation_an_agent_plays_is_compared(tmp_path: Path) -> None:
     assert "animation of 'Skel' of Three is 1, was 2" in printed
 
 
+@pytest.mark.parametrize("world", ['def "World"', 'def Scope "World"', 'def Xform "World"'])
+def test_agents_of_instances_below_a_prim_that_has_no_place_are_compared(world: str, tmp_path: Path) -> None:
+    crowd(tmp_path)
+    groups = [
+        f'def "{name}" (\n    references = @./crowd.usda@\n    instanceable = true\n)\n{{\n}}\n'
+        for name in "GH"
+    ]
+    text = f"#usda 1.0\n{world}\n{{\n{''.join(groups)}}}\n"
+    source = save(tmp_path, text, "nested.usda")
+    out = tmp_path / "out.usda"
+    cli("orient-joints", source, "-o", out, "--preset", "maya", code=0)
+    assert prototypes(source) == prototypes(out)
+    assert deviation(source, out) < 1e-6
+    played = read(source).scenery().own
+    assert sorted(number for facts in played.values() for number in facts.values()) == ["1"] * 4 + ["2"] * 2
+
+
 def test_an_animation_inside_the_instances_is_edited_once_for_all(tmp_path: Path) -> None:
     save(tmp_path, ACTOR, "parts/hero.usda")
     source = save(tmp_path, shot(instance("One"), instance("Two", x=3)), "crowd.usda")

@@ -54,7 +54,8 @@ class Source:
 def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
     """Which animations instances of one character play, by their nodes.
 
-    Numbers in the order of the first that plays each, because an edit may give an animation another name.
+    An instance with no node at or above it counts at the one that is read in its place. Numbers in the
+    order of the first that plays each, because an edit may give an animation another name.
     """
     nodes = {label: node for node, label in enumerate(source.rig.labels)}
     found: dict[int, dict[str, str]] = {}
@@ -64,8 +65,10 @@ def played_by_instances(source: Source) -> dict[int, dict[str, str]]:
             played = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
             known = str(source.instances.stands_for(played.GetPath())) if played else ""
             number = skeleton.animations.index(known) + 1 if known in skeleton.animations else 0
-            above = next(str(at) for at in prim.GetPath().GetAncestorsRange() if str(at) in nodes)
-            found.setdefault(nodes[above], {})[f"animation of '{prim.GetName()}'"] = str(number)
+            above = next((at for at in prim.GetPath().GetAncestorsRange() if str(at) in nodes), None)
+            shown = prim.GetPath() if above is None else prim.GetPath().MakeRelativePath(above)
+            node = nodes[path if above is None else str(above)]
+            found.setdefault(node, {})[f"animation of '{shown}'"] = str(number)
     return found
 
 
