@@ -28,11 +28,10 @@ from rigtri.model.metadata import (
     ControlRecord,
     OffsetRecord,
     PoleVectorRecord,
-    PoseReaderRecord,
 )
 from rigtri.model.rig import Rig
 from rigtri.operations.add_polevector import AddPolevectorOptions, add_polevector
-from rigtri.operations.add_posereader.corrective_joints import driven_paths
+from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.aim_targets import Rules, aim_targets, limb_children
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.control_drawing import (
@@ -184,8 +183,7 @@ class _Builder:
             found = [k for k in chosen(self.tree, options.selection) if self.rig.type_of(k) != "twist"]
             if not options.selection.named:
                 idle = self.above_controls.union(np.flatnonzero(~self.tree.carries).tolist())
-                for reader in self.rig.records(PoseReaderRecord).values():
-                    idle |= driven_paths(reader, self.rig).keys()
+                idle |= driven_joints(self.rig)
                 found = [joint for joint in found if joint not in idle]
         held = {*(node for limb in self.limbs for node in limb.triple), *(foot.toe for foot in self.feet)}
         missing = held.difference(found)

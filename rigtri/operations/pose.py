@@ -20,9 +20,8 @@ from rigtri.evaluation.zero_pose import with_stored_scales
 from rigtri.maths.matrices import compose, decompose
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
-from rigtri.model.metadata import PoseReaderRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader.corrective_joints import driven_paths
+from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.operation import operation
 from rigtri.operations.options.pose import PoseOptions as PoseOptions
 from rigtri.operations.solver_warnings import solver_warnings
@@ -112,9 +111,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
     pose that is no numbers.
     """
     posed = pose_of(rig, options, report)
-    kept = set(rig.nodes_of(*_KEPT))
-    for record in rig.records(PoseReaderRecord).values():
-        kept |= driven_paths(record, rig).keys()
+    kept = driven_joints(rig).union(rig.nodes_of(*_KEPT))
     parts = {node: posed.part(node) for node in sorted(set(posed.parts) - kept)}
     for node, now in parts.items():
         if not all(np.isfinite(each).all() for each in now):

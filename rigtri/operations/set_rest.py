@@ -18,6 +18,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.body_pose import posed
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
@@ -42,6 +43,7 @@ _LEAN = np.pi / 4
 def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     """The rig with a pose for the rest pose of its joints; clips play as before, and so do bind poses.
 
+    Joints that pose readers drive keep theirs, from which what readers do is counted.
     A clip that had no keys of a joint showed its rest pose, and gets a key of it. Raises GeometryError where
     no body is known, where joints may have no rotations (VRM 0.x), where VRM constraints or springs count
     from the rest pose, and where it is seen in a clip whose samples are blocked (USD); UsageError and
@@ -67,7 +69,8 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
 
 def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Parts]:
     """The parts of joints in the pose, one row each."""
-    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in rig.own]
+    held = driven_joints(rig).union(rig.own)
+    joints = [node for node in np.flatnonzero(rig.is_joint).tolist() if node not in held]
     if options.like is not None:
         return _of_names(rig, options.like, joints)
     if options.pose == "bind":
@@ -83,6 +86,8 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
             fingers = options.straight_fingers
             turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=fingers)
             for node, rotation in turned.items():
+                if node in held:
+                    continue
                 was = found.get(node) or Parts(*(getattr(rig, p)[[node]] for p in PATHS))
                 found[node] = was._replace(rotation=rotation[np.newaxis])
         return found

@@ -577,6 +577,21 @@ def test_corrective_joints_go_along_with_other_axes_and_to_the_other_side() -> N
     assert [output.joint for output in records[0].outputs] == ["fix_1_R"]
 
 
+@pytest.mark.parametrize("pose", ["walk@0.5", "tpose", "bind"])
+def test_corrective_joints_of_the_file_rest_where_they_were_in_another_rest_pose(pose: str) -> None:
+    rig = replace(_helped(), metadata={})  # its exporter's own helper
+    rig = rigtri.add_posereader(rig, joint=(("bent", "fix_1_L", "tx=0.05,rz=30"),), **ELBOW)
+    rest = rig.translation.copy()
+    rest[rig.find("fix_1_L")] += 0.01  # other than bound
+    rig = rigtri.bake(replace(rig, translation=rest), to="joints")
+    posed = rigtri.bake(rigtri.set_rest(rig, pose=pose), to="joints")
+    before, after = (
+        worlds(one, locals_at(one, one.clips[0], np.array([0.2, 0.5])))[:, one.find("fix_1_L")]
+        for one in (rig, posed)
+    )
+    assert_allclose(after, before, atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("joint", "error", "words"),
     [

@@ -84,6 +84,11 @@ def driven_paths(record: PoseReaderRecord, rig: Rig) -> dict[int, set[Path]]:
     return found
 
 
+def driven_joints(rig: Rig) -> set[int]:
+    """The joints that pose readers drive: what they do counts from where these rest."""
+    return {node for record in rig.records(PoseReaderRecord).values() for node in driven_paths(record, rig)}
+
+
 def _paths(output: OutputRecord) -> list[Path]:
     changes = (output.translation, output.rotation, output.scale)
     return [path for path, change in zip(PATHS, changes, strict=True) if change is not None]

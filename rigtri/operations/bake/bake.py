@@ -43,9 +43,9 @@ from rigtri.maths.quaternions import unit
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import PATHS, Path, Track, key_values
 from rigtri.model.constraints import constraints_of
-from rigtri.model.metadata import ControlRecord, PoseReaderRecord
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
-from rigtri.operations.add_posereader.corrective_joints import driven_paths
+from rigtri.operations.add_posereader.corrective_joints import driven_joints
 from rigtri.operations.add_twist.key_baking import keyed
 from rigtri.operations.bake.dependents import (
     rebake_followers,
@@ -219,9 +219,7 @@ class _Baker:
         So a second run, which reads keys that were thinned, looks at the same times.
         """
         held = rivets_of_constraints(self.rig)
-        follow = set(self.rig.nodes_of(*_FOLLOW)) - held
-        for record in self.rig.records(PoseReaderRecord).values():
-            follow |= driven_paths(record, self.rig).keys()
+        follow = driven_joints(self.rig).union(set(self.rig.nodes_of(*_FOLLOW)) - held)
         kept = tuple(
             t
             for t in timeline.clip.tracks
