@@ -5,10 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from rigtri.evaluation.sampling import world_of
-from rigtri.maths.matrices import multiply
+from rigtri.maths.matrices import from_frame, multiply, orthonormal_axes
+from rigtri.maths.quaternions import conjugate, from_axes, rotation_angle, to_axes
+from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
+
+# Spaces that exporters bind in differ by quarter turns: what a topmost joint leans is less than half of one.
+_LEAN = np.pi / 4
+# Radians, and shares: inverses of float32 leave as much, so that spaces that differ by less turn alike.
+_ALIKE = 3e-5
+# Sizes that differ by a larger share are meant: smaller ones are noise of exporters.
+_UNEVEN = 0.01
 
 
 def bind_worlds(rig: Rig, skin: Skin) -> Floats:
@@ -48,3 +58,36 @@ def bind_frames(rig: Rig, skin: Skin) -> Floats:
     top = min(set(joints) - rig.holders, default=min(joints))
     to_world = multiply(skin.inverse_bind[joints.index(top)], world_of(rig, top))
     return multiply(skin.bind, to_world)
+
+
+def placed_bind_worlds(rig: Rig, number: int) -> Floats:
+    """The bind pose of a skin, (n, 4, 4), as its topmost joint was bound, too, and not as that rests.
+
+    Something that carries the skin says where the space that it is bound in stands: its mesh, a node above
+    its joints, or the scene, by the exporter. It is the one that turns the whole least, and of those that
+    turn it alike the one that moves it least: a character that is placed in its scene keeps its place. As
+    `bind_worlds` where none is near, or the bind pose is not known.
+    """
+    skin = rig.skins[number]
+    bound = bind_worlds(rig, skin)
+    if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
+        return bound
+    row = int(np.argmin(skin.joints))
+    top = int(skin.joints[row])
+    carriers = [*rig.path_to_root(top)[1:], *(mesh.node for mesh in rig.meshes if mesh.skin == number)]
+    spaces = np.concatenate([np.eye(4)[np.newaxis], rig.world[carriers]])
+    frames = multiply(skin.bind[row], spaces)
+    turns = product(from_axes(orthonormal_axes(frames)), conjugate(from_axes(orthonormal_axes(bound[top]))))
+    angles = rotation_angle(turns)
+    if not angles.min() <= _LEAN:
+        return bound
+    moves = length(frames[:, 3, :3] - bound[top, 3, :3])
+    near = int(np.argmin(np.where(angles <= angles.min() + _ALIKE, moves, np.inf)))
+    if angles[near] <= _ALIKE and moves[near] <= _ALIKE * np.abs(bound[skin.joints, 3, :3]).max():
+        return bound  # as it rests
+    turn = from_frame(to_axes(turns[near]), np.zeros(3))
+    sizes = length(frames[near][:3, :3]) / length(bound[top, :3, :3])
+    # Where inverse binds hide a scale of points (dequantisation), their place is none of the scene.
+    place = frames[near][3, :3] if np.abs(sizes - 1.0).max() <= _UNEVEN else bound[top, 3, :3]
+    back, there = from_frame(np.eye(3), -bound[top, 3, :3]), from_frame(np.eye(3), place)
+    return np.asarray(multiply(bound, multiply(back, multiply(turn, there))))

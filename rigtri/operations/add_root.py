@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
+from rigtri.evaluation.bind_pose import placed_bind_worlds
 from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
 from rigtri.maths.quaternions import multiply as product
@@ -99,12 +100,12 @@ def _joined(skins: Sequence[Skin], rig: Rig, top: int, root: int, world: Floats)
     rig: where these stand.
     """
     found, below = [], [top] if rig.is_joint[top] else rig.below(top)
-    for old, skin in zip(rig.skins, skins, strict=True):
+    for number, (old, skin) in enumerate(zip(rig.skins, skins, strict=True)):
         rows = {joint: row for row, joint in enumerate(old.joints.tolist())}
         if (near := next((node for node in below if node in rows), -1)) >= 0:
-            # Where this joint is bound, the root stands to it as at rest.
-            bound = old.inverse_bind[rows[near]]
-            first = multiply(bound, inverse(multiply(world, inverse(rig.world[near]))))
+            # The root is bound where it stands, however the joints below it rest.
+            bound = multiply(old.inverse_bind[rows[near]], placed_bind_worlds(rig, number)[near])
+            first = multiply(bound, inverse(world))
             skin = with_joint(skin, root, np.concatenate([skin.inverse_bind, first[np.newaxis]]))
         found.append(skin)
     return tuple(found)

@@ -9,11 +9,10 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import NOTHING, size_of
-from rigtri.evaluation.bind_pose import bind_worlds
+from rigtri.evaluation.bind_pose import placed_bind_worlds
 from rigtri.evaluation.constraint_solver import Parts, to_parts
-from rigtri.maths.matrices import from_frame, local, multiply, orthonormal_axes
-from rigtri.maths.quaternions import angle_between, conjugate, from_axes, rotation_angle, to_axes
-from rigtri.maths.quaternions import multiply as product
+from rigtri.maths.matrices import local, multiply
+from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import PATHS, Clip, Track
@@ -35,8 +34,6 @@ from rigtri.text import listed
 SAME = 3e-5
 # Scales along axes that differ by a larger share are meant: smaller ones are noise of exporters.
 UNEVEN = 0.01
-# Spaces that exporters bind in differ by quarter turns: what a topmost joint leans is less than half of one.
-_LEAN = np.pi / 4
 
 
 @operation(SetRestOptions)
@@ -131,7 +128,7 @@ def _bind(rig: Rig) -> Floats:
     world, known = rig.world.copy(), np.zeros(len(rig), dtype=bool)
     for number in sorted(range(len(rig.skins)), key=lambda k: -len(rig.skins[k].joints)):
         skin = rig.skins[number]
-        bound = _upright(rig, number)
+        bound = placed_bind_worlds(rig, number)
         for joint in skin.joints.tolist():
             if not known[joint] and np.isfinite(bound[joint]).all():
                 world[joint], known[joint] = bound[joint], True
@@ -139,34 +136,6 @@ def _bind(rig: Rig) -> Floats:
         for node in level[~known[level]].tolist():
             world[node] = multiply(rig.local[node], world[rig.parents[node]])
     return world
-
-
-def _upright(rig: Rig, number: int) -> Floats:
-    """The bind pose of a skin, (n, 4, 4), as its topmost joint was bound, too, and not as that rests.
-
-    What carries the skin says where the space that it is bound in stands: its mesh, what is above its joints,
-    or the scene, by the exporter. It is the one that turns the whole least.
-    """
-    skin = rig.skins[number]
-    bound = bind_worlds(rig, skin)
-    if not skin.stored or not len(skin.joints) or not np.isfinite(bound[skin.joints]).all():
-        return bound
-    row = int(np.argmin(skin.joints))
-    top = int(skin.joints[row])
-    carriers = {int(rig.parents[top]), *(mesh.node for mesh in rig.meshes if mesh.skin == number)} - {-1}
-    rest, spaces = from_axes(orthonormal_axes(bound[top])), [np.eye(4), *(rig.world[k] for k in carriers)]
-    frames = [multiply(skin.bind[row], space) for space in spaces]
-    turns = [product(from_axes(orthonormal_axes(frame)), conjugate(rest)) for frame in frames]
-    angles = [float(rotation_angle(turn)) for turn in turns]
-    least = int(np.argmin(angles))
-    if not angles[least] <= _LEAN:
-        return bound
-    turn = from_frame(to_axes(turns[least]), np.zeros(3))
-    sizes = length(frames[least][:3, :3]) / length(bound[top, :3, :3])
-    # Where inverse binds hide a scale of points (dequantisation), their place is none of the scene.
-    place = frames[least][3, :3] if np.abs(sizes - 1.0).max() <= UNEVEN else bound[top, 3, :3]
-    back, there = from_frame(np.eye(3), -bound[top, 3, :3]), from_frame(np.eye(3), place)
-    return np.asarray(multiply(bound, multiply(back, multiply(turn, there))))
 
 
 def _of_locals(rig: Rig, worlds: Floats, joints: list[int]) -> dict[int, Parts]:

@@ -72,6 +72,17 @@ def test_a_second_root_is_not_added(rooted: Path) -> None:
     assert rigtri.add_root(rig).names == rig.names
 
 
+def test_a_root_above_hips_that_lean_stands_upright_in_the_bind_pose(rooted: Path) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    hips, rotation = rig.find("hips"), rig.rotation.copy()
+    rotation[hips] = product(from_axis_angle(np.array([1.0, 0, 0]), 0.2), rotation[hips])
+    bound = rigtri.set_rest(rigtri.add_root(replace(rig, rotation=rotation, source=None)), pose="bind")
+    assert np.allclose(
+        bound.world[bound.find("root")], rigtri.read(rooted).world[bound.find("root")], atol=1e-6
+    )
+    assert rigtri.root_motion(bound) is not bound
+
+
 def test_hips_are_no_root_because_they_have_its_name() -> None:
     with pytest.raises(UsageError, match="the joint below the new root has this name"):
         rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"), name="hips")

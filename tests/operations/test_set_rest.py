@@ -165,3 +165,26 @@ def test_plain_prims_get_no_other_rest_pose_and_the_error_says_why(tmp_path: Pat
     words = ["--root", "/arm", "--pose", "xforms@10"]
     reason = cli("set-rest", SAMPLES / "arm.usda", "-o", tmp_path / "o.usda", *words, code=5).stderr
     assert "/arm/shoulder/elbow> is a plain prim" in reason
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".usda"])
+def test_a_character_that_is_placed_in_its_scene_keeps_its_place(suffix: str) -> None:
+    rig = rigtri.read(SAMPLES / f"biped{suffix}")
+    translation = rig.translation.copy()
+    translation[rig.find("biped")] = 5, 0, 3
+    placed = replace(rig, translation=translation, source=None)
+    assert np.allclose(rigtri.set_rest(placed, pose="bind").world, placed.world, atol=1e-6)
+
+
+def test_a_skin_is_bound_in_the_space_above_a_node_of_another_size_that_is_placed() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    rig = rig.insert_above({rig.find("biped"): "set"})
+    hips = rig.find("hips")
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    translation[rig.find("set")], scale[rig.find("biped")] = (5, 0, 3), 0.5
+    scale[hips], translation[hips] = 2, 2 * translation[hips]
+    bound = replace(rig, translation=translation, scale=scale, source=None).world[hips]
+    translation[hips] += 0.1
+    rotation[hips] = product(from_axis_angle(np.array([1.0, 0, 0]), 0.4), rotation[hips])
+    leaning = replace(rig, translation=translation, rotation=rotation, scale=scale, source=None)
+    assert np.allclose(rigtri.set_rest(leaning, pose="bind").world[hips], bound, atol=1e-5)
