@@ -121,6 +121,13 @@ def extension_in_axes(node: Mapping[str, Any]) -> tuple[str, str]:
         held = next((path for path in known["axes"] if _has(content, path.split("."))), "")
         if held:
             return name, f"its extension {name} holds '{held}' in its axes"
+        later = (
+            content.keys() - {*known["free"], "extras"}
+            if "free" in known and isinstance(content, dict)
+            else ()
+        )
+        if later:
+            return name, f"its extension {name} may hold '{min(later)}' in its axes; rigtri does not know it"
     return "", ""
 
 

@@ -25,6 +25,7 @@ FREE = [
 ]
 FROZEN = [
     ("KHR_skeleton_bone", {"length": 0.3}, "holds 'length' in its axes"),
+    ("KHR_skeleton_bone", {"connected": True, "roll": 0.3}, "may hold 'roll' in its axes"),
     (BODY, {"motion": {"mass": 1, "centerOfMass": [0, 1, 0]}}, "holds 'motion.centerOfMass' in its axes"),
     (BODY, {"collider": {"geometry": {"shape": 0}}}, "holds 'collider' in its axes"),
     ("OMI_physics_body", {"trigger": {"shape": 0}}, "holds 'trigger' in its axes"),
