@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, Joint, rig_with
+from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, Joint, both, rig_with
 from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
@@ -105,3 +105,14 @@ def test_a_joint_at_the_side_with_a_name_of_the_trunk_makes_its_limb_unsure() ->
     layout = recognise(called(rig_with(MAN), {"clavicle.L": "chest.001", "clavicle.R": "chest.002"}))
     assert sorted(name for name, _ in sure(layout)) == ["left leg", "right leg"]
     assert any("'chest.001' before it has a name of the trunk" in remark for remark in layout.remarks)
+
+
+def test_a_limb_that_forks_at_its_end_is_sure_by_its_names_whichever_branch_its_shape_takes() -> None:
+    """Two palms below a forearm: of the nameless arm the shape takes the other one, and bends at the same."""
+    joints = [*MAN, *both([("palm.L", "forearm.L", (0.7, 1.44, 0.01))])]
+    arms = {named: recognise(rig_with(joints, named=named)).chains for named in (True, False)}
+    ends = {
+        named: [joints[chain.bend[2]][0] for chain in chains if chain.kind == "arm" and chain.is_sure]
+        for named, chains in arms.items()
+    }
+    assert ends == {True: ["hand.L", "hand.R"], False: ["palm.L", "palm.R"]}
