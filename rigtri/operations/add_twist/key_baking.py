@@ -76,17 +76,18 @@ class _Follower:
             return Track(-1, "rotation", "STEP", times, turns), 0.0
         if any(steps) and not fixed:
             times = _before_steps(times, driving)
-        off = self._off(times)
+        turns, off = self._off(times)
         for _ in range(0 if fixed else HALVINGS):
             bad = off > BOUND
             if not bad.any():
                 break
             times = _halved(times, bad)
-            off = self._off(times)
-        return Track(-1, "rotation", "LINEAR", times, self.at(times)), float(off.max(initial=0.0))
+            turns, off = self._off(times)
+        return Track(-1, "rotation", "LINEAR", times, make_continuous(turns)), float(off.max(initial=0.0))
 
-    def _off(self, times: Floats) -> Floats:
-        """How far the interpolation is off in each interval, (k − 1,), if float32 has times between."""
+    def _off(self, times: Floats) -> tuple[Floats, Floats]:
+        """Rotations at times, (k, 4), and how far the interpolation is off in each interval, (k − 1,), if
+        float32 has times between."""
         span = np.diff(times)
         inside = [times[:-1] + share * span for share in _SHARES]
         every = self.twist.rotations(self.motion.locals_at(np.concatenate([times, *inside])))
@@ -96,7 +97,7 @@ class _Follower:
             shown = slerp(turns[:-1], turns[1:], np.full(len(span), share))
             off = np.maximum(off, angle_between(shown, true))
         middle = as_float32(times[:-1] + 0.5 * span)
-        return np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
+        return turns, np.where((middle <= times[:-1]) | (middle >= times[1:]), 0.0, off)
 
 
 def _before_steps(times: Floats, driving: list[Track]) -> Floats:
