@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import UsdGeom, UsdShade
 
-from rigtri.formats.usd.reading.mesh_reader import at_start
+from rigtri.formats.usd.reading.mesh_reader import at_start, flattened
 from rigtri.maths.arrays import Integers
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.dataclass import dataclass
@@ -100,7 +100,9 @@ def _values(prim: Any, lose: Any) -> tuple[dict[str, tuple[Floats, str]], dict[s
         name, kind = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
         if name.startswith("skel:"):
             continue
-        value = primvar.ComputeFlattened() or primvar.ComputeFlattened(Usd.TimeCode.EarliestTime())
+        value = flattened(primvar)
+        if value is None and primvar.HasAuthoredValue():
+            lose(f"primvar {name} of mesh {prim.GetPath()}, whose indices and values do not fit")
         if value is None or not hasattr(value, "__len__") or not len(value):
             continue
         spread = str(primvar.GetInterpolation())
@@ -155,7 +157,7 @@ def colour_of(prim: Any) -> tuple[float, ...] | None:
     found: dict[str, list[float]] = {}
     for name in ("displayColor", "displayOpacity"):
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-        value = at_start(primvar.GetAttr()) if primvar else None
+        value = flattened(primvar) if primvar else None
         if value is not None and len(value) == 1 and primvar.GetInterpolation() == "constant":
             found[name] = np.array(value[0], dtype=np.float64).reshape(-1).tolist()
     if not found:

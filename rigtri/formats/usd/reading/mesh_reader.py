@@ -126,10 +126,7 @@ def _drawn(prim: Any) -> Iterator[tuple[str, Any]]:
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
         name = str(primvar.GetPrimvarName())
         if not name.startswith("skel:") and name != "normals":
-            # USD raises an error for values without their indices: both from one time.
-            indices = primvar.GetIndicesAttr()
-            still = primvar.Get(DEFAULT) is not None and not (indices and indices.Get(DEFAULT) is None)
-            yield f"primvar {name}", primvar.ComputeFlattened(DEFAULT if still else EARLIEST)
+            yield f"primvar {name}", flattened(primvar)
             yield f"interpolation of primvar {name}", str(primvar.GetInterpolation())
     for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
         yield f"subset {subset.GetPrim().GetName()}", at_start(subset.GetIndicesAttr())
@@ -161,6 +158,17 @@ def at_start(attribute: Any) -> Any:
     value = attribute.Get(DEFAULT)
     value = attribute.Get(EARLIEST) if value is None else value
     return None if isinstance(value, Sdf.UnregisteredValue) else value
+
+
+def flattened(primvar: Any) -> Any:
+    """A primvar's values without indices, at the Default time, else at its earliest sample; None without."""
+    # USD raises an error for values without their indices: both from one time.
+    return primvar.ComputeFlattened(_known_at(primvar.GetAttr(), primvar.GetIndicesAttr()))
+
+
+def _known_at(*attributes: Any) -> Any:
+    """The Default time where all attributes that are there have a value, else the earliest."""
+    return EARLIEST if any(one and one.Get(DEFAULT) is None for one in attributes) else DEFAULT
 
 
 def seen_at_start(attribute: Any) -> Any:
@@ -220,12 +228,13 @@ def _skinned(mesh: Mesh, query: Any, skin: int, tokens: Sequence[str]) -> Mesh:
     if influences is None:
         return mesh
     joints, weights = influences
+    when = _known_at(query.GetGeomBindTransformAttr())
     return replace(
         mesh,
         skin=skin,
         joints=joints,
         weights=weights,
-        bind=np.array(query.GetGeomBindTransform(DEFAULT), dtype=np.float64),
+        bind=np.array(query.GetGeomBindTransform(when), dtype=np.float64),
         dual_quaternion=str(query.GetSkinningMethod()) == "dualQuaternion",
     )
 
