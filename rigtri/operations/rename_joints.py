@@ -33,8 +33,8 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
     ``report.joints``. Raises GeometryError for joints of which it is not sure what they are, UsageError for
     names that several would have, NameNotFoundError for joints that are not there.
     """
-    mapped = dict(_of_map(rig, options, report))
-    names = mapped | dict(_of_scheme(rig, options))
+    mapped = list(_of_map(rig, options, report))
+    names = {node: name for node, name, _ in mapped} | dict(_of_scheme(rig, options))
     if options.to is not None:
         _warn_unnamed_trunk(rig, names, report)
     names = {node: name and rig.rules.valid_name(name) for node, name in names.items()}
@@ -42,7 +42,7 @@ def rename_joints(rig: Rig, *, options: RenameJointsOptions, report: Report) -> 
         rig.find(joint): given_name(rig, name, report, f"--name {joint}=")
         for joint, name in options.name.items()
     }
-    _refuse_clashes(rig, names, mapped if options.inverse else ())
+    _refuse_clashes(rig, names, {node for node, _, shared in mapped if shared})
     names = {node: name for node, name in names.items() if rig.names[node] != name}
     _refuse_taken(rig, names, [rig.find(joint) for joint in options.name])
     if not names:
@@ -96,8 +96,8 @@ def _called(address: str) -> str:
     return re.sub("^#[0-9]+$", "", address.rpartition("/")[2])
 
 
-def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[tuple[int, str]]:
-    """Nodes and names of a map; those that the file does not have are left out.
+def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterator[tuple[int, str, bool]]:
+    """Nodes and names of a map, and whether several had that name; those that the file has not are left out.
 
     NameNotFoundError for a map of others alone: none has its old name here, nor its new one.
     """
@@ -106,6 +106,8 @@ def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[
     table, back = _tables(options.map)
     plain = {new: _called(old) for old, new in table.items()}
     found = (plain | back) if options.inverse else table
+    # Their addresses are more than their names: these did not suffice.
+    shared = {*back, *(new for old, new in table.items() if plain[new] != old)} if options.inverse else set()
     if found and not any(map(rig.has, found)):
         later = set(found.values())
         if not (there := sum(map(rig.has, later))):
@@ -116,7 +118,7 @@ def _of_map(rig: Rig, options: RenameJointsOptions, report: Report) -> Iterable[
     for name, new in found.items():
         node = rig.known(name)
         if node is not None:
-            yield node, new
+            yield node, new, name in shared
 
 
 def _tables(read: Mapping[str, Any]) -> Iterator[dict[str, str]]:
@@ -176,14 +178,14 @@ def _bones(rig: Rig) -> list[Part]:
 
 
 def _refuse_clashes(rig: Rig, names: Mapping[int, str], back: Collection[int]) -> None:
-    """UsageError for a name that two joints would have. back: those that get names they have had."""
+    """UsageError for a name that two joints would have. back: those that get one back that several had."""
     joints = {*np.flatnonzero(rig.is_joint).tolist(), *names}
     taken: dict[str, int] = {}
     for node in sorted(joints):
         name = names.get(node, rig.names[node])
         if name and name in taken and (node in names or taken[name] in names):
             pair = f"'{rig.title(taken[name])}' and '{rig.title(node)}'"
-            if rig.names[node] == rig.names[taken[name]] or (node in back and taken[name] in back):
+            if rig.names[node] == rig.names[taken[name]] or node in back or taken[name] in back:
                 continue  # they shared one before
             raise UsageError(
                 f"{pair} would both be called '{name}'. Name one of them with --name JOINT=NAME, or leave "

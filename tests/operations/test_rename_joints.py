@@ -85,8 +85,11 @@ def test_a_map_leads_back_to_names_that_no_scheme_has(suffix: str, tmp_path: Pat
 
 
 def test_names_that_look_like_addresses_and_shared_ones_come_back() -> None:
-    """Before, two joints of one name were refused, "neck/sub" came back as "sub", and "#7" as none."""
-    old = {"neck": "neck/sub", "forearm_L": "#7", "thigh_L": "dup", "thigh_R": "dup"}
+    """Before, two joints of one name were refused, "neck/sub" came back as "sub", and "#7" as none.
+
+    So was one that shared its name with a joint that kept it.
+    """
+    old = {"neck": "neck/sub", "forearm_L": "#7", "thigh_L": "dup", "thigh_R": "dup", "hand_L": "fingers_L"}
     rig = read(SAMPLES / "biped.glb").rig
     odd = replace(rig, names=tuple(old.get(name, name) for name in rig.names))
     report = Report()
