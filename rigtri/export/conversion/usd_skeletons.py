@@ -13,12 +13,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rigtri.export.conversion.scene import Scene
-from rigtri.maths.matrices import inverse, multiply
+from rigtri.maths.matrices import from_frame, inverse, multiply
 from rigtri.maths.trigonometry import Floats
+from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
 
 # Bind matrices of two skins are the same within this share: float32 files hold them with as much noise.
 SAME_BIND = 1e-6
+# A bind pose this share larger than its joints has their scale: nobody sees the difference.
+SAME_SCALE = 1e-4
 
 
 @dataclass(eq=False)
@@ -54,6 +57,34 @@ class Skeleton:
         self.skins[skin] = before
         return True
 
+    def unscale(self, rig: Rig, above: float) -> None:
+        """Leave the scale that all bind poses have and joints do not to what takes points there.
+
+        above: the scale of the node above the joints. Programs that make bones of bind poses, such as
+        Blender, give them no scale.
+        """
+        joints = list(self.bind)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            scales = _size(np.stack(list(self.bind.values()))) / (_size(rig.normalised_world[joints]) / above)
+        scales = scales[np.isfinite(scales) & (scales > 0)]
+        if len(scales):
+            common = float(np.median(scales))
+            self.bind = {joint: _smaller(bind, common) for joint, bind in self.bind.items()}
+            self.skins = {skin: _smaller(before, common) for skin, before in self.skins.items()}
+
+
+def _size(matrices: Floats) -> Floats:
+    """The mean length of the axes, (..., 4, 4) → (...)."""
+    x, y, z = np.moveaxis(length(matrices[..., :3, :3]), -1, 0)
+    return np.asarray((x + y + z) / 3.0)
+
+
+def _smaller(matrix: Floats, scale: float) -> Floats:
+    """What a matrix takes to, so many times smaller; the same where that is noise."""
+    if not scale or abs(scale - 1.0) <= SAME_SCALE:
+        return matrix
+    return multiply(matrix, from_frame(np.eye(3) / scale, np.zeros(3)))
+
 
 def plan_skeletons(scene: Scene) -> tuple[list[Skeleton], set[int]]:
     """All Skeletons of a scene, and the nodes that become joints of them."""
@@ -74,8 +105,10 @@ def plan_skeletons(scene: Scene) -> tuple[list[Skeleton], set[int]]:
                 fresh.add(skin, own, found.inverse_bind)
                 mine.append(fresh)
         for skeleton in mine:
+            above = float(_size(rig.normalised_world[parent])) if parent >= 0 else 1.0
+            skeleton.unscale(rig, above)
             for node in nodes:
-                world = rig.normalised_world[node]
+                world = _smaller(rig.normalised_world[node], above)
                 flat = not np.isfinite(inverse(world)).all()
                 skeleton.bind.setdefault(node, np.eye(4) if flat else world)
         skeletons += mine

@@ -285,6 +285,31 @@ def test_skins_whose_joints_stand_far_apart_share_what_is_between_them(tmp_path:
     assert ["left", "left/deep", "right"] in [list(tokens) for tokens in joints]
 
 
+@pytest.mark.parametrize(("armature", "points"), [(1.0, 1.0), (0.01, 1.0), (1.0, 5987.0), (0.3, 0.3)])
+def test_bind_poses_have_no_scale_that_all_joints_have(
+    armature: float, points: float, tmp_path: Path
+) -> None:
+    """Of a scaled armature, or of positions in another unit: bones that Blender makes of them have none."""
+    b = small(3)
+    b.gltf["nodes"] += [
+        {"name": "Armature", "scale": [armature] * 3, "children": [0]},
+        {"name": "hat", "translation": [0, 1, 0], "mesh": 0},
+    ]
+    b.gltf["nodes"][2]["children"] = [5]
+    b.gltf["scenes"][0]["nodes"] = [4, 3]
+    b.glb(tmp_path / "plain.glb")
+    rig = rigtri.read(tmp_path / "plain.glb")
+    binds = np.diag([points] * 3 + [1.0]) @ np.linalg.inv(rig.world[rig.skins[0].joints])
+    b.gltf["skins"][0]["inverseBindMatrices"] = b.accessor(binds.reshape(-1, 16))
+    outcome = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda")
+    assert outcome.verification is not None
+    assert outcome.verification.deviation <= 1e-6
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    (skeleton,) = [UsdSkel.Skeleton(p) for p in stage.Traverse() if p.IsA(UsdSkel.Skeleton)]
+    axes = np.array(skeleton.GetBindTransformsAttr().Get())[:, :3, :3]
+    np.testing.assert_allclose(np.linalg.norm(axes, axis=-1), 1.0, atol=1e-6)
+
+
 def test_a_broken_reference_is_an_error_of_the_file(tmp_path: Path) -> None:
     path = tmp_path / "broken.gltf"
     path.write_text(json.dumps({"asset": {"version": "2.0"}, "nodes": [{"camera": 3}]}))
