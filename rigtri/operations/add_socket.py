@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.errors import UsageError
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes
+from rigtri.maths.matrices import determinant, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import IDENTITY, from_axes, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, length, normalise, perpendicular
@@ -80,7 +80,9 @@ def _rotation(rig: Rig, joint: int, options: AddSocketOptions) -> Floats:
     if length(cross(x, up)) < _SAME:
         raise UsageError("--aim and --up are parallel: give another --up")
     y = normalise(perpendicular(up, x))
-    axes = np.stack([x, y, cross(x, y)])
+    # Mirrored axes of a joint come out negated: x and y are to point there once the joint has mirrored them.
+    sign = -1.0 if determinant(rig.world[joint]) < 0 else 1.0
+    axes = np.stack([sign * x, sign * y, cross(x, y)])
     own = orthonormal_axes(rig.world[joint])
     seen = multiply(from_frame(axes, np.zeros(3)), inverse(from_frame(own, np.zeros(3))))
     return np.asarray(from_axes(orthonormal_axes(seen)))

@@ -7,6 +7,8 @@ vertices, cameras and lights stay the numbers that they are.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from rigtri.errors import GeometryError, UsageError
@@ -28,6 +30,7 @@ from rigtri.operations.joint_records import joint_record
 from rigtri.operations.joint_selection import warn_unread
 from rigtri.operations.operation import operation
 from rigtri.operations.options.freeze import FreezeOptions as FreezeOptions
+from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 from rigtri.text import listed
 
@@ -53,13 +56,13 @@ def freeze(rig: Rig, *, options: FreezeOptions, report: Report) -> Rig:
     """
     known = len(report.joints)
     rig = _converted(rig, options)
-    nodes = _nodes(rig)
+    joints = _joints(rig)
+    nodes, below = _nodes(rig, joints), rig.at_or_below(joints)
     if options.rotates:
-        below = rig.at_or_below(rig.is_joint)
         rig = _without_rotation(rig, [node for node in nodes if not below[node]], report)
     if options.scales:
-        rig = _without_scale(rig, nodes, options, report)
-        _warn_keyed(rig, nodes, report)
+        rig = _without_scale(rig, nodes, below, options, report)
+        _warn_keyed(rig, [node for node in nodes if not below[node]], report)
     _warn_instances(rig, options, report)
     if len(report.joints) > known:
         warn_unread(rig, report)
@@ -87,11 +90,22 @@ def _converted(rig: Rig, options: FreezeOptions) -> Rig:
     return convert(rig, Conversion(new_up, new_metres, rotation, metres / new_metres))
 
 
-def _nodes(rig: Rig) -> list[int]:
+def _joints(rig: Rig) -> Booleans:
+    """Which nodes are joints, (n,): of skins, or in a file of clips alone, where none has any, of bodies."""
+    if rig.is_joint.any():
+        return rig.is_joint
+    found = np.zeros(len(rig), dtype=bool)
+    for body in recognise(rig).characters:
+        found[[joint for chain in body.chains for joint in chain.joints]] = True
+        found[body.hips] |= body.hips >= 0
+    return found
+
+
+def _nodes(rig: Rig, joints: Booleans) -> list[int]:
     """Joints, all above them, and what is below them and shows nothing: sockets."""
-    found = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
-    found.update(np.flatnonzero(rig.at_or_below(rig.is_joint) & (rig.attachment < 0)).tolist())
-    ours = {node for node in rig.own if not rig.is_joint[node]}
+    found = rig.with_ancestors(np.flatnonzero(joints).tolist())
+    found.update(np.flatnonzero(rig.at_or_below(joints) & (rig.attachment < 0)).tolist())
+    ours = {node for node in rig.own if not joints[node]}
     return sorted(found - ours - set(rig.rules.fixed) - rig.rules.data_nodes)
 
 
@@ -134,14 +148,15 @@ def _axes(rig: Rig) -> Floats:
     return world
 
 
-def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: Report) -> Rig:
-    """The rig with scale 1 at nodes, as far as it is uniform."""
+def _without_scale(
+    rig: Rig, nodes: list[int], below: Booleans, options: FreezeOptions, report: Report
+) -> Rig:
+    """The rig with scale 1 at nodes, as far as it is uniform. below: which nodes are joints or below one."""
     own, uneven = _scales(rig)
     inside = np.zeros(len(rig), dtype=bool)
     inside[nodes] = True
     counts = inside.copy()
     if options.above or options.joints:
-        below = rig.at_or_below(rig.is_joint)
         counts &= ~below if options.above else below
     total = np.ones(len(rig))
     # A frame whose axes are mirrored in the world has a scale of -1 there.
@@ -167,9 +182,8 @@ def _without_scale(rig: Rig, nodes: list[int], options: FreezeOptions, report: R
     return rescale(rig, size)
 
 
-def _warn_keyed(rig: Rig, nodes: list[int], report: Report) -> None:
+def _warn_keyed(rig: Rig, above: Collection[int], report: Report) -> None:
     """Warn of nodes above joints whose scale has keys: it is a motion, and no node but these can hold it."""
-    above = set(nodes) - set(np.flatnonzero(rig.at_or_below(rig.is_joint)).tolist())
     keyed = {
         track.node
         for clip in rig.clips

@@ -264,3 +264,15 @@ def test_scales_that_sixteen_bits_cannot_hold_are_named_with_what_keeps_them(tmp
     ran = cli("freeze", source, "-o", tmp_path / "out.usda", code=6)
     assert "cannot say the new ones of 'b' closely enough" in " ".join(ran.stderr.split())
     cli("freeze", source, "--above", "-o", tmp_path / "out.usda", code=0)
+
+
+def test_a_clip_library_without_a_skin_is_frozen_as_its_character() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    top, scale, rotation = rig.find("biped"), rig.scale.copy(), rig.rotation.copy()
+    scale[top], rotation[top] = 0.01, (-(0.5**0.5), 0, 0, 0.5**0.5)
+    character = replace(rig, scale=scale, rotation=rotation, source=None)
+    frozen, clips = (rigtri.freeze(each) for each in (character, replace(character, skins=())))
+    assert not np.allclose(frozen.translation, rig.translation)
+    joints = frozen.is_joint
+    assert np.allclose(clips.local[joints], frozen.local[joints], atol=1e-12)
+    assert np.allclose(clips.local[top], frozen.local[top], atol=1e-12)

@@ -361,6 +361,16 @@ def test_a_socket_stands_where_it_is_put_and_follows(suffix: str, tmp_path: Path
     assert np.allclose(rigtri.read(moved).local[socket, 3, :3], (0, 3, 0))
 
 
+def test_a_socket_aims_where_it_is_to_below_a_mirrored_node_too() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale = rig.scale.copy()
+    scale[rig.find("biped")] = -1, 1, 1
+    made = rigtri.add_socket(
+        replace(rig, scale=scale, source=None), name="gun", on="hand_L", aim=(0, 1, 0), up=(0, 0, 1)
+    )
+    assert np.allclose(made.world[made.find("gun"), :2, :3], [(0, 1, 0), (0, 0, 1)], atol=1e-6)
+
+
 @pytest.mark.parametrize("lift", [-3.0, -0.9, 2.0])
 def test_a_root_of_a_body_that_stands_elsewhere_is_as_low_as_its_feet(lift: float) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
