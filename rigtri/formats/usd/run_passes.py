@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.passes.add_joints import add_joints
+from rigtri.formats.usd.passes.confine_keys import confine_keys
 from rigtri.formats.usd.passes.find_changes import find_changes
 from rigtri.formats.usd.passes.keep_splines import keep_splines
 from rigtri.formats.usd.passes.key_xforms import key_xforms
@@ -57,6 +58,7 @@ PASSES: tuple[Pass, ...] = (
     write_skin_weights,
     limit_weights,
     route_variants,
+    confine_keys,
 )
 
 

@@ -14,6 +14,7 @@ from pxr import Sdf, Usd
 from rigtri.errors import FileError
 from rigtri.formats.usd.composition.animation_binding import SOURCE, idle_above
 from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.value_types import BIND
 from rigtri.model.dataclass import dataclass
 
@@ -93,11 +94,7 @@ class SkeletonVariants:
     def refuse_dependent(self, paths: Iterable[Any], change: str) -> None:
         """FileError where variants decide one of some attributes; change: what cannot be done to it."""
         for path in sorted(self.depends.keys() & set(paths)):
-            prim, name = min(self.depends[path])
-            raise FileError(
-                f"{change}: <{path}> is another one in each variant of '{name}' on <{prim}>. "
-                "Give each variant a file of its own."
-            )
+            raise FileError(f"{change}: {why_decided(path, self.depends[path])}")
 
     def place_of(self, state: VariantState, path: Any) -> str:
         """The strongest opinion on a prim in a state: its path and its layer."""
@@ -190,8 +187,7 @@ def split_by(variants: SkeletonVariants) -> str:
     prim, name = min(variants.depends[path])
     return (
         f"<{path}> is another one in each variant of '{name}' on <{prim}>, and joints that are renamed in "
-        "one would not fit the others. Give each variant a file of its own, or choose "
-        "--on-nonuniform-scale snap or skip"
+        "one would not fit the others. Give each variant a file of its own"
     )
 
 
@@ -222,6 +218,67 @@ def choices(stage: Any, paths: list[str]) -> Iterator[tuple[Any, str, str, str]]
             for variant in sets.GetVariantSet(name).GetVariantNames():
                 if variant != selected:
                     yield path, name, variant, selected
+
+
+def why_decided(path: Any, sets: Iterable[VariantSet]) -> str:
+    """What is wrong with an attribute whose values variants decide."""
+    prim, name = min(sets)
+    where = f"in each variant of '{name}' on <{prim}>"
+    return f"<{path}> is another one {where}. Give each variant a file of its own."
+
+
+def deciding_sets(stage: Any, skeleton: str, prims: Iterable[str]) -> dict[Any, set[VariantSet]]:
+    """The variant sets that decide what holds a skeleton or moves it, by attribute.
+
+    prims: paths whose attributes count, and of those below them: arrays of joints and animations, ops and
+    what rigtri stores. A variant counts where it shows the skeleton, and other values than the selected one.
+    """
+    every = [skeleton, *prims]
+    if not any(_sets(prim) for path in _prefixes(every) if (prim := stage.GetPrimAtPath(path))):
+        return {}
+    shown = _bare_stage(stage, every)
+    session, before = shown.GetSessionLayer(), _decisive(shown)
+    found: dict[Any, set[VariantSet]] = {}
+    for path, name in [(prim.GetPath(), name) for prim in shown.Traverse() for name in _sets(prim)]:
+        chosen = shown.GetPrimAtPath(path).GetVariantSet(name)
+        selected, selections = (
+            chosen.GetVariantSelection(),
+            Sdf.CreatePrimInLayer(session, path).variantSelections,
+        )
+        # Without another variant, nothing at all can be selected instead.
+        for variant in [each for each in chosen.GetVariantNames() if each != selected] or [""]:
+            selections[name] = variant
+            if (prim := shown.GetPrimAtPath(skeleton)) and prim.GetTypeName() == "Skeleton":
+                there = _values_at(shown, _differing(before, _decisive(shown)))
+                selections[name] = selected
+                here = _values_at(shown, there)
+                for attribute in (each for each, values in there.items() if values != here[each]):
+                    found.setdefault(attribute, set()).add((path, name))
+        selections[name] = selected
+    return found
+
+
+def _decisive(stage: Any) -> Origins:
+    """Where the values come from of all that holds skeletons or moves them."""
+    found: Origins = {}
+    for prim in stage.Traverse():
+        if prim.GetTypeName() == "Skeleton":
+            found[prim.GetPath().AppendProperty(SOURCE)] = tuple(_targets(prim))
+        for attribute in prim.GetAuthoredAttributes():
+            if attribute.GetName() in VALUES or attribute.GetName().startswith(("xformOp", "rigtri:")):
+                found[attribute.GetPath()] = _origin(attribute)
+    return found
+
+
+def _values_at(stage: Any, properties: Iterable[Any]) -> dict[Any, Any]:
+    """Default (None) and samples of attributes, targets of bindings; None for what is not there."""
+    found: dict[Any, Any] = dict.fromkeys(properties)
+    for path in found:
+        if path.name == SOURCE and (prim := stage.GetPrimAtPath(path.GetPrimPath())):
+            found[path] = _targets(prim)
+        elif attribute := stage.GetAttributeAtPath(path):
+            found[path] = [(None, attribute.Get(DEFAULT)), *time_samples(attribute)]
+    return found
 
 
 def each_choice(stage: Any) -> Iterator[tuple[str, Any]]:

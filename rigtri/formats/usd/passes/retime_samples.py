@@ -60,6 +60,7 @@ def retime_samples(edit: UsdEdit) -> None:
     edits = [change for plan in plans for change in plan.edits()]
     if edits:
         edit.prepare(edits)
+    edit.retimed += [variants for plan in plans for variants in plan.variants]
     tracks = {plan.animation.path: plan.tracks for plan in plans}
     clips = (*_aligned(source, edit.source, rig, tracks), *(c for c in rig.clips if c.key == PLAYED))
     edit.rig = replace(rig, clips=clips)
@@ -141,6 +142,7 @@ class _Plan:
             if keyed.isdisjoint(self.rows[token]):
                 del self.rows[token]
         self.kept = [k for k, token in enumerate(self.animation.tokens) if token in self.rows]
+        self.variants: list[SkeletonVariants] = []
 
     def _tracks(self, nodes: set[int]) -> Tracks:
         """What moves the joints from now on: what has no place yet goes over what has."""
@@ -224,10 +226,8 @@ class _Plan:
                 raise FileError(
                     f"<{path}.{name}> has blocked samples, so its keys cannot be changed. Export it again."
                 )
-        own = [Sdf.Path(path).AppendProperty(name) for name in ("joints", *PROPERTIES)]
-        for skeleton in self.users if not self.skeleton else ():
-            variants = SkeletonVariants(self.source.stage, skeleton.path, path)
-            variants.refuse_dependent(own, "Keys cannot be changed")
+        users = self.users if not self.skeleton else ()
+        self.variants = [SkeletonVariants(self.source.stage, user.path, path) for user in users]
 
     def _array(self, name: str, times: Floats) -> Edit:
         """An array at new times, as it was; new columns have what their joints are at rest."""

@@ -24,11 +24,10 @@ from rigtri.formats.usd.composition.variants import (
     VariantState,
     variants_of,
     why_placed_otherwise,
-    why_unselected,
 )
-from rigtri.formats.usd.opinions import instance_edits
 from rigtri.formats.usd.opinions.composition_check import Expected, agree
 from rigtri.formats.usd.opinions.edits import Edit, Setting
+from rigtri.formats.usd.opinions.variant_paths import inside_variants
 from rigtri.formats.usd.passes.usd_edit import UsdEdit
 from rigtri.formats.usd.reading.node_keys import kind, parts
 from rigtri.formats.usd.reading.reader import read_source
@@ -153,7 +152,7 @@ def _route(
 
 def _put(edit: Setting, state: VariantState, variants: SkeletonVariants, result: dict[Any, Setting]) -> None:
     variants.choose(state.chosen)
-    path = _inside(edit.prim, variants.depends.get(edit.path, set()), state, variants)
+    path = inside_variants(edit.prim, variants.depends.get(edit.path, set()), state, variants)
     known = result.get(path.AppendProperty(edit.name))
     if known is None:
         result[path.AppendProperty(edit.name)] = replace(edit.at(path), prim=edit.prim)
@@ -162,27 +161,3 @@ def _put(edit: Setting, state: VariantState, variants: SkeletonVariants, result:
             f"In {state.title}, <{edit.path}> ({variants.place_of(state, edit.prim)}) would need other "
             "values than elsewhere. Give each variant a file of its own."
         )
-
-
-def _inside(prim: Any, sets: set[Any], state: VariantState, variants: SkeletonVariants) -> Any:
-    """The path of a prim within the variants that its values depend on: ``/Hero{clip=walk}Anim``."""
-    path, held = Sdf.Path.absoluteRootPath, instance_edits.instance_of(variants.source, prim)
-    for above in prim.GetPrefixes():
-        path = path.AppendChild(above.name)
-        shown = variants.stage.GetPrimAtPath(above)
-        for name in shown.GetVariantSets().GetNames() if shown else ():
-            if (above, name) in sets:
-                variant = state.selected[above, name]
-                if not variant:
-                    raise FileError(
-                        f"{why_unselected(prim, above, name)}. Select one in a layer above, or remove "
-                        "the variant set."
-                    )
-                path = path.AppendVariantSelection(name, variant)
-                if held is not None and not above.HasPrefix(held.GetPath()):
-                    raise FileError(
-                        f"<{prim}> lies in the instance <{held.GetPath()}>, which is another one in each "
-                        f"variant of '{name}' on <{above}> ({variants.place_of(state, prim)}). Give each "
-                        "variant a file of its own."
-                    )
-    return path

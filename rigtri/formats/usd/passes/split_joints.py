@@ -36,6 +36,9 @@ from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.text import listed
 
+# What else there is where joints are split for their scale.
+_INSTEAD = ", or choose --on-nonuniform-scale snap or skip"
+
 
 @dataclass(frozen=True, eq=False)
 class Split:
@@ -69,7 +72,7 @@ def split_joints(edit: UsdEdit) -> None:
     if frames and not edit.options.allow_rename:
         raise UsageError(_refusal(splits))
     for path in splits:
-        _check(source, splits, path)
+        _check(source, splits, path, _INSTEAD if frames else "")
     holders = {path: split.holders for path, split in splits.items()}
     renaming = {path: partial(split_token, holders=each) for path, each in holders.items()}
     influences = influence_edits(source, renaming)
@@ -112,8 +115,8 @@ def _refusal(splits: Mapping[str, Split]) -> str:
     )
 
 
-def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
-    """FileError where the skeleton or what drives and binds it cannot be edited."""
+def _check(source: Source, splits: Mapping[str, Split], path: str, instead: str) -> None:
+    """FileError where the skeleton or what drives and binds it cannot be edited; instead: another way."""
     skeleton, holders = splits[path].skeleton, splits[path].holders
     prims = [source.stage.GetPrimAtPath(p) for p in (path, *skeleton.animations)]
     for prim in prims:
@@ -121,13 +124,14 @@ def _check(source: Source, splits: Mapping[str, Split], path: str) -> None:
     refuse(skeleton.locked)
     if skeleton.path not in source.animations:  # not an animation that stands in for its skeleton
         for variants in variants_of(source.stage, path, skeleton.animations):
-            refuse(split_by(variants))
+            if why := split_by(variants):
+                raise FileError(f"{why}{instead}.")
         refuse(why_bound_otherwise(source.stage, path))
     played = [source.animations[path] for path in skeleton.animations if path in source.animations]
     for theirs, other in product(played, source.skeletons.values()):
         if theirs.path in other.animations:
             again = splits[other.path].holders if other.path in splits else {}
-            _check_shared(source, theirs, holders, other, again)
+            _check_shared(source, theirs, holders, other, again, instead)
 
 
 def _check_shared(
@@ -136,6 +140,7 @@ def _check_shared(
     holders: Mapping[str, str],
     other: Skeleton,
     other_holders: Mapping[str, str],
+    instead: str,
 ) -> None:
     """FileError where an animation drives two skeletons by joints that get different names."""
     for token in sorted(set(animation.tokens) & set(other.tokens)):
@@ -146,7 +151,7 @@ def _check_shared(
                 f"Animation <{animation.path}> of layer {spec.layer.identifier} also drives the skeleton "
                 f"<{other.path}>, for which '{token}' would have to be called '{other_renamed}' in it, and "
                 f"for the other '{renamed}'; animations are not copied. Give each skeleton an animation "
-                "of its own, or choose --on-nonuniform-scale snap or skip."
+                f"of its own{instead}."
             )
 
 

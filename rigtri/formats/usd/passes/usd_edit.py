@@ -11,6 +11,7 @@ from pxr import Sdf
 from rigtri.errors import UsageError
 from rigtri.formats.document import ReadOptions
 from rigtri.formats.usd.composition import layers
+from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import Edit
 from rigtri.formats.usd.reading.reader import read_source
@@ -48,7 +49,8 @@ class UsdEdit:
     source's nodes first. prepared: the opinions that source was read again with. values: opinions that
     make source match rig, by the paths of the stage. opinions: the same by the paths of the layer, within
     variants where they need it. removals: what goes last. expected: what the composed output must show.
-    changes: what `find_changes` has found for the passes behind it.
+    changes: what `find_changes` has found for the passes behind it. retimed: the variants of the animations
+    whose arrays get other times, as they were read.
     """
 
     source: Source
@@ -62,6 +64,7 @@ class UsdEdit:
     removals: list[Edit] = field(default_factory=list)
     expected: Expected = field(default_factory=Expected)
     changes: Changes = field(init=False)
+    retimed: list[SkeletonVariants] = field(default_factory=list)
 
     @property
     def edits(self) -> list[Edit]:

@@ -1,0 +1,141 @@
+"""Confine keys to the variants that decide what they come from.
+
+Keys of joints may follow controls, and keys of controls joints. Where variants of a shot hold takes of
+either, keys of one take above them all would be seen in every take. So keys of joints go into the selected
+variants that decide the controls. Controls are refused where variants decide what they would hold: their
+rest lies above the variants, and hides what is within.
+
+Source: OpenUSD glossary, LIVRPS (local opinions are stronger than those within variants).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from pxr import Sdf
+
+from rigtri.errors import FileError
+from rigtri.formats.usd.composition.stage import DEFAULT
+from rigtri.formats.usd.composition.variants import (
+    VALUES,
+    SkeletonVariants,
+    VariantSet,
+    deciding_sets,
+    variants_of,
+    why_decided,
+)
+from rigtri.formats.usd.opinions.edits import Edit, Setting
+from rigtri.formats.usd.opinions.variant_paths import inside_variants
+from rigtri.formats.usd.passes.usd_edit import UsdEdit
+from rigtri.formats.usd.reading.animation_reader import PROPERTIES
+from rigtri.formats.usd.reading.node_keys import kind
+from rigtri.formats.usd.reading.skeleton_reader import Skeleton
+from rigtri.report import Notice
+
+# Names of what controls hold themselves.
+_OWN = ("xformOp", "rigtri:")
+# The sets that decide an attribute, by its path.
+Decided = Mapping[Any, set[VariantSet]]
+
+
+def confine_keys(edit: UsdEdit) -> None:
+    """Route new keys into variants. FileError where these decide what keys or controls would replace."""
+    rig, stage = edit.source.rig, edit.source.stage
+    own = {Sdf.Path(rig.labels[node]) for node in rig.own if kind(rig.keys[node]) == "prim"}
+    made = {value.prim for value in edit.opinions if not stage.GetPrimAtPath(value.prim)}
+    held = own | made
+    tops = [path for path in held if held.isdisjoint(path.GetPrefixes()[:-1])]
+    confined: set[str] = set()
+    for skeleton in edit.source.skeletons.values() if edit.opinions else ():
+        mine = [top for top in tops if Sdf.Path(skeleton.path).HasPrefix(top.GetParentPath())]
+        known = [str(top) for top in mine if top in own]
+        decided = deciding_sets(stage, skeleton.path, [*skeleton.animations, *known]) if mine else {}
+        if decided and _confine(edit, skeleton, decided, mine, made):
+            confined.add(skeleton.path)
+    for variants in edit.retimed:
+        if variants.skeleton not in confined:
+            animation = Sdf.Path(variants.animation)
+            arrays = [animation.AppendProperty(name) for name in ("joints", *PROPERTIES)]
+            variants.refuse_dependent(arrays, "Keys cannot be changed")
+
+
+def _confine(
+    edit: UsdEdit, skeleton: Skeleton, decided: Decided, tops: Sequence[Any], made: Collection[Any]
+) -> bool:
+    """Route the keys of one skeleton; whether they are within variants now. tops: its topmost controls."""
+    path, animations = Sdf.Path(skeleton.path), {Sdf.Path(each) for each in skeleton.animations}
+    reshaped = any(value.prim == path for value in edit.opinions)
+    about = [value for value in edit.opinions if any(value.prim.HasPrefix(top) for top in tops)]
+    _refuse_controls(about, path, decided, made, reshaped=reshaped)
+    followed = {at: sets for at, sets in decided.items() if any(at.HasPrefix(top) for top in tops)}
+    if not followed or reshaped or not any(value.prim in animations for value in edit.opinions):
+        return False
+    sets = set[VariantSet]().union(*followed.values())
+    read = {(each.skeleton, each.animation): each for each in edit.retimed}
+    for now in variants_of(edit.source.stage, skeleton.path, skeleton.animations):
+        variants = read.get((now.skeleton, now.animation), now)
+        animation = Sdf.Path(variants.animation)
+        if any(not animation.HasPrefix(prim) for prim, _ in sets):
+            raise FileError(f"Keys cannot be set in <{animation}>: {_why(followed)}")
+        edit.prepared = [_inside(each, animation, sets, variants) for each in edit.prepared]
+        edit.opinions = [_inside(each, animation, sets, variants) for each in edit.opinions]
+    selected = variants.states[0].selected
+    shown = " and ".join(f"'{selected[s]}' of the variant set '{s[1]}' on <{s[0]}>" for s in sorted(sets))
+    text = (
+        f"Keys of <{skeleton.path}> are written in the variant {shown} alone, for it decides what controls "
+        "do. To bake another variant, select it and run again"
+    )
+    edit.notices.append(Notice("variant-keys", text))
+    return True
+
+
+def _why(decided: Decided) -> str:
+    first = min(decided)
+    return why_decided(first, decided[first])
+
+
+def _refuse_controls(
+    about: Iterable[Edit], skeleton: Any, decided: Decided, made: Collection[Any], *, reshaped: bool
+) -> None:
+    """FileError where edits of controls would replace, or come from, what variants decide."""
+    rests = {at: s for at, s in decided.items() if at.GetPrimPath() == skeleton and at.name in VALUES}
+    motion = {at: s for at, s in decided.items() if at not in rests and not at.name.startswith(_OWN)}
+    for value in about:
+        if isinstance(value, Setting) and value.path in decided:
+            raise FileError(
+                f"<{value.prim}> cannot be changed: {why_decided(value.path, decided[value.path])}"
+            )
+        placed = value.prim in made or (isinstance(value, Setting) and value.name.startswith("xformOp"))
+        if rests and placed:
+            raise FileError(f"<{value.prim}> cannot be placed: {_why(rests)}")
+        if motion and not reshaped and isinstance(value, Setting) and value.samples:
+            raise FileError(f"<{value.prim}> cannot get keys: {_why(motion)}")
+
+
+def _inside(value: Edit, animation: Any, sets: set[VariantSet], variants: SkeletonVariants) -> Edit:
+    """An edit of an animation within variants, and any other as it is."""
+    if value.prim != animation:
+        return value
+    if not isinstance(value, Setting):
+        raise FileError(
+            f"<{animation}> would be new in every variant. Bind an animation to <{variants.skeleton}> first "
+            "(skel:animationSource), or give each variant a file of its own."
+        )
+    for spec in _outside(variants.source, value.path):
+        raise FileError(
+            f"<{value.path}> of {spec.layer.identifier} lies outside of the variants, and hides keys in one. "
+            "Give each variant a file of its own, or put a shot above the file and the variants there."
+        )
+    every = sets | variants.depends.get(value.path, set())
+    return replace(value.at(inside_variants(animation, every, variants.states[0], variants)), prim=animation)
+
+
+def _outside(stage: Any, path: Any) -> Iterator[Any]:
+    """The opinions of the files of the stage itself on an attribute that no variant holds."""
+    layers = [layer for layer in stage.GetLayerStack(includeSessionLayers=False) if layer.realPath]
+    attribute = stage.GetAttributeAtPath(path)
+    for spec in attribute.GetPropertyStack(DEFAULT) if attribute else ():
+        if spec.layer in layers and spec.path == path:
+            yield spec

@@ -1,0 +1,155 @@
+"""Variants that hold takes: keys of one are seen in no other, and controls are of all or refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from program import cli
+from pxr import Sdf, Usd, UsdGeom, UsdSkel
+from usd_files import MESH, animation, at, save, scene, skeleton
+
+RUN = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
+TALL = f"uniform matrix4d[] bindTransforms = [{at(0, 0, 0)}, {at(0, 3, 0)}, {at(0, 5, 1)}]"
+TAKES = {"t1": 0.3, "t2": -2.0}
+
+
+def variants(name: str, **body: str) -> str:
+    each = "\n".join(f'"{variant}" {{\n{text}\n}}' for variant, text in body.items())
+    return f'variantSet "{name}" = {{\n{each}\n}}'
+
+
+def with_set(text: str, name: str, selected: str, prim: str = 'def SkelRoot "Root"') -> str:
+    head = f'variants = {{\nstring {name} = "{selected}"\n}}\nprepend variantSets = "{name}"'
+    return text.replace(prim, f"{prim} (\n{head}\n)", 1)
+
+
+def select(path: Path, **chosen: str) -> Usd.Stage:
+    stage = Usd.Stage.Open(str(path))
+    stage.SetEditTarget(stage.GetSessionLayer())
+    for name, variant in chosen.items():
+        stage.GetPrimAtPath("/Root").GetVariantSet(name).SetVariantSelection(variant)
+    return stage
+
+
+def place(stage: Usd.Stage, time: float) -> np.ndarray:
+    """Where the joint a is, in the world; the x axis of its control is its y axis."""
+    root = UsdSkel.Root(stage.GetPrimAtPath("/Root"))
+    cache = UsdSkel.Cache()
+    cache.Populate(root, Usd.PrimDefaultPredicate)
+    query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/Skel")))
+    return np.array(query.ComputeJointSkelTransforms(time)[0])
+
+
+def control(stage: Usd.Stage) -> Usd.Prim:
+    return next(prim for prim in stage.TraverseAll() if prim.GetName() == "a_ctl")
+
+
+@pytest.fixture
+def shot(tmp_path: Path) -> Path:
+    """A shot whose takes each have keys for the controls of the character that they refer to."""
+    hero = save(tmp_path, scene(skeleton(), animation(), MESH), "hero.usda")
+    cli("add-controls", hero, "-o", tmp_path / "rigged.usda", "--joints", "*", code=0)
+    cli("bake", tmp_path / "rigged.usda", "--to", "controls", "-o", tmp_path / "keyed.usda", code=0)
+    shot = tmp_path / "shot.usda"
+    stage = Usd.Stage.CreateNew(str(shot))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    root = stage.DefinePrim("/Root")
+    root.GetReferences().AddReference("./keyed.usda")
+    _add_takes(stage, root)
+    stage.Save()
+    return shot
+
+
+def _add_takes(stage: Usd.Stage, root: Usd.Prim, takes: Mapping[str, float] = TAKES) -> None:
+    takes_of = root.GetVariantSets().AddVariantSet("take")
+    for take, x in takes.items():
+        takes_of.AddVariant(take)
+        takes_of.SetVariantSelection(take)
+        with takes_of.GetVariantEditContext():
+            moved = stage.OverridePrim(control(stage).GetPath()).GetAttribute("xformOp:translate")
+            for time in (1, 5):
+                moved.Set((x * time, 0, 0), time)
+    takes_of.SetVariantSelection("t1")
+
+
+def test_a_take_is_baked_into_its_variant_and_no_other_moves(shot: Path, tmp_path: Path) -> None:
+    one, both = tmp_path / "one.usda", tmp_path / "both.usda"
+    still = place(select(shot, take="t2"), 5.0)
+    printed = cli("bake", shot, "--to", "joints", "-o", one, code=0).output
+    assert "in the variant 't1' of the variant set 'take' on </Root> alone" in printed
+    assert place(select(one, take="t1"), 5.0)[3, 1] == pytest.approx(1.5, abs=1e-6)
+    assert (place(select(one, take="t2"), 5.0) == still).all()
+    # The other one: selected, and baked over what was baked.
+    layer = Sdf.Layer.FindOrOpen(str(one))
+    layer.GetPrimAtPath("/Root").variantSelections["take"] = "t2"
+    layer.Save()
+    cli("bake", one, "--to", "joints", "-o", both, code=0)
+    for take, x in TAKES.items():
+        stage = select(both, take=take)
+        for time in (1.0, 3.0, 5.0):
+            assert place(stage, time)[3, 1] == pytest.approx(x * time, abs=1e-6)
+
+
+def test_keys_that_a_variant_cannot_hold_are_refused(shot: Path, tmp_path: Path) -> None:
+    """What lies above the variants in the shot itself is stronger than they are."""
+    stage = Usd.Stage.Open(str(shot))
+    arrays = UsdSkel.Animation(stage.GetPrimAtPath("/Root/Anim"))
+    arrays.GetTranslationsAttr().Set(arrays.GetTranslationsAttr().Get(1.0))
+    stage.Save()
+    error = cli("bake", shot, "--to", "joints", "-o", tmp_path / "out.usda", code=3).stderr
+    assert "</Root/Anim.translations>" in error
+    assert "outside of the variants" in error
+
+
+@pytest.mark.parametrize("bound", [False, True], ids=["values", "binding"])
+def test_controls_get_no_keys_where_a_variant_decides_the_motion(bound: bool, tmp_path: Path) -> None:
+    if bound:
+        sets = {
+            clip: f'over "Skel" {{\nrel skel:animationSource = </Root/{name}>\n}}'
+            for clip, name in (("walk", "Anim"), ("run", "Run"))
+        }
+        blocks = [skeleton(source=""), animation(), animation("Run", rotations=RUN)]
+    else:
+        sets = {"walk": animation(), "run": animation(rotations=RUN)}
+        blocks = [skeleton()]
+    text = with_set(scene(*blocks, MESH, variants("clip", **sets)), "clip", "walk")
+    source, rigged, out = save(tmp_path, text), tmp_path / "rigged.usda", tmp_path / "out.usda"
+    cli("add-controls", source, "-o", rigged, "--joints", "*", code=0)
+    error = cli("bake", rigged, "--to", "controls", "-o", out, code=3).stderr
+    assert "in each variant of 'clip' on </Root>. Give each variant a file of its own" in error
+    assert not out.exists()
+
+
+def test_controls_are_not_added_where_a_variant_decides_the_skeleton(tmp_path: Path) -> None:
+    bodies = {"thin": skeleton(), "thick": skeleton(bind=TALL)}
+    text = with_set(scene(animation(), MESH, variants("body", **bodies)), "body", "thin")
+    out = tmp_path / "out.usda"
+    error = cli("add-controls", save(tmp_path, text), "-o", out, "--joints", "*", code=3).stderr
+    assert "</Root/Skel.bindTransforms> is another one in each variant of 'body' on </Root>" in error
+    assert not out.exists()
+
+
+def test_variants_with_the_same_skeleton_and_motion_get_controls(tmp_path: Path) -> None:
+    bodies = {
+        "one": "\n".join((skeleton(), animation())),
+        "two": "\n".join((skeleton(), animation())),
+        "none": "",
+    }
+    text = with_set(scene(MESH, variants("body", **bodies)), "body", "one")
+    rigged, out = tmp_path / "rigged.usda", tmp_path / "out.usda"
+    cli("add-controls", save(tmp_path, text), "-o", rigged, "--joints", "*", code=0)
+    cli("bake", rigged, "--to", "controls", "-o", out, code=0)
+
+
+@pytest.mark.parametrize("command", [["rename-joints", "--name", "a=z"], ["add-root", "--above", "a"]])
+def test_joints_of_variants_are_not_renamed_and_no_option_is_advised_that_is_not_there(
+    command: list[str], tmp_path: Path
+) -> None:
+    bodies = {"thin": skeleton(), "thick": skeleton(bind=TALL)}
+    text = with_set(scene(animation(), MESH, variants("body", **bodies)), "body", "thin")
+    error = cli(command[0], save(tmp_path, text), "-o", tmp_path / "out.usda", *command[1:], code=3).stderr
+    assert "Give each variant a file of its own." in error
+    assert "--on-nonuniform-scale" not in error
