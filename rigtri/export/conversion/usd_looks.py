@@ -16,10 +16,26 @@ from pxr import Ar, Usd, UsdGeom, UsdLux, UsdShade
 from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
 from rigtri.export.conversion.usd_lenses import CANDELA, FAR, TENTHS
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
+from rigtri.export.conversion.usd_networks import source_of, value_of
 from rigtri.export.conversion.usd_values import rest_value
 from rigtri.maths.trigonometry import arc_tangent
 
-_WRAPS = {"clamp": "clamp", "mirror": "mirror", "repeat": "repeat", "black": "clamp"}
+_WRAPS = {"clamp": "clamp", "mirror": "mirror", "repeat": "repeat"}
+# The channels of textures that glTF takes; of colour and roughness those of two others, too.
+_CHANNELS: Mapping[Slot, str] = {
+    "base": "rgb",
+    "metal_rough": "g",
+    "normal": "rgb",
+    "occlusion": "r",
+    "emissive": "rgb",
+}
+_SHARED = {"opacity": "a", "metallic": "b"}
+_SHARED_WITH = {
+    "opacity": "alpha of the texture of colour",
+    "metallic": "channel b of the texture of roughness",
+}
+# The markers before the size and the channels of a JPEG.
+_FRAMES = (0xC0, 0xC1, 0xC2)
 
 
 class Looks:
@@ -78,19 +94,23 @@ class Looks:
             ("emissive", "" if unlit else "emissiveColor"),
         )
         for slot, given in inputs:
-            found = self._texture(surface, given, coordinates) if given else None
+            found = self._texture(surface, given, name, coordinates) if given else None
             if found is not None:
-                textures[slot], factors[slot] = found
+                textures[slot], factors[slot], channel = found
+                if channel != _CHANNELS[slot] and not _is_grey(textures[slot].image):
+                    self._scene.lose(
+                        f"that {given} of material '{name}' is channel {channel} of its texture: glTF takes "
+                        f"{_CHANNELS[slot]}"
+                    )
         colour = factors.get("base", (*self._value(surface, inputs[0][1], (0.18,) * 3), 1.0))
-        both = factors.get("metal_rough", (1.0, None, None, 1.0))
-        opacity = self._number(surface, "opacity", 1.0)
+        opacity, linked = self._channel(surface, "opacity", name, textures.get("base"), coordinates, 1.0)
         cutoff = self._number(surface, "opacityThreshold", 0.0)
-        linked = surface.GetInput("opacity") and surface.GetInput("opacity").HasConnectedSource()
         clear = linked or opacity < 1.0
         alpha = "MASK" if clear and cutoff > 0 else "BLEND" if clear else "OPAQUE"
-        metallic = both[2] if both[2] is not None else self._number(surface, "metallic", 0.0)
-        roughness = both[1] if both[1] is not None else self._number(surface, "roughness", 0.5)
-        base = (*colour[:3], colour[3] if linked else opacity)
+        rough = textures.get("metal_rough")
+        metallic, _ = self._channel(surface, "metallic", name, rough, coordinates, 0.0)
+        roughness = factors["metal_rough"][1] if rough else self._number(surface, "roughness", 0.5)
+        base = (*colour[:3], opacity)
         if max(*base, metallic, roughness) > 1.0 or min(*base, metallic, roughness) < 0.0:
             self._scene.lose(f"factors of material '{name}' beyond 0 to 1")
         return Material(
@@ -115,50 +135,83 @@ class Looks:
             textures,
         )
 
+    def _channel(
+        self,
+        surface: Any,
+        name: str,
+        material: str,
+        beside: Texture | None,
+        coordinates: Mapping[str, int],
+        otherwise: float,
+    ) -> tuple[float, bool]:
+        """The factor of an input that glTF takes from a channel of another's texture; and whether it has one.
+
+        beside: the other's texture.
+        """
+        linked = source_of(surface, name) is not None
+        if not linked:
+            value = self._number(surface, name, otherwise)
+            if name == "metallic" and beside is not None and value:
+                self._scene.lose(
+                    f"that metallic of material '{material}' is {value:g} everywhere: glTF multiplies it by "
+                    f"{_SHARED_WITH[name]}"
+                )
+            return value, False
+        found = self._texture(surface, name, material, coordinates)
+        wanted = _SHARED[name]
+        if found is not None and found[0] == beside and found[2] == wanted:
+            return found[1]["rgba".index(wanted)], True
+        if found is not None:
+            self._scene.lose(
+                f"the texture of {name} of material '{material}': glTF has it in {_SHARED_WITH[name]}"
+            )
+        return otherwise, True
+
     @staticmethod
     def _value(surface: Any, name: str, otherwise: Any) -> Any:
-        given = surface.GetInput(name)
-        value = rest_value(given.GetAttr()) if given and not given.HasConnectedSource() else None
-        if given and given.HasConnectedSource() and otherwise == (0.18,) * 3:
+        value = value_of(surface, name)
+        if source_of(surface, name) is not None and otherwise == (0.18,) * 3:
             return (1.0, 1.0, 1.0)  # a primvar, which glTF multiplies
         return otherwise if value is None else tuple(value)
 
     @staticmethod
     def _number(surface: Any, name: str, otherwise: float) -> float:
-        given = surface.GetInput(name)
-        value = rest_value(given.GetAttr()) if given and not given.HasConnectedSource() else None
+        value = value_of(surface, name)
         return otherwise if value is None else float(value)
 
     def _texture(
-        self, surface: Any, name: str, coordinates: Mapping[str, int]
-    ) -> tuple[Texture, tuple[float, ...]] | None:
-        """The image that an input is connected to, and its scale."""
-        node = _source(surface, name)
-        if node is None or node.GetShaderId() != "UsdUVTexture":
+        self, surface: Any, name: str, material: str, coordinates: Mapping[str, int]
+    ) -> tuple[Texture, tuple[float, ...], str] | None:
+        """The image that an input is connected to, its scale, and the channel that is taken."""
+        source = source_of(surface, name)
+        if source is None:
             return None
-        asset = rest_value(node.GetInput("file").GetAttr()) if node.GetInput("file") else None
+        node, channel = source
+        if node.GetShaderId() != "UsdUVTexture":
+            if not _is_colour_of_points(node):
+                self._scene.lose(f"{name} of material '{material}', which <{node.GetPath()}> gives")
+            return None
+        asset = value_of(node, "file")
         image = self._image(asset) if asset is not None else None
         if image is None:
             return None
-        offset, rotation, scale, reader = (0.0, 0.0), 0.0, (1.0, 1.0), _source(node, "st")
-        if reader is not None and reader.GetShaderId() == "UsdTransform2d":
-            scale = tuple(self._value(reader, "scale", (1.0, 1.0)))
-            rotation = self._number(reader, "rotation", 0.0) / DEGREES
-            moved = tuple(self._value(reader, "translation", (0.0, 0.0)))
+        offset, rotation, scale, reader = (0.0, 0.0), 0.0, (1.0, 1.0), source_of(node, "st")
+        if reader is not None and reader[0].GetShaderId() == "UsdTransform2d":
+            change = reader[0]
+            scale = tuple(self._value(change, "scale", (1.0, 1.0)))
+            rotation = self._number(change, "rotation", 0.0) / DEGREES
+            moved = tuple(self._value(change, "translation", (0.0, 0.0)))
             # Turned over once more it is what it was, but for the way in which it is rotated.
             offset = flipped(moved, -rotation, scale)[0]
-            reader = _source(reader, "in")
-        named = (
-            reader.GetInput("varname").Get() if reader is not None and reader.GetInput("varname") else "st"
-        )
-        wrap = tuple(_WRAPS.get(str(self._token(node, key)), "clamp") for key in ("wrapS", "wrapT"))
-        texture = Texture(image, coordinates.get(str(named), 0), wrap, offset, rotation, scale)  # type: ignore[arg-type]
-        return texture, tuple(self._value(node, "scale", (1.0,) * 4))
-
-    @staticmethod
-    def _token(node: Any, name: str) -> Any:
-        given = node.GetInput(name)
-        return given.Get() if given and given.Get() is not None else "black"
+            reader = source_of(change, "in")
+        named = value_of(reader[0], "varname") if reader is not None else None
+        wraps = [str(value_of(node, key)) for key in ("wrapS", "wrapT")]
+        if "black" in wraps:
+            self._scene.lose(f"that '{asset.path}' is black beside its edges: its last texels go on")
+        wrap = tuple(_WRAPS.get(each, "clamp") for each in wraps)
+        number = coordinates.get("st" if named is None else str(named), 0)
+        texture = Texture(image, number, wrap, offset, rotation, scale)  # type: ignore[arg-type]
+        return texture, tuple(self._value(node, "scale", (1.0,) * 4)), channel
 
     def _image(self, asset: Any) -> Image | None:
         path = str(asset.resolvedPath)
@@ -186,10 +239,21 @@ class Looks:
         return Image(name, content)
 
 
-def _source(shader: Any, name: str) -> Any:
-    given = shader.GetInput(name)
-    sources = given.GetConnectedSources()[0] if given else []
-    return UsdShade.Shader(sources[0].source.GetPrim()) if sources else None
+def _is_grey(image: Image) -> bool:
+    """Whether a PNG or JPEG says that all its channels are one."""
+    content = image.content
+    if content.startswith(b"\x89PNG"):
+        return content[25] in (0, 4)
+    at = 2
+    while content[at : at + 1] == b"\xff" and at + 9 < len(content):
+        if content[at + 1] in _FRAMES:
+            return content[at + 9] == 1
+        at += 2 + int.from_bytes(content[at + 2 : at + 4], "big")
+    return False
+
+
+def _is_colour_of_points(shader: Any) -> bool:
+    return str(value_of(shader, "varname")) == "displayColor"
 
 
 def read_camera(prim: Any, unit: float) -> Camera:
@@ -240,5 +304,4 @@ def read_light(prim: Any, scene: Scene) -> Light | None:
 def shows_colours(material: Any) -> bool:
     """Whether a material shows the displayColor of meshes; where there is none, they are drawn in it."""
     shaders = [UsdShade.Shader(prim) for prim in Usd.PrimRange(material.GetPrim())] if material else []
-    names = [shader.GetInput("varname") for shader in shaders if shader]
-    return not material or any(str(name.Get()) == "displayColor" for name in names if name)
+    return not material or any(_is_colour_of_points(shader) for shader in shaders if shader)

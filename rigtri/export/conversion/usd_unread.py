@@ -11,6 +11,7 @@ from typing import Any
 
 from pxr import UsdGeom, UsdLux
 
+from rigtri.export.conversion.usd_networks import interface_of
 from rigtri.text import and_more
 
 # What is read of prims of each type, by name or by what its name begins with; ``""`` of prims of any type.
@@ -33,6 +34,7 @@ _READ = {
     "DistantLight": _LIGHT,
     "GeomSubset": "indices elementType familyName",
     "Material": "outputs:surface",
+    "NodeGraph": "outputs:",
     "UsdPreviewSurface": f"info: outputs: inputs:diffuseColor inputs:emissiveColor {_COAT} "
     f"{_CHANNELS} {_OPACITY}",
     "UsdUVTexture": f"info: outputs: inputs:file inputs:st inputs:scale {_SAMPLER}",
@@ -81,7 +83,7 @@ class Unread:
         self._found.setdefault(what, []).append(f"<{prim.GetPath()}>")
 
     def _properties(self, prim: Any, kind: str) -> None:
-        read = [*_READ[""].split(), *_READ[kind].split()]
+        read = [*_READ[""].split(), *_READ[kind].split(), *interface_of(prim)]
         for given in prim.GetAuthoredProperties():
             name = given.GetName()
             attribute = prim.GetAttribute(name)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from gltf_files import glb_parts
+import pytest
+from convertible import png
+from gltf_files import glb_json, glb_parts
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 
 import rigtri
@@ -73,3 +75,110 @@ def test_a_primvar_whose_indices_lead_nowhere_is_listed(tmp_path: Path) -> None:
     stage.Save()
     outcome = rigtri.convert(tmp_path / "in.usda", tmp_path / "out.glb")
     assert "primvar st of mesh /m, whose indices and values do not fit" in _lost(outcome)
+
+
+_MAP = (
+    'def Shader "{name}" {{ uniform token info:id = "UsdUVTexture"\n asset inputs:file{file}\n {more}\n'
+    " float2 inputs:st.connect = <{at}/uv.outputs:result>\n float3 outputs:rgb\n float outputs:r\n"
+    " float outputs:g\n float outputs:b\n float outputs:a\n}}\n"
+)
+
+
+def _map(name: str, file: str = " = @./rgb.png@", more: str = "", at: str = "/m/look") -> str:
+    return _MAP.format(name=name, file=file, more=more, at=at)
+
+
+def _look(folder: Path, inputs: str, body: str = "", interface: str = "") -> tuple[dict[str, Any], set[str]]:
+    """The material of a triangle in glTF, and what is lost; images: rgb.png and grey.png."""
+    grey = bytearray(png((9, 9, 9)))
+    grey[25] = 0  # the colour type
+    (folder / "rgb.png").write_bytes(png((255, 0, 0)))
+    (folder / "grey.png").write_bytes(grey)
+    reader = (
+        'def Shader "uv" { uniform token info:id = "UsdPrimvarReader_float2"\n'
+        ' string inputs:varname = "st"\n float2 outputs:result\n}\n'
+    )
+    (folder / "in.usda").write_text(
+        '#usda 1.0\n( upAxis = "Y"\n metersPerUnit = 1 )\ndef Xform "m" {\n'
+        'def Mesh "mesh" (prepend apiSchemas = ["MaterialBindingAPI"]) {\n'
+        " int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n"
+        " point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n rel material:binding = </m/look>\n"
+        ' texCoord2f[] primvars:st = [(0, 0), (1, 0), (0, 1)] ( interpolation = "vertex" )\n}\n'
+        f'def Material "look" {{ token outputs:surface.connect = </m/look/s.outputs:surface>\n{interface}\n'
+        f'def Shader "s" {{ uniform token info:id = "UsdPreviewSurface"\n{inputs}\n'
+        f" token outputs:surface\n}}\n{reader}{body}\n}}\n}}\n"
+    )
+    outcome = rigtri.convert(folder / "in.usda", folder / "out.glb")
+    (material,) = glb_json(folder / "out.glb")["materials"]
+    return material, _lost(outcome)
+
+
+def test_values_come_through_interfaces_of_materials(tmp_path: Path) -> None:
+    material, lost = _look(
+        tmp_path,
+        "color3f inputs:diffuseColor.connect = </m/look.inputs:tint>\n"
+        "float inputs:opacity.connect = </m/look.inputs:fade>",
+        interface="color3f inputs:tint = (0.25, 0.5, 0.75)\n float inputs:fade = 0.5",
+    )
+    assert material["pbrMetallicRoughness"]["baseColorFactor"] == [0.25, 0.5, 0.75, 0.5]
+    assert not lost
+
+
+@pytest.mark.parametrize("way", ["interface", "node graph"])
+def test_textures_come_through_interfaces_and_node_graphs(way: str, tmp_path: Path) -> None:
+    if way == "interface":
+        given = "</m/look/t.outputs:rgb>", _map("t", ".connect = </m/look.inputs:map>")
+        interface = "asset inputs:map = @./rgb.png@"
+    else:
+        inside = _map("t", ".connect = </m/look/graph.inputs:map>")
+        outside = "color3f outputs:c.connect = </m/look/graph/t.outputs:rgb>"
+        body = f'def NodeGraph "graph" {{ asset inputs:map = @./rgb.png@\n {outside}\n{inside}\n}}\n'
+        given, interface = ("</m/look/graph.outputs:c>", body), ""
+    material, lost = _look(tmp_path, f"color3f inputs:diffuseColor.connect = {given[0]}", given[1], interface)
+    assert material["pbrMetallicRoughness"]["baseColorTexture"] == {"index": 0}
+    assert not lost
+
+
+def test_an_interface_input_that_nothing_reads_is_listed(tmp_path: Path) -> None:
+    _, lost = _look(tmp_path, "float inputs:ior = 1.4", interface="float inputs:dirt = 0.5")
+    assert lost == {"inputs:dirt (</m/look>)"}
+
+
+def test_roughness_and_metallic_share_a_texture_as_gltf_has_them(tmp_path: Path) -> None:
+    rough = "float inputs:roughness.connect = </m/look/t.outputs:{}>\n"
+    metal = "float inputs:metallic{}\n"
+    linked = ".connect = </m/look/t.outputs:{}>"
+    body = _map("t", more="float4 inputs:scale = (1, 0.5, 0.25, 1)") + _map("other", " = @./grey.png@")
+    for inputs, metallic, words in (
+        (rough.format("g") + metal.format(linked.format("b")), 0.25, ""),
+        (rough.format("g"), 0.0, ""),  # a texture of roughness makes nothing a metal
+        (rough.format("g") + metal.format(" = 0.5"), 0.5, "metallic of material 'look' is 0.5 everywhere"),
+        (rough.format("r"), 0.0, "that roughness of material 'look' is channel r of its texture"),
+        (rough.format("g") + metal.format(linked.format("r")), 0.0, "the texture of metallic of material"),
+        (metal.format(linked.format("b")), 0.0, "the texture of metallic of material"),
+        (rough.format("r").replace("/t.", "/other."), 0.0, ""),  # grey: all channels are one
+    ):
+        material, lost = _look(tmp_path, inputs, body)
+        assert material["pbrMetallicRoughness"]["metallicFactor"] == metallic
+        assert [words in line for line in lost] == ([True] if words else [])
+        (tmp_path / "out.glb").unlink()
+
+
+def test_what_textures_have_that_gltf_cannot_say_is_listed(tmp_path: Path) -> None:
+    body = _map("gone", " = @./gone.png@") + _map("t", more='token inputs:wrapS = "black"')
+    body += 'def Shader "noise" { uniform token info:id = "Noise"\n float3 outputs:rgb\n}\n'
+    _, lost = _look(
+        tmp_path,
+        "float inputs:metallic.connect = </m/look/gone.outputs:b>\n"
+        "color3f inputs:diffuseColor.connect = </m/look/t.outputs:rgb>\n"
+        "float inputs:opacity.connect = </m/look/t.outputs:r>\n"
+        "color3f inputs:emissiveColor.connect = </m/look/noise.outputs:rgb>",
+        body,
+    )
+    assert lost == {
+        "texture './gone.png', which is missing or cannot be read",
+        "that './rgb.png' is black beside its edges: its last texels go on",
+        "the texture of opacity of material 'look': glTF has it in alpha of the texture of colour",
+        "emissiveColor of material 'look', which </m/look/noise> gives",
+        "prims of type Noise (</m/look/noise>)",
+    }
