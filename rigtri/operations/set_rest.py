@@ -149,9 +149,10 @@ def _of_locals(rig: Rig, worlds: Floats, joints: list[int]) -> dict[int, Parts]:
 def _of_names(rig: Rig, like: Rig, joints: list[int]) -> dict[int, Parts]:
     """Rest rotations of another rig's joints of the same names; GeometryError where there is none."""
     found = {}
-    for node in joints:
+    # A clip library without a skin has the joints of its character.
+    for node in joints or range(len(rig)):
         other = like.known(rig.names[node]) if rig.names[node] else None
-        if other is not None:
+        if other is not None and (joints or like.is_joint[other]):
             own = (getattr(rig, path)[[node]] for path in PATHS)
             rotation = to_parts(like.normalised_local[[other]]).rotation
             found[node] = Parts(*own)._replace(rotation=rotation)

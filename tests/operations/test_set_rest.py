@@ -188,3 +188,13 @@ def test_a_skin_is_bound_in_the_space_above_a_node_of_another_size_that_is_place
     rotation[hips] = product(from_axis_angle(np.array([1.0, 0, 0]), 0.4), rotation[hips])
     leaning = replace(rig, translation=translation, rotation=rotation, scale=scale, source=None)
     assert np.allclose(rigtri.set_rest(leaning, pose="bind").world[hips], bound, atol=1e-5)
+
+
+def test_a_clip_library_without_a_skin_rests_as_its_character_and_plays_as_before() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    arm = rig.find("upper_arm_L")
+    few = tuple(replace(c, tracks=tuple(t for t in c.tracks if t.node != arm)) for c in rig.clips)
+    posed, clips = rigtri.set_rest(rig, pose="tpose"), replace(rig, skins=(), clips=few, source=None)
+    resting = rigtri.set_rest(clips, like=posed)
+    assert np.allclose(resting.world, posed.world, atol=1e-6)
+    assert np.allclose(places(resting, 0), places(clips, 0), atol=1e-6)
