@@ -9,7 +9,16 @@ import numpy as np
 from rigtri.evaluation.constraint_solver import Parts, nearest_rotation_of, to_parts
 from rigtri.evaluation.sampling import sample
 from rigtri.maths.arrays import Booleans
-from rigtri.maths.matrices import compose, determinant, inverse, multiply, orthonormal_axes
+from rigtri.maths.matrices import (
+    SKEW,
+    compose,
+    determinant,
+    inverse,
+    multiply,
+    nearest_rotation,
+    orthonormal_axes,
+    skew,
+)
 from rigtri.maths.quaternions import from_axes, unit
 from rigtri.maths.quaternions import multiply as product
 from rigtri.maths.trigonometry import Floats
@@ -110,8 +119,15 @@ class PoseCache:
         return Parts(*(np.where(fine, a, np.where(sure, b, c)) for a, b, c in parts))
 
     def world_rotation(self, node: int) -> Floats:
-        """How a node is turned in the world, (1 or f, 4), without scale."""
-        return from_axes(orthonormal_axes(self.world(node)))
+        """How a node is turned in the world, (1 or f, 4), without scale.
+
+        Of a sheared one the nearest rotation, which turns with its axes when those become others.
+        """
+        world = self.world(node)
+        axes, sheared = orthonormal_axes(world), skew(world) > SKEW
+        if sheared.any():
+            axes[sheared] = nearest_rotation(world[sheared])
+        return from_axes(axes)
 
     def turn(self, node: int) -> Floats:
         """As `world_rotation`, by rotations alone where a scale of zero leaves no axes; −1: not at all."""

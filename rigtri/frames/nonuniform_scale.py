@@ -9,7 +9,8 @@ Source: glTF 2.0 §3.5.3 forbids sheared nodes; docs/exactness.md, "Scale" and "
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -73,13 +74,25 @@ class ScaleTable:
         owner = np.repeat(nodes, counts)
         unsigned = rows * sign[owner]
         # Of each node's rest and each of its tracks, and then of each node.
-        x, y, z = unsigned.T
-        sizes = np.abs(np.stack([x, y, z, x - y, y - z, z - x]))
+        sizes = _sizes(unsigned)
         most = np.zeros((6, len(rig)))
         np.maximum.at(most.T, nodes, np.maximum.reduceat(sizes, np.cumsum(counts) - counts, axis=1).T)
-        largest = most[:3].max(axis=0)
-        apart = (most[3:] / np.where(largest == 0, 1.0, largest)).T
-        return ScaleTable(rows, owner, sign, apart, np.full(len(rig), SAME_SCALE))
+        return ScaleTable(rows, owner, sign, _apart(most), np.full(len(rig), SAME_SCALE))
+
+    def with_rows(self, rows: Mapping[int, Floats]) -> ScaleTable:
+        """The table with more scales of nodes, (k, 3) each, none of which mirrors."""
+        if not rows:
+            return self
+        apart = self.apart.copy()
+        for node, own in rows.items():
+            apart[node] = np.maximum(apart[node], _apart(_sizes(own).max(axis=1)))
+        owner = np.repeat(list(rows), [len(own) for own in rows.values()])
+        return replace(
+            self,
+            rows=np.concatenate([self.rows, *rows.values()]),
+            owner=np.concatenate([self.owner, owner]),
+            apart=apart,
+        )
 
     @cached_property
     def _by_owner(self) -> tuple[Integers, Integers]:
@@ -153,6 +166,18 @@ class ScaleTable:
             sign = self.sign[nodes]
             half[nodes, :3], half[nodes, 3] = sign * sign.prod(axis=1, keepdims=True) > 0, 0.0
         return half
+
+
+def _sizes(rows: Floats) -> Floats:
+    """Of scales, (k, 3), each component, and how far x and y, y and z, z and x are apart, (6, k)."""
+    x, y, z = rows.T
+    return np.asarray(np.abs(np.stack([x, y, z, x - y, y - z, z - x])))
+
+
+def _apart(most: Floats) -> Floats:
+    """`ScaleTable.apart`, (..., 3), of the largest `_sizes`, (6, ...)."""
+    largest = most[:3].max(axis=0)
+    return np.asarray((most[3:] / np.where(largest == 0, 1.0, largest)).T)
 
 
 def _signs(rig: Rig) -> Floats:

@@ -25,6 +25,7 @@ from rigtri.frames.rescale import rescale
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.registry import OPERATIONS
+from rigtri.report import Report
 
 # What cannot be carried, and what says so.
 REFUSED = {
@@ -147,6 +148,47 @@ def test_new_axes_are_refused_where_ik_makes_much_of_a_scale_that_is_not_quite_u
     both = replace(reaching(0.2), scale=scale)
     clip = replace(both.clips[0], tracks=(*both.clips[0].tracks, still))
     rigtri.orient_joints(replace(both, clips=(clip,)), offset=(0.0, 40.0, 30.0))
+
+
+@pytest.mark.parametrize(
+    ("scaled", "frame", "edit"),
+    [
+        pytest.param("forearm_R_ctl", "joint", "orient-joints", marks=pytest.mark.ci),
+        ("forearm_R_ctl", None, "orient-joints"),  # along other axes than the joint's
+        pytest.param("forearm_R_ctl", None, "mirror", marks=pytest.mark.ci),
+        ("hips_root_ctl", None, "orient-joints"),
+        ("chest_ctl", None, "orient-joints"),  # what shears the arms that IK moves
+    ],
+)
+def test_a_scale_of_controls_that_is_not_uniform_goes_along_with_other_axes(
+    scaled: str, frame: Any, edit: str, tmp_path: Path
+) -> None:
+    rig = rigtri.orient_joints(rigtri.read(SAMPLES / "tpose.glb"), offset=(10.0, 20.0, 30.0))
+    rig = rigtri.add_controls(rig, whole_character=True, frame=frame)
+    hand, control = rig.find("hand_L_ik_ctl"), rig.find(scaled)
+    times, sizes = np.array([0.0, 1.0]), np.array([[1.0, 1.0, 1.0], [1.3, 0.9, 0.8]])
+    moved = np.array([[0.0, 0.0, 0.0], [-0.1, -0.2, 0.1]])
+    turned = np.array([[0.0, 0.0, 0.0, 1.0], [0.6, 0.0, 0.0, 0.8]])
+    tracks = (
+        Track(control, "scale", "LINEAR", times, sizes),
+        Track(control, "rotation", "LINEAR", times, turned),
+        Track(hand, "translation", "LINEAR", times, moved),
+        Track(rig.find("hand_R_ctl"), "rotation", "LINEAR", times, turned),
+    )
+    rigtri.write(replace(rig, clips=(Clip("squash", tracks),)), tmp_path / "in.glb", verify=False)
+    assert carried(tmp_path / "in.glb", edit, tmp_path) <= SAME_MOTION
+
+
+def test_a_joint_that_keeps_the_scale_of_its_control_is_named_with_that() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints=("head",))
+    scale = rig.scale.copy()
+    scale[rig.find("head_ctl")] = (1.3, 0.9, 0.8)
+    rig, report = replace(rig, scale=scale), Report()
+    rigtri.orient_joints(rig, offset=(10.0, 20.0, 30.0), joints=("head",), report=report)
+    (notice,) = (each for each in report.warnings if each.code == "nonuniform-scale")
+    assert "'head' has a scale that is not uniform ('head_ctl' 1.3 0.9 0.8): snapped" in notice.text
+    with pytest.raises(GeometryError, match=r"'head' \('head_ctl' 1\.3"):
+        rigtri.orient_joints(rig, offset=(1.0, 2.0, 3.0), joints=("head",), on_nonuniform_scale="error")
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda"])

@@ -23,7 +23,7 @@ from rigtri.operations.joint_selection import warn_held, warn_unread
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
-from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven, first_uneven
+from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
 from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.recognition.hand_hinges import AS_HANDS_HANG
@@ -297,7 +297,7 @@ def _scale_decision(outcome: Outcome, joint: int) -> dict[str, Any]:
         policy = "in place"
     elif policy == "split":  # a constraint reads or writes its rotation
         policy = "skip"
-    return {"policy": policy} | first_uneven(rig, joint, outcome.policy.scales).as_json()
+    return {"policy": policy} | outcome.policy.uneven_at(joint).as_json()
 
 
 def _aim_errors(targets: Targets, delta: Floats) -> dict[int, float]:

@@ -8,6 +8,7 @@ joint (`split`), or an error.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -63,13 +64,14 @@ class ScalePolicy:
     """What is to become of joints whose scale is not uniform.
 
     unsplittable: nodes whose own rotation a constraint reads or writes, or is not unit: it must stay
-    with them.
+    with them. controls: those that give joints a scale that is not uniform, by joint.
     """
 
     policy: NonuniformScale
     rig: Rig
     scales: ScaleTable
     unsplittable: frozenset[int]
+    controls: Mapping[int, int]
 
     @property
     def in_place(self) -> NonuniformScale:
@@ -112,13 +114,13 @@ class ScalePolicy:
 
         Raises GeometryError with the policy ``error``.
         """
-        rig, scales = self.rig, self.scales
+        rig = self.rig
         exact, nearest = delta.copy(), self.nearest(delta, styles)
         for node, allowed in nearest.items():
             exact[node] = allowed
         refused = self.refused(delta, nearest)
         if refused and self.policy == "error":
-            names = ", ".join(f"'{rig.title(k)}' ({first_uneven(rig, k, scales)})" for k in refused[:6])
+            names = ", ".join(f"'{rig.title(k)}' ({self.uneven_at(k)})" for k in refused[:6])
             raise GeometryError(
                 f"{len(refused)} joints have a scale that is not uniform and cannot take their new axes "
                 f"exactly: {names}. Choose --on-nonuniform-scale snap, split or skip."
@@ -143,6 +145,12 @@ class ScalePolicy:
             for node, aim in zip(nodes, aims, strict=True)
         }
 
+    def uneven_at(self, node: int) -> Uneven:
+        """Where the scale of a joint, or of the control that gives it one, is first not uniform."""
+        control = self.controls.get(node)
+        found = first_uneven(self.rig, node if control is None else control, self.scales)
+        return found if control is None else replace(found, control=self.rig.title(control))
+
     @staticmethod
     def refused(delta: Floats, nearest: Mapping[int, Floats]) -> list[int]:
         """The nodes whose delta, (n, 4), is not the `nearest` one that they can take."""
@@ -156,7 +164,7 @@ class ScalePolicy:
         aim_error = np.degrees(angle(to_axes(requested)[aim], to_axes(got)[aim]))
         whole = np.degrees(angle_between(requested, got))
         what = "snapped to the nearest axes" if self.in_place == "snap" else "left as it was"
-        scale, spread = str(first_uneven(self.rig, node, scales)), float(scales.spread[node])
+        scale, spread = str(self.uneven_at(node)), float(scales.spread[node])
         if scales.same[node] < SAME_SCALE:  # noise, but of something long
             scale += f", by {spread:.2g}, and what it moves reaches so far that it would be seen"
         remedy = ""
@@ -236,10 +244,12 @@ class Uneven:
     clip: str | None = None
     time: float | None = None
     tangent: bool = False
+    control: str | None = None
 
     def __str__(self) -> str:
         words = " ".join(f"{x:.6g}" for x in self.value)
         words = f"tangent {words}" if self.tangent else words
+        words = f"'{self.control}' {words}" if self.control is not None else words
         return words if self.clip is None else f"{words} in {self.clip} at {self.time:.6g}"
 
     def as_json(self) -> dict[str, Any]:
