@@ -1,4 +1,4 @@
-"""Variants that hold takes: keys of one are seen in no other, and controls are of all or refused."""
+"""Controls of a shot: in variants that hold takes, whose keys are seen in no other, and in instances."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
-from usd_files import MESH, animation, at, save, scene, skeleton
+from usd_files import MESH, animation, save, scene, skeleton
+from usd_files import at as matrix
 
 RUN = "quatf[] rotations = [(1, 0, 0, 0), (0.6, 0, 0, 0.8), (1, 0, 0, 0)]"
-TALL = f"uniform matrix4d[] bindTransforms = [{at(0, 0, 0)}, {at(0, 3, 0)}, {at(0, 5, 1)}]"
+TALL = f"uniform matrix4d[] bindTransforms = [{matrix(0, 0, 0)}, {matrix(0, 3, 0)}, {matrix(0, 5, 1)}]"
 TAKES = {"t1": 0.3, "t2": -2.0}
 
 
@@ -34,12 +35,11 @@ def select(path: Path, **chosen: str) -> Usd.Stage:
     return stage
 
 
-def place(stage: Usd.Stage, time: float) -> np.ndarray:
+def place(stage: Usd.Stage, time: float, at: str = "/Root") -> np.ndarray:
     """Where the joint a is, in the world; the x axis of its control is its y axis."""
-    root = UsdSkel.Root(stage.GetPrimAtPath("/Root"))
     cache = UsdSkel.Cache()
-    cache.Populate(root, Usd.PrimDefaultPredicate)
-    query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/Skel")))
+    cache.Populate(UsdSkel.Root(stage.GetPrimAtPath(at)), Usd.TraverseInstanceProxies())
+    query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath(f"{at}/Skel")))
     return np.array(query.ComputeJointSkelTransforms(time)[0])
 
 
@@ -153,3 +153,51 @@ def test_joints_of_variants_are_not_renamed_and_no_option_is_advised_that_is_not
     error = cli(command[0], save(tmp_path, text), "-o", tmp_path / "out.usda", *command[1:], code=3).stderr
     assert "Give each variant a file of its own." in error
     assert "--on-nonuniform-scale" not in error
+
+
+def agents(tmp_path: Path, hero: str) -> Path:
+    """Two instances of a rigged character, whose control of the joint a a class moves up."""
+    source = save(tmp_path, hero, "hero.usda")
+    cli("add-controls", source, "-o", tmp_path / "rigged.usda", "--joints", "*", code=0)
+    crowd = tmp_path / "crowd.usda"
+    stage = Usd.Stage.CreateNew(str(crowd))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    path = control(Usd.Stage.Open(str(tmp_path / "rigged.usda"))).GetPath().ReplacePrefix("/Root", "/_edited")
+    moved = stage.OverridePrim(path).CreateAttribute("xformOp:translate", Sdf.ValueTypeNames.Double3)
+    for time in (1, 2, 7):
+        moved.Set((0.25 * time, 0, 0), time)
+    stage.CreateClassPrim("/_edited")
+    for agent in ("A", "B"):
+        prim = stage.DefinePrim(f"/World/{agent}")
+        prim.GetReferences().AddReference("./rigged.usda")
+        prim.GetInherits().AddInherit("/_edited")
+        prim.SetInstanceable(True)
+    stage.Save()
+    return crowd
+
+
+def test_an_animation_is_not_added_to_instances(tmp_path: Path) -> None:
+    crowd = agents(tmp_path, scene(skeleton(source=""), MESH))
+    error = cli("bake", crowd, "--to", "joints", "-o", tmp_path / "out.usda", code=3).stderr
+    assert "An animation cannot be added: </World/A/Skel> lies inside an instance" in error
+
+
+def test_controls_of_instances_are_baked_with_keys_at_new_times(tmp_path: Path) -> None:
+    crowd = agents(tmp_path, scene(skeleton(), animation(), MESH))
+    out, again = tmp_path / "out.usda", tmp_path / "again.usda"
+    cli("bake", crowd, "--to", "joints", "-o", out, code=0)
+    stage = Usd.Stage.Open(str(out))
+    assert len(stage.GetPrototypes()) == 1
+    for agent in ("A", "B"):
+        for time in (1.0, 2.0, 7.0):
+            found = place(stage, time, f"/World/{agent}")
+            assert found[3, 1] == pytest.approx(0.25 * time, abs=1e-6)
+    # What was baked is baked again, at one more time, into the same class.
+    path = next(p.GetPath() for p in stage.TraverseAll() if p.GetName() == "a_ctl")
+    stage.GetPrimAtPath(path).GetAttribute("xformOp:translate").Set((3, 0, 0), 9)
+    stage.Save()
+    cli("bake", out, "--to", "joints", "-o", again, code=0)
+    stage = Usd.Stage.Open(str(again))
+    assert len(stage.GetPrototypes()) == 1
+    assert place(stage, 9.0, "/World/B")[3, 1] == pytest.approx(3, abs=1e-6)
+    assert [p.GetName() for p in stage.TraverseAll() if p.GetName().startswith("rigtri_")] == ["rigtri_A"]

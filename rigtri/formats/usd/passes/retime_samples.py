@@ -217,7 +217,8 @@ class _Plan:
         """FileError where the animation cannot be edited; names: the properties that get other times."""
         path = self.animation.path
         prim = self.source.stage.GetPrimAtPath(self.skeleton or path)
-        refuse(why_instanced(prim), "Keys cannot be added")
+        if self.skeleton:
+            refuse(why_instanced(prim), "An animation cannot be added")
         if not prim.IsActive():
             raise FileError(f"Animation <{path}> is not active, so nobody would see new keys in it.")
         for name in names:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import field, replace
 
 import numpy as np
-from pxr import Sdf
 
 from rigtri.errors import UsageError
 from rigtri.formats.document import ReadOptions
@@ -14,6 +13,7 @@ from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.variants import SkeletonVariants
 from rigtri.formats.usd.opinions.composition_check import Expected
 from rigtri.formats.usd.opinions.edits import Edit
+from rigtri.formats.usd.opinions.instance_edits import apply_edits
 from rigtri.formats.usd.reading.reader import read_source
 from rigtri.formats.usd.reading.source import Source
 from rigtri.maths.arrays import Booleans
@@ -75,9 +75,7 @@ class UsdEdit:
         """Read the source again with edits over it; FileError where that breaks UsdSkel's rules."""
         preview = layers.empty()
         layers.copy_clock(self.source.layer, preview)
-        with Sdf.ChangeBlock():
-            for edit in edits:
-                edit(preview)
+        apply_edits(self.source.stage, edits, preview)
         self.source = read_source(self.source.path, self.options, layers.over(preview, self.source.layer))
         self.prepared += edits
 
