@@ -99,7 +99,8 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                         text = str(error).replace(written.part.name, final.name)
                         raise FileError(text) from error
                     clock.lap("verify")
-                report.extend(document.warnings)
+                # Animations that no skeleton uses are clips of the output, or among what is lost.
+                report.extend(n for n in document.warnings if n.code != "unbound-animation")
                 report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)
                 if found is not None and not found.passes(request.tolerance):
                     summary, why = found.summary(request.tolerance), why_far(document.rig, found)

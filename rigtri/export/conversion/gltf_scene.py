@@ -18,6 +18,7 @@ from rigtri.formats.gltf.scene_facts import LIGHTS
 from rigtri.formats.gltf.uris import is_data
 from rigtri.formats.json_values import name_in
 from rigtri.model.rig import Rig
+from rigtri.text import and_more
 
 _WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 _TYPES = {"image/png": ".png", "image/jpeg": ".jpg", "image/webp": ".webp", "image/ktx2": ".ktx2"}
@@ -44,11 +45,8 @@ _KNOWN = {
     "KHR_texture_basisu",  # likewise its images
     "EXT_texture_webp",
 }
-# What may have extras that USD has no place for.
-_WITH_EXTRAS = (
-    *("meshes", "materials", "animations", "skins", "scenes", "images"),
-    *("cameras", "textures", "samplers"),
-)
+# Filters that show the texels of an image: for what is near, and for what is far.
+_NEAREST = {"magFilter": (9728,), "minFilter": (9728, 9984, 9986)}
 
 
 def read_scene(document: GltfDocument, rig: Rig, name: str) -> Scene:
@@ -74,6 +72,7 @@ class _Reader:
         self.scene = Scene(rig, name)
         self._images: dict[int, Image] = {}
         self._used: set[str] = set()
+        self._nearest: list[str] = []
 
     def read(self) -> Scene:
         scene, rig = self.scene, self.scene.rig
@@ -111,15 +110,16 @@ class _Reader:
             if notice.code == "mesh-unread":
                 text = notice.text.removesuffix(" (the mesh is kept, but not checked)")
                 scene.lose(f"a mesh that cannot be read: {text}")
-        for key in _WITH_EXTRAS:
-            some = [raw for raw in self._list(key) if self._extras(raw)]
-            if some:
-                scene.lose(f"extras of {key} ({len(some)})")
-
-    @staticmethod
-    def _extras(raw: Mapping[str, Any]) -> bool:
-        extras = raw.get("extras")
-        return bool(extras) and not (isinstance(extras, dict) and set(extras) <= {"targetNames"})
+        if self._nearest:
+            images = and_more(sorted(set(self._nearest)), 3)
+            scene.lose(f"the filter NEAREST of {images}: USD smooths textures between texels")
+        for key, value in self.gltf.items():
+            if key == "extras" and value:
+                scene.lose("extras of the file")
+            elif key != "nodes" and (count := _extras(value)):
+                scene.lose(f"extras of {key} ({count})")
+        if self._object(self.gltf, "asset").get("copyright"):
+            scene.lose("copyright of the asset")
 
     def _list(self, key: str) -> list[Any]:
         found = self.gltf.get(key)
@@ -214,6 +214,8 @@ class _Reader:
         if image is None:
             return None
         sampler = self._list("samplers")[texture["sampler"]] if "sampler" in texture else {}
+        if any(sampler.get(key) in nearest for key, nearest in _NEAREST.items()):
+            self._nearest.append(image.name)
         change = self._object(info.get("extensions"), "KHR_texture_transform")
         return Texture(
             image,
@@ -252,3 +254,14 @@ class _Reader:
             why = "is neither PNG nor JPEG, which all USD viewers show; it is copied as it is"
             self.scene.lose(f"image {name} {why}")
         return name
+
+
+def _extras(value: Any) -> int:
+    """How many objects in JSON have extras, but for the names of morph targets."""
+    if isinstance(value, list):
+        return sum(map(_extras, value))
+    if not isinstance(value, dict):
+        return 0
+    own = value.get("extras")
+    named = isinstance(own, dict) and set(own) <= {"targetNames"}
+    return int(bool(own) and not named) + sum(_extras(one) for key, one in value.items() if key != "extras")

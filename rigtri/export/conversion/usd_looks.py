@@ -57,6 +57,10 @@ class Looks:
             self._scene.materials.append(self._read(material, coordinates, double_sided))
         return self._known[key]
 
+    def unused(self, prim: Any) -> bool:
+        """Whether a prim is a material that no mesh has."""
+        return prim.IsA(UsdShade.Material) and all(str(prim.GetPath()) != path for path, *_ in self._known)
+
     def coloured(self, colour: tuple[float, ...] | None, *, double_sided: bool) -> int | None:
         """The number of a material of one colour (displayColor, displayOpacity); None for none."""
         if colour is None:

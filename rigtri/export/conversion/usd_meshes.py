@@ -126,7 +126,7 @@ def influences(mesh: Mesh, rows: Integers) -> tuple[Integers, Floats]:
 
 
 def blend_shapes(stage: Any, prim: Any, mesh: Mesh, surface: Surface, tokens: list[str]) -> None:
-    """The morph targets of a mesh as BlendShape prims below it, named ``tokens``."""
+    """The morph targets of a mesh as BlendShape prims below it, ``tokens``, with their names."""
     paths = []
     for k, (token, offsets) in enumerate(zip(tokens, mesh.morphs, strict=True)):
         normals = surface.values.get(f"NORMAL of morph target {k}")
@@ -141,6 +141,8 @@ def blend_shapes(stage: Any, prim: Any, mesh: Mesh, surface: Surface, tokens: li
             shape.CreatePointIndicesAttr(values.integers(rows))
         if normals is not None:
             shape.CreateNormalOffsetsAttr(values.vectors(normals[rows]))
+        if k < len(mesh.morph_names) and mesh.morph_names[k] not in ("", token):
+            shape.GetPrim().SetDisplayName(mesh.morph_names[k])
         paths.append(shape.GetPath())
     binding = UsdSkel.BindingAPI.Apply(prim.GetPrim())
     binding.CreateBlendShapesAttr(Vt.TokenArray(tokens))

@@ -85,7 +85,8 @@ class _Reader:
     def _unread(self) -> None:
         """Report what is authored and not read, but for what is reported as a whole."""
         omitted = {self.scene.rig.labels[node] for node in self.scene.omitted}
-        unread = Unread()
+        unread = Unread(self.looks.unused)
+        unread.add_layer(self.stage)
         unread.add(
             self.source.instances.prims(),
             lambda prim: any(str(path) in omitted for path in prim.GetPath().GetPrefixes()),
@@ -142,7 +143,9 @@ class _Reader:
             self.scene.lose(f"mesh {mesh.name}, which has no faces that make sense")
             return
         self._unsaid(prim, mesh)
-        found = replace(_with_points(mesh, faces), dual_quaternion=False)
+        found = replace(
+            _with_points(mesh, faces), dual_quaternion=False, morph_names=self._morph_names(prim, mesh)
+        )
         values = {name: each for name, each in faces.values.items() if name != "NORMAL"}
         if "NORMAL" in faces.values:
             values |= dict(self._normal_offsets(prim, mesh, faces))
@@ -172,8 +175,7 @@ class _Reader:
             self.scene.lose(f"dual-quaternion skinning of mesh {mesh.name}: it is skinned linearly")
         if UsdGeom.Mesh(prim).GetPointsAttr().GetNumTimeSamples() > 1:
             self.scene.lose(f"points of mesh {mesh.name} over time")
-        relation = UsdSkel.BindingAPI(prim).GetBlendShapeTargetsRel()
-        shapes = [UsdSkel.BlendShape(self.stage.GetPrimAtPath(target)) for target in _targets_of(relation)]
+        shapes = [UsdSkel.BlendShape(one) for one in self._blend_shapes(prim)]
         if any(shape.GetInbetweens() for shape in shapes):
             far = max(map(_beside_the_line, shapes))
             size = float(length(mesh.points.max(axis=0) - mesh.points.min(axis=0)))
@@ -182,12 +184,23 @@ class _Reader:
                 f"{far / size if size else far:.2g} of the mesh's size, which is not in the deviation"
             )
 
-    def _normal_offsets(self, prim: Any, mesh: Mesh, faces: Faces) -> dict[str, Floats]:
-        found = {}
+    def _blend_shapes(self, prim: Any) -> list[Any]:
+        """The prims of the blend shapes of a mesh."""
         relation = UsdSkel.BindingAPI(prim).GetBlendShapeTargetsRel()
         targets = relation.GetForwardedTargets() if relation else []
-        for number, target in enumerate(targets[: len(mesh.morphs)]):
-            shape = UsdSkel.BlendShape(self.stage.GetPrimAtPath(target))
+        return [self.stage.GetPrimAtPath(target) for target in targets]
+
+    def _morph_names(self, prim: Any, mesh: Mesh) -> tuple[str, ...]:
+        """The names of morph targets, as BlendShapes are shown."""
+        shown = [(one and one.GetDisplayName()) or "" for one in self._blend_shapes(prim)]
+        if len(shown) != len(mesh.morph_names):
+            return mesh.morph_names
+        return tuple(new or old for new, old in zip(shown, mesh.morph_names, strict=True))
+
+    def _normal_offsets(self, prim: Any, mesh: Mesh, faces: Faces) -> dict[str, Floats]:
+        found = {}
+        for number, one in enumerate(self._blend_shapes(prim)[: len(mesh.morphs)]):
+            shape = UsdSkel.BlendShape(one)
             given = at_start(shape.GetNormalOffsetsAttr())
             where = at_start(shape.GetPointIndicesAttr())
             rows = np.array(where, dtype=np.int64) if where else np.arange(len(mesh.points))
@@ -316,11 +329,6 @@ class _Reader:
                 return None
             times, values = times[:1], values[:1]
         return Track(track.node, track.path, track.interpolation, times.astype(np.float64), values)
-
-
-def _targets_of(relation: Any) -> list[Any]:
-    """What a relation leads to; nothing where there is none."""
-    return list(relation.GetForwardedTargets()) if relation else []
 
 
 def _beside_the_line(shape: Any) -> float:

@@ -198,6 +198,9 @@ class _Writer:
         every = [one for some in self.scene.primitives.values() for one in some]
         used = {one.material for one in every if one.material is not None}
         coloured = {one.material for one in every if "COLOR_0" in one.surface.values}
+        unused = [one.name for k, one in enumerate(self.scene.materials) if k not in used]
+        if unused:
+            self.scene.lose(f"materials that no mesh has ({and_more(unused, 3)})")
         if not used:
             return
         UsdGeom.Scope.Define(self.stage, f"{self.root}/Materials")

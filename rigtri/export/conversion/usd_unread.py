@@ -57,9 +57,10 @@ _COLOURS = "lin_rec709_scene"
 
 
 class Unread:
-    """What is found, by what it is: the paths of its prims."""
+    """What is found, by what it is: the paths of its prims. unused: whether one is a material of no mesh."""
 
-    def __init__(self) -> None:
+    def __init__(self, unused: Callable[[Any], bool]) -> None:
+        self._unused = unused
         self._found: dict[str, list[str]] = {}
 
     def add(self, prims: Iterable[Any], left_out: Callable[[Any], bool]) -> None:
@@ -68,12 +69,21 @@ class Unread:
             if prim.IsPseudoRoot() or not prim.IsDefined() or prim.IsAbstract() or left_out(prim):
                 continue
             kind = _kind(prim)
+            if self._unused(prim):
+                self._note("materials that no mesh has", prim)
             if kind and kind not in _READ:
                 if not prim.IsA(UsdGeom.Gprim) and not prim.HasAPI(UsdLux.LightAPI):
                     self._note(f"prims of type {kind}", prim)
                 continue
             self._properties(prim, kind)
             self._metadata(prim)
+
+    def add_layer(self, stage: Any) -> None:
+        """Look at what is authored on the root layer itself."""
+        root = stage.GetPseudoRoot()
+        for key in (*_METADATA, "customLayerData"):
+            if root.HasAuthoredMetadata(key) and (value := root.GetMetadata(key)):
+                self._note(" ".join([key, *value]) if isinstance(value, dict) else key, root)
 
     def lines(self) -> list[str]:
         """One line for each of what is not read."""

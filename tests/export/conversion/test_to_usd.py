@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from convertible import write_everything
-from gltf_files import glb_bytes, glb_parts, small
+from convertible import png, write_everything
+from gltf_files import glb_bytes, glb_json, glb_parts, small
 from places import SAMPLES, asset_files, first, sample_files, slow
 from program import cli
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel
@@ -204,6 +204,44 @@ def test_what_usd_cannot_say_is_listed_and_strict_refuses_it(everything: Path, t
     assert not (tmp_path / "b_textures").exists()
     with pytest.raises(GeometryError):
         rigtri.convert(everything, tmp_path / "b.usda", strict=True)
+
+
+def test_extras_filters_and_materials_without_a_place_in_usd_are_listed(tmp_path: Path) -> None:
+    b = small(2)
+    b.gltf["asset"] |= {"copyright": "nobody"}
+    b.gltf |= {
+        "extras": {"shot": 1},
+        "images": [{"mimeType": "image/png", "bufferView": b.view(png((9, 9, 9)))}],
+        "samplers": [{"magFilter": 9728}],
+        "textures": [{"source": 0, "sampler": 0, "extras": 1}],
+        "materials": [{"name": "spare", "normalTexture": {"index": 0, "extras": 2}}],
+    }
+    b.gltf["meshes"][0] |= {"extras": {"targetNames": ["is converted"]}}
+    b.gltf["meshes"][0]["primitives"][0]["extras"] = [3]
+    report = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usda").report
+    lost = {n.text.removeprefix("not converted: ") for n in report.warnings if n.code == "lost"}
+    assert lost == {
+        "extras of the file",
+        "extras of asset (1)",
+        "extras of textures (1)",
+        "extras of materials (1)",
+        "extras of meshes (1)",
+        "copyright of the asset",
+        "the filter NEAREST of image_0.png: USD smooths textures between texels",
+        "materials that no mesh has (spare)",
+    }
+
+
+@pytest.mark.parametrize("names", [["smile", "big brow"], ["a/b", "a b"]])
+def test_names_of_morph_targets_come_home(names: list[str], tmp_path: Path) -> None:
+    b = small(2)
+    primitive = b.gltf["meshes"][0]["primitives"][0]
+    primitive["targets"] = [{"POSITION": b.points([[0, k, 1]] * 3)} for k in range(2)]
+    b.gltf["meshes"][0] |= {"extras": {"targetNames": names}}
+    rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "there.usda")
+    report = rigtri.convert(tmp_path / "there.usda", tmp_path / "home.glb").report
+    assert glb_json(tmp_path / "home.glb")["meshes"][0]["extras"] == {"targetNames": names}
+    assert not report.warnings
 
 
 @pytest.mark.ci

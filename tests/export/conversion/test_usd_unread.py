@@ -35,6 +35,8 @@ def _stage(path: Path) -> None:
     shape.GetInbetween("half").SetWeight(0.5)
     UsdSkel.BindingAPI.Apply(mesh.GetPrim()).CreateBlendShapeTargetsRel().SetTargets([shape.GetPath()])
     stage.DefinePrim("/physics", "PhysicsScene")
+    stage.DefinePrim("/spare", "Material")
+    stage.GetRootLayer().customLayerData = {"studio": "abc"}
     stage.Save()
 
 
@@ -48,6 +50,8 @@ def test_what_is_not_read_is_reported_and_samples_stand_in_for_defaults(tmp_path
         "animation of visibility (</set/blink>)",
         "anything (</set/flick>)",
         "customData dept (</set>)",
+        "customLayerData studio (</>)",
+        "materials that no mesh has (</spare>)",
         "fStop (</set/zoom>)",
         # One to the side, of the diagonal √2.
         "inbetweens of blend shapes of mesh /set/blink: at their weights they move points up to 0.71 of the "
