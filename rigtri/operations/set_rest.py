@@ -50,8 +50,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     parts = {node: part for node, part in target.items() if _differs(rig, node, part, uneven[node])}
     if options.pose in ("tpose", "apose"):
         _refuse_uneven(rig, list(parts), uneven)
-    least = np.full(len(rig), 0.1 * NOTHING * size_of(rig))
-    taken, moved = at_rest(rig, parts, least)
+    taken, moved = at_rest(rig, parts, _least(rig))
     _refuse(rig, moved)
     if rig.clips:  # which get keys of them, and no clip can move a matrix
         rig, taken = rig.with_parts(moved), taken.with_parts(moved)
@@ -64,6 +63,11 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
     return replace(taken, clips=clips)
 
 
+def _least(rig: Rig) -> Floats:
+    """By how much joints that move do so, (n,)."""
+    return np.full(len(rig), 0.1 * NOTHING * size_of(rig))
+
+
 def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Parts]:
     """The parts of joints in the pose, one row each."""
     held = driven_joints(rig).union(rig.own)
@@ -73,12 +77,13 @@ def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Part
     if options.pose == "bind":
         return _of_locals(rig, _bind(rig), joints)
     if options.pose in ("tpose", "apose"):
-        layout = recognise(rig)
+        worlds = _bind(rig)
+        found = _of_locals(rig, worlds, joints)
+        # As it is bound, for up and ahead of a body may lean with how it rests.
+        layout = recognise(at_rest(rig, found, _least(rig))[0])
         if not layout.characters:
             raise GeometryError(f"No character is recognised here: {'; '.join(layout.remarks)}")
         pose = cast(StandardPose, options.pose)
-        worlds = _bind(rig)
-        found = _of_locals(rig, worlds, joints)
         for body in layout.characters:
             fingers = options.straight_fingers
             turned = posed(rig, worlds, body, pose, options.facing, straight_fingers=fingers)

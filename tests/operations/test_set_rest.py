@@ -198,3 +198,14 @@ def test_a_clip_library_without_a_skin_rests_as_its_character_and_plays_as_befor
     resting = rigtri.set_rest(clips, like=posed)
     assert np.allclose(resting.world, posed.world, atol=1e-6)
     assert np.allclose(places(resting, 0), places(clips, 0), atol=1e-6)
+
+
+def test_what_is_up_for_a_body_is_as_it_is_bound_and_not_as_it_rests() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    top, hips, rotation = rig.find("biped"), rig.find("hips"), rig.rotation.copy()
+    rotation[top] = from_axis_angle(np.array([1.0, 0, 0]), np.pi / 2)
+    lying = replace(rig, rotation=rotation, source=None)
+    leaning = rotation.copy()
+    leaning[hips] = product(from_axis_angle(normalise(np.array([1.0, 2, 3])), 0.3), rotation[hips])
+    stands = rigtri.set_rest(replace(lying, rotation=leaning), pose="tpose")
+    assert np.allclose(stands.world, rigtri.set_rest(lying, pose="tpose").world, atol=1e-5)
