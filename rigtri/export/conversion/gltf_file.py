@@ -49,6 +49,8 @@ class GltfWriter:
         """The JSON but for its buffers; the content of buffer 0 is in `buffer`."""
         gltf, scene = self.gltf, self.scene
         self._nodes()
+        if scene.copyright:
+            gltf["asset"]["copyright"] = scene.copyright
         for node, primitives in scene.primitives.items():
             self._mesh(node, primitives)
         self._lenses()

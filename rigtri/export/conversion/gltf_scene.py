@@ -77,6 +77,7 @@ class _Reader:
     def read(self) -> Scene:
         scene, rig = self.scene, self.scene.rig
         scene.omit_built()
+        scene.copyright = str(self._object(self.gltf, "asset").get("copyright", ""))
         scene.materials = [self._material(raw, k) for k, raw in enumerate(self._list("materials"))]
         self._primitives()
         lights = self._object(self.gltf.get("extensions"), LIGHTS).get("lights") or []
@@ -118,8 +119,6 @@ class _Reader:
                 scene.lose("extras of the file")
             elif key != "nodes" and (count := _extras(value)):
                 scene.lose(f"extras of {key} ({count})")
-        if self._object(self.gltf, "asset").get("copyright"):
-            scene.lose("copyright of the asset")
 
     def _list(self, key: str) -> list[Any]:
         found = self.gltf.get(key)

@@ -128,6 +128,7 @@ class Scene:
     extras: dict[int, Any] = field(default_factory=dict)
     hidden: set[int] = field(default_factory=set)
     omitted: set[int] = field(default_factory=set)
+    copyright: str = ""
     up: Literal["Y", "Z"] = "Y"
     unit: float = 1.0
     per_second: float = 1.0

@@ -71,6 +71,8 @@ class _Reader:
                 raise FileError(
                     f"{layer}: {field} is {value:g}; glTF is in metres and seconds. Set it above 0"
                 )
+        copyright = stage.GetRootLayer().customLayerData.get("copyright")
+        scene.copyright = copyright if isinstance(copyright, str) else ""
         self._omit()
         for mesh in self.document.meshes():
             if mesh.node not in scene.omitted:

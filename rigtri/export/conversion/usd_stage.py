@@ -116,6 +116,8 @@ class _Writer:
             last = float(max(ends, default=0.0))
             stage.SetStartTimeCode(float(min(times[0], 0.0) * self.rate) if len(times) else 0.0)
             stage.SetEndTimeCode(float(np.ceil(last * self.rate - 1e-6)))
+        if self.scene.copyright:
+            stage.GetRootLayer().customLayerData = {"copyright": self.scene.copyright}
         turned = conversion_matrix(self.look)
         if (turned != np.eye(4)).any():
             root.AddTransformOp().Set(values.matrix(turned))

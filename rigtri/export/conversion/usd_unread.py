@@ -82,8 +82,13 @@ class Unread:
         """Look at what is authored on the root layer itself."""
         root = stage.GetPseudoRoot()
         for key in (*_METADATA, "customLayerData"):
-            if root.HasAuthoredMetadata(key) and (value := root.GetMetadata(key)):
-                self._note(" ".join([key, *value]) if isinstance(value, dict) else key, root)
+            value = root.GetMetadata(key) if root.HasAuthoredMetadata(key) else None
+            if isinstance(value, dict):
+                carried = {"copyright"} if isinstance(value.get("copyright"), str) else set()
+                for one in value.keys() - carried:
+                    self._note(f"{key} {one}", root)
+            elif value:
+                self._note(key, root)
 
     def lines(self) -> list[str]:
         """One line for each of what is not read."""

@@ -36,7 +36,7 @@ def _stage(path: Path) -> None:
     UsdSkel.BindingAPI.Apply(mesh.GetPrim()).CreateBlendShapeTargetsRel().SetTargets([shape.GetPath()])
     stage.DefinePrim("/physics", "PhysicsScene")
     stage.DefinePrim("/spare", "Material")
-    stage.GetRootLayer().customLayerData = {"studio": "abc"}
+    stage.GetRootLayer().customLayerData = {"studio": "abc", "copyright": "nobody"}
     stage.Save()
 
 
