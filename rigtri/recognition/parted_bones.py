@@ -72,9 +72,19 @@ def further_part(draft: Draft, each: Found) -> str:
     before = tree.at[start] - tree.at[above] if above >= 0 else Vector()
     in_line = before.unit.dot((tree.at[middle] - tree.at[start]).unit) > STRAIGHT
     goes_on = upper > 1 and in_line and abs(before.length - size) < _ALIKE * size
+    goes_on = goes_on and not _at_the_trunk(draft, each)
     if upper > lower or goes_on:
         return f"'{tree.rig.title(end)}' may be a twist joint, as the upper bone has more of them"
     return ""
+
+
+def _at_the_trunk(draft: Draft, each: Found) -> bool:
+    """Whether the joint before a limb begins as near to the one across as clavicles do."""
+    tree, mine = draft.tree, each.pair
+    if mine is None or mine.at[0] < 1:
+        return False
+    (start, _, end), (one, other) = mine.joints(0), (path[mine.at[0] - 1] for path in mine.pair.paths)
+    return (tree.at[one] - tree.at[other]).length < CLAVICLES * (tree.at[end] - tree.at[start]).length
 
 
 def _is_parted(draft: Draft, start: int, end: int) -> bool:
