@@ -247,9 +247,8 @@ class ClipNames:
         return PLAYED if self.one_timeline else None
 
     def _names(self, timeline: Timeline) -> tuple[str, ...]:
-        """What a clip of the edited file is called: there, and in the rig, where names mean something."""
-        known = self.homes[id(timeline)]
-        return (known,) if self.one_timeline else (timeline.name, known)
+        """What a clip of the edited file is called: there, and in the rig."""
+        return timeline.name, self.homes[id(timeline)]
 
     def _alone(self, together: dict[str, list[Timeline]]) -> dict[str, list[Timeline]]:
         """What becomes the one clip of a USD file: all parts of one name.
