@@ -101,6 +101,7 @@ def convert_file(request: EditRequest, options: ConvertOptions, report: Report) 
                     clock.lap("verify")
                 # Animations that no skeleton uses are clips of the output, or among what is lost.
                 report.extend(n for n in document.warnings if n.code != "unbound-animation")
+                report.extend(conversion.scene.notices)
                 report.extend(Notice(LOST, f"not converted: {what}") for what in conversion.lost)
                 if found is not None and not found.passes(request.tolerance):
                     summary, why = found.summary(request.tolerance), why_far(document.rig, found)

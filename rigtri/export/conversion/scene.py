@@ -13,6 +13,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.operations.bake.unbaked import unbaked
+from rigtri.report import Notice
 from rigtri.text import listed
 
 Slot = Literal["base", "metal_rough", "normal", "occlusion", "emissive"]
@@ -111,7 +112,7 @@ class Primitive:
 
 @dataclass(eq=False)
 class Scene:
-    """All that is converted; what is not, is in ``lost``, in words for users.
+    """All that is converted; what is not, is in ``lost``, in words for users. notices: what else to know.
 
     primitives, cameras, lights, extras: by node. hidden: nodes that are not shown. omitted: those that are
     left out. up: ``Y`` or ``Z``; unit: the metres of one length unit. per_second: the time units of
@@ -134,6 +135,7 @@ class Scene:
     per_second: float = 1.0
     played: dict[str, tuple[Clip, Clip | None]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
+    notices: list[Notice] = field(default_factory=list)
 
     def lose(self, what: str) -> None:
         """Note what the other format cannot store; the same words only once."""

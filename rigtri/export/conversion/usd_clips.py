@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdSkel, Vt
 
-from rigtri.evaluation.sampling import sample
+from rigtri.evaluation.sampling import key_times, sample
 from rigtri.export.conversion import usd_values as values
 from rigtri.export.conversion.usd_samples import sample_times, time_codes
 from rigtri.export.conversion.usd_skeletons import Skeleton
@@ -22,9 +22,13 @@ from rigtri.maths.quaternions import angle_between, dot, make_continuous, normal
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Path, Track
 from rigtri.model.rig import Rig
+from rigtri.text import and_more
 
 # Scales that a half float holds to this share need no word: it is half of what a conversion may be off.
 _HALF = 5e-6
+# More samples than this, and than these for each key, are told: files become large.
+_MANY, _PER_KEY = 10_000, 100
+_ANIMATED = ("translations", "rotations", "scales", "blendShapeWeights")
 # Quaternions whose product is above this are less than 0.51° apart: OpenUSD goes straight between them.
 _STRAIGHT = 0.99999
 _SETTERS: Mapping[Path, Callable[[Floats], Any]] = {
@@ -70,6 +74,26 @@ def write_animation(
     if shapes:
         write_weights(prim, clip, shapes, rig, rate)
     return True
+
+
+def many_samples(prim: Any, rig: Rig, clip: Clip) -> str:
+    """Why a SkelAnimation has far more samples than its clip has keys, in words; "" where it has not."""
+    count = max(prim.GetAttribute(name).GetNumTimeSamples() for name in _ANIMATED)
+    keys = len(key_times(clip))
+    if count <= max(_MANY, _PER_KEY * keys):
+        return ""
+    size = size_of(rig, rig.meshes)
+    fast = [
+        rig.title(track.node)
+        for track in clip.tracks
+        if track.interpolation == "CUBICSPLINE"
+        and len(sample_times([track], size)) > _PER_KEY * len(track.times)
+    ]
+    return (
+        f"Clip '{clip.name}' has {count:,} samples in USD, where glTF has {keys:,} keys: splines of "
+        f"{and_more(fast, 4)} move too fast between keys for fewer. Where that is not meant, their "
+        "tangents are wrong: export the clip with linear keys"
+    )
 
 
 def write_weights(

@@ -30,6 +30,7 @@ from rigtri.model.animation import Clip, Path
 from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh
 from rigtri.progress import counted
+from rigtri.report import Notice
 from rigtri.text import and_more
 
 # How far a baked camera or light may be off between samples, as a share of how far it is from the origin.
@@ -309,6 +310,8 @@ class _Writer:
                 path = f"{holder}/{word}"
                 if usd_clips.write_animation(self.stage, path, rig, skeleton, clip, shapes, self.rate):
                     found[skeleton.path] = path
+                    many = usd_clips.many_samples(self.stage.GetPrimAtPath(path), rig, clip)
+                    self.scene.notices += [Notice("many-samples", many)] if many else []
                     self._name(self.stage.GetPrimAtPath(path), title if clip.name else "", word)
                     self.result.halves[-1].update(usd_clips.half_scales(rig, skeleton, clip))
             self.result.clips.append(found)

@@ -244,6 +244,21 @@ def test_names_of_morph_targets_and_the_copyright_come_home(names: list[str], tm
     assert not report.warnings
 
 
+def test_splines_that_need_many_samples_are_told(tmp_path: Path) -> None:
+    """Quaternions whose signs change between keys, as exporters leave them, pass near zero there."""
+    b = small(2)
+    turns = [[0.02 * k, 0, 0, (-1) ** k] for k in range(5)]
+    rows = [row for turn in turns for row in ([0, 0, 0, 0], turn, [0, 0, 0, 0])]
+    b.gltf["animations"][0]["name"] = "spin"
+    b.gltf["animations"][0]["samplers"] = [
+        {"input": b.accessor(range(5)), "output": b.accessor(rows), "interpolation": "CUBICSPLINE"}
+    ]
+    report = rigtri.convert(b.glb(tmp_path / "in.glb"), tmp_path / "out.usdc", verify=False).report
+    (notice,) = [one for one in report.warnings if one.code == "many-samples"]
+    assert notice.code == "many-samples"
+    assert "samples in USD, where glTF has 5 keys: splines of joint 1 move too fast" in notice.text
+
+
 @pytest.mark.ci
 def test_scales_that_half_floats_do_not_hold_are_measured(samples: Path, tmp_path: Path) -> None:
     outcome = rigtri.convert(samples / "biped.glb", tmp_path / "out.usdz")
