@@ -54,10 +54,12 @@ from rigtri.operations.bake.dependents import (
     rivets_of_constraints,
 )
 from rigtri.operations.bake.reduced_tracks import is_still_valid, key_counts, reduced_tracks
+from rigtri.operations.bake.rig_space import in_rig_space
 from rigtri.operations.bake.unbaked import UNBAKED, refuse_replaced
 from rigtri.operations.bake.warnings import (
     fidelity,
     refuse_overstretch,
+    warn_outside,
     warn_spline_swings,
     warn_undersampled,
 )
@@ -96,7 +98,8 @@ def bake(rig: Rig, *, options: BakeOptions, report: Report) -> Rig:
     if rigged is not None:
         rig = joined(rig, rigged, names=options.as_, between=options.between, report=report)
         rig = as_described(rig, rigged, report=report)
-    return _Baker(_with_limits(rig, options), options, report).baked()
+    rig = _with_limits(rig, options)
+    return in_rig_space(rig, lambda seen: _Baker(seen, options, report).baked())
 
 
 def _with_limits(rig: Rig, options: BakeOptions) -> Rig:
@@ -238,6 +241,8 @@ class _Baker:
     def _warn(self) -> None:
         warn_undersampled(self.start, self.report, max(self.options.between, self.options.tolerance))
         warn_spline_swings(self.start, self.report)
+        if self.options.to == "joints":
+            warn_outside(self.start, self.report)
 
     # --- to joints
 

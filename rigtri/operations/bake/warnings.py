@@ -21,6 +21,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
+from rigtri.operations.bake.rig_space import uneven_above
 from rigtri.operations.take_clips.messages import list_names
 from rigtri.report import Notice, Report
 
@@ -121,7 +122,7 @@ def fidelity(
     """The record of a clip, as shares of ``size`` and degrees; and a warning about what is off by more.
 
     blocks: what controls make of a motion at ``times``, and that motion. size: in file units.
-    tolerance: as a share of it.
+    tolerance: as a share of it. GeometryError where that is because controls stand beside an uneven scale.
     """
     joint, time, far = _farthest(rig, blocks, times)
     residuals = [residual for block in blocks for residual in block.found.residuals]
@@ -134,7 +135,23 @@ def fidelity(
         return record, []
     name = rig.title(joint)
     text = f"The controls give '{name}' back {far / size:.2g} of the size off, at {clip}@{time:g}"
+    for node in (node for node in uneven_above(rig) if rig.is_below(joint, node)):
+        raise GeometryError(f"{text}; {_outside(rig, node)}")
     return record, [Notice("controls-off", f"{text}; {_advice(rig, joint)}", name, geometry=True)]
+
+
+def warn_outside(rig: Rig, report: Report) -> None:
+    """A warning for each uneven node above joints with controls beside it; rig: in its own space."""
+    for node in uneven_above(rig):
+        text = _outside(rig, node)
+        report.warn("uneven-above", text[0].upper() + text[1:])
+
+
+def _outside(rig: Rig, node: int) -> str:
+    return (
+        f"the scale of '{rig.title(node)}' is not uniform: joints below it are sheared as they turn, and "
+        "controls beside it are not. Build them in the character's own file, or make the scale uniform"
+    )
 
 
 def _farthest(rig: Rig, blocks: Sequence[Block], times: Floats) -> tuple[int, float, float]:

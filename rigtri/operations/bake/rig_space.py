@@ -1,0 +1,80 @@
+"""Evaluate a rig in its own space, where what it stands in is scaled unevenly.
+
+Below a node with a scale that is not uniform limbs are sheared as they turn: in the world no bone keeps its
+length, and no rotation gives a pose back. Seen from that node they are rigid. All that is baked is seen from
+its parent, so nothing changes where such a node stands still at the origin while a rig below it is evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.maths.quaternions import IDENTITY
+from rigtri.model.animation import Clip, key_values
+from rigtri.model.rig import Rig
+
+# What places a node.
+_PLACE = ("translation", "rotation", "scale", "has_matrix")
+# A scale is uniform where its factors differ by no more of the largest.
+_UNIFORM = 1e-5
+
+
+def uneven_above(rig: Rig) -> list[int]:
+    """The nodes above skeletons with a scale that is not uniform, or a shear, at rest or in a clip."""
+    above = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
+    nodes = sorted(node for node in above if not rig.is_joint[node] and node not in rig.own)
+    axes = rig.local[nodes, :3, :3]
+    grams = axes @ axes.transpose(0, 2, 1)
+    sizes = np.trace(grams, axis1=1, axis2=2) / 3.0
+    off = np.abs(grams - sizes[:, np.newaxis, np.newaxis] * np.eye(3)).max(axis=(1, 2))
+    found = {node for node, odd in zip(nodes, off > 2.0 * _UNIFORM * sizes, strict=True) if odd}
+    for track in (t for clip in rig.clips for t in clip.tracks if t.path == "scale" and t.node in above):
+        scales = np.abs(key_values(track))
+        if track.node in nodes and (np.ptp(scales, axis=1) > _UNIFORM * scales.max(axis=1)).any():
+            found.add(track.node)
+    return sorted(found)
+
+
+def in_rig_space(rig: Rig, evaluate: Callable[[Rig], Rig]) -> Rig:
+    """What ``evaluate`` makes of a rig whose uneven nodes, with all of the rig below them, are at the origin.
+
+    They stand where they stood in the result. It may change clips and nodes, and make no new ones.
+    """
+    nodes = [node for node in uneven_above(rig) if _holds_all(rig, node)]
+    if not nodes:
+        return evaluate(rig)
+    translation, rotation, scale = rig.translation.copy(), rig.rotation.copy(), rig.scale.copy()
+    has_matrix = rig.has_matrix.copy()
+    translation[nodes], rotation[nodes], scale[nodes], has_matrix[nodes] = 0.0, IDENTITY, 1.0, False
+    clips = tuple(_without(clip, nodes) for clip in rig.clips)
+    seen = replace(
+        rig, translation=translation, rotation=rotation, scale=scale, has_matrix=has_matrix, clips=clips
+    )
+    made = evaluate(seen)
+    values = {name: getattr(made, name).copy() for name in _PLACE}
+    for name, value in values.items():
+        value[nodes] = getattr(rig, name)[nodes]
+    whole = list(made.clips)
+    for k, (was, own) in enumerate(zip(seen.clips, rig.clips, strict=True)):
+        kept = [track for track in own.tracks if track.node in nodes]
+        whole[k] = own if whole[k] is was else replace(whole[k], tracks=(*kept, *whole[k].tracks))
+    return replace(made, **values, clips=tuple(whole))
+
+
+def _holds_all(rig: Rig, node: int) -> bool:
+    """Whether nothing of rigtri's beside a node is about anything below it, nor the other way round."""
+    below = set(rig.below(node))
+    for own in rig.own & rig.metadata.keys():
+        about = rig.named_by(rig.metadata[own]) | {own}
+        if about & below and about - below:
+            return False
+    return True
+
+
+def _without(clip: Clip, nodes: Collection[int]) -> Clip:
+    """A clip without what moves some nodes."""
+    kept = tuple(track for track in clip.tracks if track.node not in nodes)
+    return clip if len(kept) == len(clip.tracks) else replace(clip, tracks=kept)
