@@ -417,13 +417,14 @@ class _Builder:
         before = set(self.rig.metadata)
         limbs = tuple(dict.fromkeys(self.limbs))
         pole_options = AddPolevectorOptions(
-            limb=limbs,
+            limb=tuple(limb for limb in limbs if not self._keeps_pole(limb)),
             reach=self.options.reach,
             facing=self.options.facing,
             bend=self.options.bend,
             as_=self.options.as_,
         )
-        self.rig = add_polevector(self.rig, options=pole_options, report=self.report)
+        if pole_options.limb:
+            self.rig = add_polevector(self.rig, options=pole_options, report=self.report)
         for node in self._drawn_poles(limbs):
             record = self.rig.records(PoleVectorRecord)[node]
             middle = self.rig.find(record.chain[1])
@@ -433,6 +434,14 @@ class _Builder:
             elif record.shape:
                 requested = requested_members(self.options, self._side(middle), "pole")
                 self.rig = draw_anew(self.rig, node, drawing, requested, self.report)
+
+    def _keeps_pole(self, limb: Limb) -> bool:
+        """Whether a pole vector is one that keys count from, and no other place is asked for."""
+        options, chain = self.options, self._chain(limb)
+        pole = find(self.rig, PoleVectorRecord, chain=chain)
+        control = find(self.rig, ControlRecord, kind="ik", chain=chain)
+        asked = options.bend or options.facing or options.reach != AddControlsOptions().reach
+        return pole is not None and not asked and not self.moved.isdisjoint({pole, control})
 
     def _drawn_poles(self, limbs: tuple[Limb, ...]) -> list[int]:
         """The pole vectors of limbs that are no joints."""

@@ -23,6 +23,7 @@ from rigtri.formats import read
 from rigtri.formats.usd.identifiers import identifier
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.quaternions import from_axis_angle, multiply
+from rigtri.model.animation import Clip, Track
 from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -458,3 +459,17 @@ def test_a_joint_that_a_pose_reader_drives_gets_a_control_only_where_it_is_named
     assert "head_ctl" not in whole.names
     assert "neck_ctl" in whole.names
     assert "head_ctl" in named.names
+
+
+def test_a_second_run_leaves_pole_vectors_that_keys_count_from_unless_another_place_is_asked_for() -> None:
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), whole_character=True)
+    arm, leg = rig.find("forearm_L_pole"), rig.find("shin_L_pole")
+    there = rig.translation.copy()
+    there[[arm, leg]] += (0.1, 0.0, 0.05)
+    key = Track(rig.find("foot_L_ik_ctl"), "translation", "STEP", np.zeros(1), np.zeros((1, 3)))
+    moved = replace(rig, translation=there, clips=(Clip("step", (key,)),))
+    again = rigtri.add_controls(moved, whole_character=True)
+    assert again.translation[leg].tolist() == there[leg].tolist()
+    assert_allclose(again.translation[arm], rig.translation[arm], atol=1e-6)
+    farther = rigtri.add_controls(moved, whole_character=True, reach=2.0)
+    assert abs(farther.translation[leg] - there[leg]).max() > 0.1

@@ -384,3 +384,35 @@ def test_a_mirrored_constraint_warns_of_weights_that_switch_in_clips(samples: Pa
         assert [notice.code for notice in first.warnings if "weights" in notice.code] == told
         mirror(mirrored, options=MirrorOptions(from_side="left"), report=second)
         assert not [notice.code for notice in second.warnings if "weights" in notice.code]
+
+
+def _controlled(samples: Path) -> Rig:
+    return add_controls(read(samples / "tpose.glb").rig, whole_character=True)
+
+
+@pytest.mark.parametrize("keyed", ["foot_R_ik_ctl", "shin_R_pole", ""])
+def test_a_pole_vector_whose_limb_moves_in_clips_stays_where_it_rests(keyed: str, samples: Path) -> None:
+    rig = _controlled(samples)
+    pole, there = rig.find("shin_R_pole"), rig.translation.copy()
+    there[rig.find("shin_L_pole")] += (0.1, 0.0, 0.05)
+    key = Track(rig.find(keyed or "hand_R_ctl"), "rotation", "STEP", np.zeros(1), np.array([[0.0, 0, 0, 1]]))
+    rig, report = replace(rig, translation=there, clips=(Clip("step", (key,)),)), Report()
+    out = mirror(rig, options=MirrorOptions(from_side="left"), report=report)
+    assert (out.translation[pole] == there[pole]).all() == bool(keyed)
+    said = [each.text for each in report.warnings if "'shin_R_pole' at rest would change" in each.text]
+    assert len(said) == bool(keyed)
+    assert all("limb moves in step" in text for text in said)
+
+
+def test_mirror_tells_of_controls_that_were_there_and_take_a_pose(samples: Path) -> None:
+    rig = _controlled(samples)
+    rotation, report = rig.rotation.copy(), Report()
+    rotation[rig.find("hand_R_ctl")] = (0.0, 0.0, 0.6, 0.8)
+    for name in ("forearm_L_ctl", "thigh_L_ctl"):
+        rotation[rig.find(name)] = (0.6, 0.0, 0.0, 0.8)
+    out = mirror(replace(rig, rotation=rotation), options=MirrorOptions(from_side="left"), report=report)
+    (moved,) = (each.text for each in report.warnings if each.code == "mirror-moves")
+    assert moved.startswith("forearm_R_ctl, hand_R_ctl, thigh_R_ctl: takes the mirrored values at rest")
+    again = Report()
+    mirror(out, options=MirrorOptions(from_side="left"), report=again)
+    assert not [each for each in again.warnings if each.code == "mirror-moves"]

@@ -11,19 +11,23 @@ from rigtri.frames.mirroring import mirrored_axes
 from rigtri.maths.matrices import inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import angle_between, from_axes
 from rigtri.maths.triangle import bend_sine
-from rigtri.maths.vectors import triple
+from rigtri.maths.vectors import length, triple
 from rigtri.model.metadata import PIVOTS, ControlRecord, OffsetRecord, PoleVectorRecord, Triple
 from rigtri.model.rig import Rig
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
 from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.counterparts import (
     ALIKE,
+    NotMirroredError,
+    alike,
     existing_twin_record,
     mirror_each,
     of_side,
     other,
+    size_of,
     twin_name,
 )
+from rigtri.operations.mirror_plane import TOLERANCE
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.operations.rigtri_nodes import (
     add,
@@ -40,13 +44,15 @@ from rigtri.operations.skin_joints import add_joint, move_joint, skin_sibling_pa
 from rigtri.recognition.limb_bends import NO_PLANE
 from rigtri.recognition.limbs import given
 from rigtri.report import Report
+from rigtri.text import listed
 
 
 def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
     """Make the controls of the other side, or set their offsets anew, and mirror what was edited."""
+    posed: list[str] = []
 
     def build(rig: Rig, node: int, report: Report) -> Rig:
-        return _control(rig, node, rig.records(ControlRecord)[node], options, report)
+        return _control(rig, node, rig.records(ControlRecord)[node], options, report, posed)
 
     def joint(node: int) -> tuple[int, int]:
         """Parents first, as the twins hang below each other."""
@@ -56,14 +62,22 @@ def mirror_controls(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
 
     records = rig.records(ControlRecord)
     nodes = [node for node in of_side(rig, options, ControlRecord) if records[node].kind != "root"]
-    return mirror_each(rig, sorted(nodes, key=joint), "control", build, report)
+    rig = mirror_each(rig, sorted(nodes, key=joint), "control", build, report)
+    if posed:
+        text = f"{listed(posed, 6)}: takes the mirrored values at rest of the other side's controls"
+        where = "at rest, and in clips where joints or channels have no keys"
+        report.warn("mirror-moves", f"{text}, so the next bake gives another pose {where}")
+    return rig
 
 
-def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions, report: Report) -> Rig:
+def _control(
+    rig: Rig, node: int, record: ControlRecord, options: MirrorOptions, report: Report, posed: list[str]
+) -> Rig:
+    """posed: takes the names of controls that were there and get other values at rest."""
     there = existing_twin_record(rig, record)
     if record.kind in PIVOTS:  # made with the IK control that it is below
         twin = find(rig, ControlRecord, kind=record.kind, chain=there.chain)
-        return rig if twin is None else _edited(rig, node, twin, options)
+        return rig if twin is None else _edited(rig, node, twin, options, posed)
     before = find(rig, ControlRecord, kind=record.kind, joint=there.joint)
     drawn = before is not None and rig.records(ControlRecord)[before].shape == record.shape
     shapes: Any = {record.kind: record.shape} if record.shape and not drawn else {}
@@ -87,7 +101,7 @@ def _control(rig: Rig, node: int, record: ControlRecord, options: MirrorOptions,
         return rig  # a joint has no offset above it: it stands where the limb ends
     if before is None:
         rig = remembered(renamed(rig, found, twin_name(rig.names[node], rig.names[found])), [found])
-    return _edited(rig, node, found, options)
+    return _edited(rig, node, found, options, posed if before is not None else [])
 
 
 def _frame(rig: Rig, node: int, before: int | None, joint: str, options: MirrorOptions) -> dict[str, Any]:
@@ -111,13 +125,16 @@ def _bends(
     """Which way a straight limb bends, where its twin's pole vector knows."""
     pole = find(rig, PoleVectorRecord, chain=record.chain)
     places = [rig.world[rig.find(name), 3, :3] for name in there.chain]
+    found = find(rig, PoleVectorRecord, chain=there.chain)
+    if found is not None and _moving(rig, found, there):
+        return {}
     if pole is None or bend_sine(*places) >= NO_PLANE:
         return {}
     away = rig.world[pole, 3, :3] - rig.world[rig.find(record.chain[1]), 3, :3]
     return {there.chain[1]: triple(options.across.directions(away))}
 
 
-def _edited(rig: Rig, control: int, found: int, options: MirrorOptions) -> Rig:
+def _edited(rig: Rig, control: int, found: int, options: MirrorOptions, posed: list[str]) -> Rig:
     """Give a control the mirrored motion of its twin, both against their offsets.
 
     With O and O' the offsets in the world while controls are zero, M the reflection and L what the
@@ -130,6 +147,8 @@ def _edited(rig: Rig, control: int, found: int, options: MirrorOptions) -> Rig:
     here, there = (unposed(rig, int(rig.parents[node])) for node in (control, found))
     across = multiply(multiply(there, options.across.matrix), inverse(here))
     place = multiply(multiply(across, own), inverse(across))
+    if not alike(place.ravel().tolist(), rig.local[found].ravel().tolist(), size_of(rig)):
+        posed.append(rig.title(found))
     return stand_local(rig, found, place)
 
 
@@ -148,6 +167,11 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
     place = options.across.points(world[3, :3])
     axes = mirrored_axes(orthonormal_axes(world), options.mode, options.across)
     found = find(rig, PoleVectorRecord, chain=there.chain)
+    if found is not None and (clips := _moving(rig, found, there)):
+        if length(place - unposed(rig, found)[3, :3]) > TOLERANCE * size_of(rig):
+            where = f"'{rig.title(found)}' at rest would change how its limb moves in {listed(clips, 6)}"
+            raise NotMirroredError(f"to move {where}")
+        return rig
     # What is drawn at either is its own: another colour, and nothing where nothing was drawn.
     drawn = there if node in rig.pending.shapes else replace(there, shape="", size=None, color=None)
     new = found is None
@@ -167,6 +191,15 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
     rig = (move_joint if rig.is_joint[found] else stand)(rig, found, place, axes)
     report.added.append({"node": rig.names[found], "type": "poleVector", "new": new})
     return rig
+
+
+def _moving(rig: Rig, pole: int, record: PoleVectorRecord | ControlRecord) -> list[str]:
+    """The clips in which a pole vector or the IK control of its limb has keys: there IK counts from the rest
+    position of the pole vector.
+    """
+    control = find(rig, ControlRecord, kind="ik", chain=record.chain)
+    nodes = {pole, control}
+    return [clip.name for clip in rig.clips if any(track.node in nodes for track in clip.tracks)]
 
 
 def _home(rig: Rig, node: int) -> tuple[Rig, int]:
