@@ -72,6 +72,14 @@ def test_opinions_that_a_stronger_layer_hides_are_refused(shot: Path) -> None:
     printed = cli("orient-joints", shot, "-o", out, "--edit-target", "layout.usda", code=3).output
     assert "anim.usda is stronger" in printed
     assert not out.exists()
+    # The root layer is, of which a copy was composed with the edited layer.
+    keys = "quatf[] rotations.timeSamples = {\n1: [(1, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0)],\n}"
+    over = f'over "Root"\n{{\nover "Anim"\n{{\n{keys}\n}}\n}}\n'
+    text = f"#usda 1.0\n(\nsubLayers = [@./{shot.name}@]\n)\n{over}"
+    above = save(shot.parent, text, "above.usda")
+    printed = cli("orient-joints", above, "-o", out, "--edit-target", "anim.usda", code=3).output
+    assert "of above.usda is stronger" in printed
+    assert "anon:" not in printed
 
 
 def test_a_layer_that_is_none_of_the_stage_is_named_with_those_that_are(shot: Path) -> None:

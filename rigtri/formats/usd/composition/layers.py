@@ -27,10 +27,15 @@ def encoding_of(layer: Any) -> str:
 
 
 def copy_of(layer: Any) -> Any:
-    """An anonymous layer with the same content, which no other stage sees."""
-    copy = Sdf.Layer.CreateAnonymous(".usda")
+    """An anonymous layer with the same content and display name, which no other stage sees."""
+    copy = Sdf.Layer.CreateAnonymous(layer.GetDisplayName(), Sdf.FileFormat.FindById("usda"))
     copy.TransferContent(layer)
     return copy
+
+
+def title(layer: Any) -> str:
+    """What a layer is called in messages: its file, of a copy the file that it was copied from."""
+    return str(layer.GetDisplayName() if layer.anonymous else layer.identifier)
 
 
 def empty() -> Any:

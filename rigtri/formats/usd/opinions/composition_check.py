@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import FileError
+from rigtri.formats.usd.composition import layers
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import time_samples
 from rigtri.formats.usd.composition.variants import VALUES, SkeletonVariants, VariantState
@@ -44,9 +45,9 @@ def _check(stage: Any, settings: Sequence[Setting], where: str) -> None:
         if attribute and _shows(attribute, setting):
             continue
         stack = attribute.GetPropertyStack(DEFAULT) if attribute else []
-        hidden = f": <{stack[0].path}> of {stack[0].layer.identifier} is stronger" if stack else ""
+        hidden = f": <{stack[0].path}> of {layers.title(stack[0].layer)} is stronger" if stack else ""
         raise FileError(
-            f"{where}<{setting.path}> cannot be edited from the root layer{hidden}. Edit that file, "
+            f"{where}<{setting.path}> cannot be edited in this layer{hidden}. Edit that file, "
             "or flatten this one."
         )
 
