@@ -60,10 +60,15 @@ class PoseCache:
         rows = slice(node, node + 1)
         return Parts(rig.translation[rows], unit(rig.rotation[rows]), rig.scale[rows])
 
-    def set(self, node: int, parts: Parts) -> None:
-        """Give a node its local parts; ValueError where its place was already used."""
+    def set(self, node: int, parts: Parts, *, again: bool = False) -> None:
+        """Give a node its local parts; ValueError where its position was already used.
+
+        again: it was used by what moved the node first, and by nothing else.
+        """
+        if again:
+            self._worlds.pop(node, None)
         if node in self._worlds:
-            raise ValueError(f"'{self.rig.title(node)}' is moved after its place was used")
+            raise ValueError(f"'{self.rig.title(node)}' is moved after its position was used")
         self.parts[node] = parts
 
     def forget(self) -> None:

@@ -128,17 +128,22 @@ class Solver:
         moved = {node: step for step in steps for node in step.sets}
         result = [step for step in steps if len(step.sets) > 1 or step.sets[0] not in self.rules]
         for child, rules in self.rules.items():
-            base = moved.get(child)
             if child in self.overruled:
                 continue
-            order = sorted(rules, key=channel_order)
-            result.append(ConstraintStep(self.rig, tuple(order), base, self._riders(child)))
+            base, order = moved.get(child), sorted(rules, key=channel_order)
+            rolls = isinstance(base, Ik)
+            own = None if rolls else base
+            result.append(ConstraintStep(self.rig, tuple(order), own, self._riders(child), rolls))
         return result
 
     @cached_property
     def overruled(self) -> frozenset[int]:
-        """The joints whose rules do nothing: IK moves their limbs, which a rule of one joint would tear."""
-        return frozenset(node for limb in self.limbs for node in limb.sets if node in self.rules)
+        """The joints whose rules do nothing: IK moves their limbs, which a rule of one joint would tear.
+
+        A toe that rolls with its foot is beyond the limb.
+        """
+        moved = {node for ik in self.limbs for node in ik.sets if node != ik.limb.toe}
+        return frozenset(moved & self.rules.keys())
 
     def _riders(self, joint: int) -> tuple[Fk, ...]:
         """The FK controls below a joint's own that something looks at, but those that another step moves."""

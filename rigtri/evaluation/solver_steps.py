@@ -65,13 +65,14 @@ class ConstraintStep:
     """Rules of one child, in the order in which they come on top of each other.
 
     riders: FK controls below the child's own control, and ride on the child wherever rules
-    have it, because something looks at what is below them.
+    have it, because something looks at what is below them. rolls: the child is a toe that IK moves first.
     """
 
     rig: Rig
     rules: tuple[Constraint, ...]
     base: Step | None = None
     riders: tuple[Fk, ...] = ()
+    rolls: bool = False
 
     @property
     def child(self) -> int:
@@ -114,8 +115,9 @@ class ConstraintStep:
         found: list[tuple[Path, bool]] = []
         for letter, path in CHANNELS.items():
             set_by = [{c for c in rule.sets if c[0] == letter} for rule in whole]
-            if self.base is not None or any(set_by):
-                found.append((path, self.base is not None or any(len(each) == 3 for each in set_by)))
+            moved = self.rolls or self.base is not None
+            if moved or any(set_by):
+                found.append((path, moved or any(len(each) == 3 for each in set_by)))
         return found
 
     def run(self, posed: PoseCache) -> None:
@@ -133,7 +135,7 @@ class ConstraintStep:
             found = evaluate_constraint(
                 rule, there, wide[len(drivers)], wide[len(drivers) + 1], wide[-1] if up is not None else None
             )
-            posed.set(self.child, to_parts(found))
+            posed.set(self.child, to_parts(found), again=self.rolls)
         for fk in self.riders:
             posed.set(fk.own.offset, fk.riding(posed))
 

@@ -25,7 +25,7 @@ def test_what_is_set_moves_what_is_below_until_it_was_used() -> None:
     parts = Parts(np.ones((2, 3)), np.array([[0.0, 0, 0, 1], [0, 0, 1, 0]]), np.full((2, 3), 2.0))
     posed.set(0, parts)
     assert_allclose(posed.world(child), multiply(rig.local[child], compose(*parts)), atol=1e-9)
-    with pytest.raises(ValueError, match="after its place was used"):
+    with pytest.raises(ValueError, match="after its position was used"):
         posed.set(0, parts)
     posed.forget()
     posed.set(0, parts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from program import cli
 from recognition_bodies.skeletons import HORSE, rig_with
 
 import rigtri
+from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.formats import read
@@ -49,8 +51,8 @@ def lateral(rig: Rig) -> Floats:
     return left / np.linalg.norm(left)
 
 
-def posed(rig: Rig, degrees: Turns) -> PoseCache:
-    parts, still = {}, PoseCache(rig)
+def posed(rig: Rig, degrees: Turns, others: Mapping[int, Parts] | None = None) -> PoseCache:
+    parts, still = dict(others or {}), PoseCache(rig)
     for kind, angle in degrees.items():
         node = pivots(rig)[kind]
         axes = rig.world[node, :3, :3] / np.linalg.norm(rig.world[node, :3, :3], axis=1, keepdims=True)
@@ -85,6 +87,15 @@ def test_a_foot_rolls_about_its_pivots_and_the_ball_leaves_the_toe(rolling: Path
     assert np.allclose(pose.world(toe)[0, 3, :3], place[3, :3], atol=2e-6)
     other = rig.find("foot_R")
     assert np.array_equal(pose.world(other)[0], PoseCache(rig).world(other)[0])
+
+
+def test_a_toe_that_rolls_follows_its_constraints_too(rolling: Path) -> None:
+    rig = rigtri.constrain(read(rolling).rig, child="toe_L", driver=["head_ctl"], type="scale")
+    degrees, head = {"ball": 20.0, "tip": 10.0}, rig.find("head_ctl")
+    toe, grown = rig.find("toe_L"), PoseCache(rig).part(head)
+    pose = posed(rig, degrees, {head: grown._replace(scale=grown.scale * 1.25)})
+    axes = pose.world(toe)[0, :3, :3] / 1.25
+    assert np.allclose(axes, rolled(rig, toe, degrees, ("tip", "heel"))[:3, :3], atol=2e-6)
 
 
 def test_heel_and_tip_are_where_the_skin_ends_on_the_ground(rolling: Path) -> None:
