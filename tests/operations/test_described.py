@@ -18,6 +18,7 @@ from usd_files import without_notes
 import rigtri
 from rigtri.evaluation import sampling
 from rigtri.formats import read
+from rigtri.frames.rescale import rescale
 from rigtri.maths.quaternions import conjugate, multiply, rotation_angle
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
@@ -215,6 +216,19 @@ def test_joints_bound_otherwise_are_reported_and_their_controls_keep_their_rest(
     assert "take-clips" in notice.text
     assert rig.names[skin.joints[3]] in notice.text
     assert (found.translation == translation).all()
+
+
+@pytest.mark.parametrize(("moved", "codes"), [(1e-3, []), (0.1, ["other-bind-poses"])])
+def test_noise_of_bind_poses_counts_in_the_unit_of_the_world(moved: float, codes: list[str]) -> None:
+    """Below an armature of a hundredth, as files that were FBX have it."""
+    rig, report = biped(), Report()
+    rig = rescale(rig, np.where(rig.is_joint, 0.01, 1.0))
+    skin = rig.skins[0]
+    inverse_bind = skin.inverse_bind.copy()
+    inverse_bind[3, 3, :3] += moved
+    noisy = replace(rig, skins=(replace(skin, inverse_bind=inverse_bind), *rig.skins[1:]))
+    as_described(noisy, rig, report=report)
+    assert [notice.code for notice in report.warnings] == codes
 
 
 def test_a_child_of_another_node_keeps_its_rest_and_that_is_reported() -> None:

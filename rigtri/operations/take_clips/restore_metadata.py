@@ -149,7 +149,9 @@ def _bound_otherwise(rig: Rig, described: Rig, of: Mapping[int, int]) -> list[st
         there = multiply(theirs[node], inverse(theirs[above]))
         here = multiply(ours[own], inverse(ours[of[above]]))
         turned = np.abs(here[:3, :3] - there[:3, :3]).max() > _SAME * max(1.0, np.abs(there[:3, :3]).max())
-        if turned or np.abs(here[3, :3] - there[3, :3]).max() > _SAME * size:
+        # Below an armature of 0.01, as files that were FBX have it, places are in hundredths.
+        unit = float(length(theirs[above][:3, :3]).max())
+        if turned or np.abs(here[3, :3] - there[3, :3]).max() * unit > _SAME * size:
             names.append(rig.title(own))
     return names
 
