@@ -27,6 +27,15 @@ class _Kept(io.FileIO):
             return memoryview(content).nbytes
 
 
+class _Unbuffered(io.BufferedWriter):
+    """Writes whole at once, as PYTHONUNBUFFERED asks; a file without a buffer may write a part of it."""
+
+    def write(self, content: Any, /) -> int:
+        done = super().write(content)
+        self.flush()
+        return done
+
+
 def hold() -> None:
     """Give the standard streams that the caller has closed their places back.
 
@@ -51,8 +60,9 @@ def keep() -> None:
 def _kept(stream: Any) -> Any:
     if not isinstance(stream, io.TextIOWrapper):
         return stream
-    binary = io.BufferedWriter(_Kept(stream.fileno(), "w", closefd=False))
     lines, at_once = stream.line_buffering, stream.write_through
+    buffer = _Unbuffered if at_once else io.BufferedWriter
+    binary = buffer(_Kept(stream.fileno(), "w", closefd=False))
     return io.TextIOWrapper(binary, stream.encoding, stream.errors, "\n", lines, at_once)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from places import SAMPLES
 
 import rigtri
-from rigtri.cli import check
+from rigtri.cli import check, streams
 from rigtri.cli.progress import Progress
 from rigtri.formats import read
 from rigtri.operations.add_controls import AddControlsOptions, add_controls
@@ -171,3 +172,19 @@ def test_the_files_of_a_check_are_counted(monkeypatch: pytest.MonkeyPatch) -> No
         check.command.main([str(SAMPLES / "arm.gltf"), str(SAMPLES / "hand.glb")])
     assert "check  \x1b[32m━━━━━━━━━━━━\x1b[0m" in terminal.getvalue()
     assert "1/2 files" in terminal.getvalue()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="elsewhere consoles keep their streams")
+def test_what_is_to_appear_at_once_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """PYTHONUNBUFFERED: before, the bar went only with the first line that was printed on its place."""
+    out, into = os.pipe()
+    os.set_blocking(out, False)
+    with os.fdopen(out, "rb", buffering=0) as seen, os.fdopen(into, "wb", buffering=0) as end:
+        stream = io.TextIOWrapper(end, "utf-8", write_through=True)
+        for name in ("stdout", "stderr"):
+            monkeypatch.setattr(sys, name, stream)
+        streams.keep()
+        sys.stderr.write("\x1b[K")
+        assert seen.read() == b"\x1b[K"
+        monkeypatch.undo()
+        stream.detach()
