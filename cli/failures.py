@@ -11,7 +11,7 @@ from typing import NoReturn
 
 import click
 
-from rigtri.errors import Fault, RigtriError, error_kind
+from rigtri.errors import Fault, RigtriError, alike, error_kind
 
 from . import INTERRUPTED
 from .terminal_text import echo_message, plain, without_advice
@@ -102,22 +102,22 @@ def end(ctx: click.Context | None, error: Exception, code: int | None = None) ->
 
 def _fault_lines(faults: Sequence[Fault]) -> list[str]:
     """Each fault once, where it is first and where it is again; then the advice that they have in common."""
-    first: dict[str, str] = {}
-    again: dict[str, list[str]] = {}
+    lines: list[str] = []
     advice: dict[str, None] = {}
-    for fault in faults:
-        found = fault.as_json()
-        what = str(found["text"])
-        if what in first:
-            again.setdefault(what, []).append(f"{found['line']}:{found['column']}")
-            continue
-        first[what], advised = without_advice(str(fault))
+    for first, *others in alike(faults).values():
+        line, advised = without_advice(str(first))
         advice |= dict.fromkeys(advised)
-    lines = [
-        f"{line}{', also at ' + ', '.join(again[what]) if what in again else ''}"
-        for what, line in first.items()
-    ]
+        places = dict.fromkeys(_place(other, first) for other in others)
+        places.pop(_place(first, first), None)
+        lines.append(f"{line}{', also at ' if places else ''}{', '.join(places)}")
     return [*lines, *advice]
+
+
+def _place(fault: Fault, first: Fault) -> str:
+    """Where a fault is; with its file where that is another than that of the first."""
+    found, file = fault.as_json(), first.as_json()["file"]
+    place = f"{found['line']}:{found['column']}"
+    return place if found["file"] == file else f"{found['file']}:{place}"
 
 
 def misused(ctx: click.Context, error: click.ClickException) -> NoReturn:

@@ -29,6 +29,14 @@ class Fault(Protocol):
     def as_json(self) -> dict[str, object]: ...
 
 
+def alike(faults: Iterable[Fault]) -> dict[str, list[Fault]]:
+    """Faults by what is wrong, wherever it is, in their order."""
+    found: dict[str, list[Fault]] = {}
+    for fault in faults:
+        found.setdefault(str(fault.as_json()["text"]), []).append(fault)
+    return found
+
+
 class UsageError(RigtriError):
     """Options that contradict each other or that make no sense together."""
 

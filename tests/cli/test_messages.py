@@ -92,6 +92,24 @@ def test_a_name_that_a_spec_has_often_is_listed_once(tmp_path: Path) -> None:
     told = cli("build", BIPED, "--spec", spec, "-o", tmp_path / "out.glb", code=4).stderr
     assert told.count("'nope'") == told.count("'nada'") == 1
     assert re.search(r"No joint is named 'nope', also at 2:\d+, 3:\d+, 3:\d+\n", told)
+    assert "2 faults in the spec" in told
+    told = cli("batch", BIPED, "--spec", spec, "-O", tmp_path / "out", code=7).stderr
+    assert told.splitlines()[0].count("'nope'") == 1
+    reasons = cli("batch-report", tmp_path / "out", "--json", code=0).json["errors"]
+    assert reasons[0]["reason"].count("'nope'") == 1
+
+
+def test_a_place_of_a_spec_that_several_steps_have_is_named_once(tmp_path: Path) -> None:
+    spec = tmp_path / "rig.yaml"
+    spec.write_text(
+        "steps:\n"
+        "  - {do: orient-joints, joints: &all [nope]}\n"
+        "  - {do: merge-joints, joints: *all}\n"
+        "  - {do: orient-joints, joints: [nope]}\n"
+    )
+    told = cli("build", BIPED, "--spec", spec, "-o", tmp_path / "out.glb", code=4).stderr
+    assert "rig.yaml: 1 fault in the spec\n" in told
+    assert re.search(r"rig.yaml:2:39 step 1 .*No joint is named 'nope', also at 4:\d+\n", told)
 
 
 def test_two_characters_are_called_that_before_anything_is_measured() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rigtri.errors import UsageError
+from rigtri.errors import UsageError, alike
 from rigtri.model.dataclass import dataclass
 
 
@@ -53,9 +53,9 @@ class SpecError(UsageError):
         self.exit_code = exit_code
         # One fault is the error itself.
         self.faults: tuple[Fault, ...] = found if len(found) > 1 else ()
-        super().__init__(
-            f"{', '.join(files)}: {len(found)} faults in the spec" if self.faults else str(found[0])
-        )
+        count = len(alike(found))
+        many = f"{', '.join(files)}: {count} fault{'s' if count > 1 else ''} in the spec"
+        super().__init__(many if self.faults else str(found[0]))
 
 
 def _each_once(faults: Sequence[Fault]) -> Iterator[Fault]:
