@@ -66,7 +66,7 @@ SUFFIX = ".rig.yaml"
 @option(
     "--picture",
     metavar="FILE.svg",
-    type=FilePath(dir_okay=False),
+    type=FilePath(allow_dash=True, dir_okay=False),
     help="Draw the skeleton before and after, as .svg or .png; also with --dry-run.",
     group="output",
 )

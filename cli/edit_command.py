@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import click
@@ -17,6 +16,7 @@ from .help_format import Command, Option
 from .operation_options import click_options
 from .option_types import FilePath
 from .options import add_option, edit_options, output_options, reading_options, source_argument, target_option
+from .output_file import write_output
 from .parameters import given, given_options, read_options
 
 Step = Callable[[Any, "Report"], Any]
@@ -29,7 +29,7 @@ class SavedFile(Option):
     def __init__(
         self, flag: str, metavar: str, text: Callable[[Report], str], *, help: str, rare: bool = False
     ) -> None:
-        kind = FilePath(dir_okay=False)
+        kind = FilePath(allow_dash=True, dir_okay=False)
         super().__init__([flag], metavar=metavar, type=kind, help=help, group="output", rare=rare)
         self.text = text
 
@@ -54,11 +54,9 @@ def edit_command(
         run_edit(name, values, step, given_options(ctx), summary, lambda report: save(values, report))
 
     def save(values: dict[str, Any], report: Report) -> None:
-        from rigtri.files.staged_output import write_text
-
         for option in more:
             if isinstance(option, SavedFile) and values[str(option.name)]:
-                write_text(Path(values[str(option.name)]), option.text(report))
+                write_output(option.text(report).encode("utf-8"), values[str(option.name)])
 
     return command_of(name, declared, words, run, more=more, **about)
 

@@ -14,6 +14,7 @@ from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.report import Report
 
 from .help_format import Option
+from .output_file import write_output
 from .parameters import destination, read_options, refuse_given
 from .printing import print_joints, print_json, print_verification, print_warnings
 from .progress import Progress
@@ -60,8 +61,6 @@ def run(
 ) -> Outcome:
     """Do what writes a file, and tell and report it as every command does; more: for the report."""
     output, quiet = values["output"], values["quiet"]
-    if values["as_json"] and destination(values) == "-" and not values["dry_run"]:
-        raise UsageError("--json and -o - both use standard output; use --report FILE.json")
     if values["sidecar"] and output == "-":
         raise UsageError("--sidecar needs the name of a file; give OUT a name")
     check_side_files(values)
@@ -150,7 +149,7 @@ def edit_request(values: dict[str, Any]) -> EditRequest:
         destination(values),
         read_options(values),
         overwrite=values["overwrite"] or values["output"] is None,
-        side_files=tuple(_side_files(values).values()),
+        side_files=tuple(path for path in _side_files(values).values() if str(path) != "-"),
         **same,
     )
 
@@ -194,7 +193,8 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
     from rigtri.formats import read
 
     if values["report_path"] is not None:
-        write_text(Path(values["report_path"]), json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+        write_output(text.encode("utf-8"), values["report_path"])
     if not values["sidecar"] or values["dry_run"]:
         return
     reading = values.get("reading") or read_options(values)
@@ -203,7 +203,10 @@ def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
 
 
 def check_side_files(values: dict[str, Any]) -> None:
-    """Before anything is done: the files beside OUT can be written, and are none of the others."""
+    """Before anything is done: the files beside OUT can be written, and are none of the others.
+
+    Only one of them, OUT or the result of --json can go to standard output.
+    """
     from pathlib import Path
 
     from rigtri.files import staged_output
@@ -218,7 +221,18 @@ def check_side_files(values: dict[str, Any]) -> None:
             if flag != "IN" and same_file(target, path):
                 raise UsageError(f"{target} is the file of {flag}; it would be lost. Give another name")
         known.append(("OUT", target))
-    for flag, path in _side_files(values).items():
+    beside = _side_files(values)
+    streamed = [f"{flag} -" for flag, path in beside.items() if str(path) == "-"]
+    if destination(values) == "-" and not values["dry_run"]:
+        streamed.insert(0, "-o -")
+    streamed += ["--json"] if values["as_json"] else []
+    if len(streamed) > 1:
+        raise UsageError(
+            f"{streamed[0]} and {streamed[1]} both use standard output; name a file for one of them"
+        )
+    for flag, path in beside.items():
+        if str(path) == "-":
+            continue
         if any(same_file(path, other) for _, other in known):
             raise UsageError(f"{flag} {path} names a file that is needed for something else")
         known.append((flag, path))

@@ -65,7 +65,10 @@ class Parsed(ParamType):
 
 
 class FilePath(click.Path):
-    """A path. What cannot be read is an error of that file, with its exit code, and not of the line."""
+    """A path. What cannot be read is an error of that file, with its exit code, and not of the line.
+
+    allow_dash: - is standard input or output; else an error, so that no file is called so by mistake.
+    """
 
     def __init__(self, **about: Any) -> None:
         super().__init__(readable=False, **about)
@@ -73,6 +76,8 @@ class FilePath(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if value == "":
             self.fail("the name of the file is empty", param, ctx)
+        if value == "-" and not self.allow_dash:
+            self.fail("- stands for a stream, and this needs a file; one of that name is ./-", param, ctx)
         return super().convert(value, param, ctx)
 
 

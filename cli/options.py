@@ -81,8 +81,8 @@ def report_option(words: str) -> Callable[[F], F]:
         "--report",
         "report_path",
         metavar="FILE.json",
-        type=FilePath(dir_okay=False),
-        help=f"{words}, with the measured deviation.",
+        type=FilePath(allow_dash=True, dir_okay=False),
+        help=f"{words}, with the measured deviation; - for standard output.",
         group="output",
     )
 

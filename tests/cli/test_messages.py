@@ -153,3 +153,34 @@ def test_a_new_name_is_none_that_finds_other_nodes(name: str, tmp_path: Path) ->
     """Before, '#3' was the name of a socket, and no longer the fourth node of the file."""
     line = ("add-socket", BIPED, "-o", tmp_path / "out.glb", "--on", "hand_L", "--name", name)
     assert f"--name '{name}': #NUMBER, /PATH and vrm:BONE find nodes" in cli(*line, code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "begins"),
+    [
+        (("orient-joints", "--preset", "maya"), "--report", '{\n  "rigtri"'),
+        (("orient-joints", "--preset", "maya"), "--save-frames", "{\n"),
+        (("rename-joints", "--to", "unreal"), "--save-map", "{\n"),
+        (("conform", "--to", "unreal"), "--save-spec", "version: 1\n"),
+        (("auto", "--no-spec"), "--picture", "<svg "),
+    ],
+)
+def test_a_dash_is_standard_output_for_one_thing_at_a_time(
+    command: tuple[str, ...], option: str, begins: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before, most options wrote a file that is called so."""
+    monkeypatch.chdir(tmp_path)
+    line = (command[0], BIPED, *command[1:], option, "-")
+    assert cli(*line, "-o", "out.glb", "--no-verify", code=0).stdout.startswith(begins)
+    assert "-" not in {path.name for path in tmp_path.iterdir()}
+    for other in (("-o", "-"), ("-o", "new.glb", "--json")):
+        told = cli(*line, *other, code=2).stderr
+        assert f"{option} - " in told
+        assert "both use standard output" in told
+
+
+def test_a_file_that_is_no_stream_has_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    told = cli("batch", BIPED, "--convert-to", "usda", "-O", "out", "--log", "-", code=2).stderr
+    assert "'--log': - stands for a stream, and this needs a file" in told
+    assert not [*tmp_path.iterdir()]

@@ -59,6 +59,17 @@ def test_the_version_stands_in_one_place() -> None:
     assert cli("--version", code=0).stdout == f"rigtri, version {__version__}\n"
 
 
+@pytest.mark.skipif(not (ROOT / ".git").exists() or not shutil.which("git"), reason="no clone of git")
+def test_the_root_of_the_repository_has_only_files_of_known_kinds() -> None:
+    found = subprocess.run(
+        ["git", "ls-files", ":(glob)*"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    known = {"", ".md", ".toml", ".yml", ".yaml", ".py", ".in"}
+    for name in map(Path, found.stdout.splitlines()):
+        assert name.suffix in known, name
+        assert name.suffix or name.name in ("LICENSE", "Dockerfile", ".gitignore", ".dockerignore"), name
+
+
 def test_the_recipe_asks_for_what_the_package_asks_for() -> None:
     recipe = yaml("packaging/conda/recipe.yaml")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
