@@ -15,6 +15,7 @@ from rigtri.evaluation.sampling import locals_at
 from rigtri.frames.rescale import rescale
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.animation import Clip, Track
+from rigtri.model.constraints import constraints_of
 from rigtri.model.metadata import PoseReaderRecord
 
 
@@ -57,3 +58,12 @@ def test_what_a_corrective_joint_moves_is_in_the_units_of_the_frame_above_it() -
     assert moved(sizes) == pytest.approx(0.1)
     sizes[rig.parents[hand]] = sizes[rig.parents[rig.find("hand_L")]] = 0.25
     assert moved(sizes) == pytest.approx(0.4)
+
+
+def test_the_offset_of_a_constraint_is_in_the_units_of_its_driver() -> None:
+    rig = rigtri.constrain(chain((0, 0, 0), (1, 0, 0), (3, 0, 0)), type="parent", child="c", driver=("b",))
+    (before,) = constraints_of(rig).values()
+    (after,) = constraints_of(rescale(rig, np.where(np.array(rig.names) == "b", 4.0, 1.0))).values()
+    assert_allclose(before.offsets[0, 3, :3], (2.0, 0.0, 0.0))
+    assert_allclose(after.offsets[0, 3, :3], (0.5, 0.0, 0.0))
+    assert_allclose(after.offsets[0, :3, :3], np.eye(3) / 4.0)

@@ -74,6 +74,12 @@ def test_a_rolled_joint_is_named_with_its_degrees(tmp_path: Path) -> None:
     assert found.severity == "info"
 
 
+def test_a_joint_that_aims_backwards_along_its_bone_is_named() -> None:
+    body = posed_body(Pose())
+    ((rule, node, _),) = axis_findings(rolled(body, (0, 1, 0), left_index_1=180.0))
+    assert (rule, node) == ("axes.aim", body.parts["left index 1"])
+
+
 def test_both_hands_and_each_knee_are_reported() -> None:
     body = posed_body(Pose())
     out = rolled(body, right_little_1=40.0, left_index_1=40.0, left_lower_leg=25.0, right_lower_leg=40.0)
