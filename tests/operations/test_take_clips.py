@@ -433,14 +433,22 @@ def test_nodes_of_one_name_are_distinguished_by_their_paths_or_left_out_by_name(
     home = take_clips(ours, from_=edited, report=report)
     assert apart(replace(home, names=rig.names), turned_key(rig, "shin_L"), "walk") < CLOSE
     assert notices(report) == []
-    # With another name above both, no path tells.
+    # With another name above both, what is next above each tells.
     names[0] = "Scene"
     others = tuple(names)
     assert take_clips(ours, from_=replace(rig, names=others)) is ours
     home = take_clips(ours, from_=replace(edited, names=others), report=report)
+    assert apart(replace(home, names=rig.names), turned_key(rig, "shin_L"), "walk") < CLOSE
+    assert notices(report) == []
+    # Two below one node are the same to anyone.
+    names = [name.replace("thigh_R", "thigh_L") for name in rig.names]
+    ours = replace(rig, names=tuple(names))
+    names[0] = "Scene"
+    edited = replace(turned_key(rig, "thigh_L"), names=tuple(names))
+    home = take_clips(ours, from_=edited, report=report)
     assert "unclear-names" in notices(report)
-    shins = [node for node, name in enumerate(ours.names) if name == "hand_L"]
-    assert all(now is was for now, was in zip(_of(home, shins), _of(ours, shins), strict=True))
+    thighs = [node for node, name in enumerate(ours.names) if name == "thigh_L"]
+    assert all(now is was for now, was in zip(_of(home, thighs), _of(ours, thighs), strict=True))
 
 
 def _of(rig: Rig, nodes: list[int]) -> list[Track]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
 from unicodedata import normalize
 
 import numpy as np
@@ -30,7 +32,8 @@ class Pairs:
 def pairs(rig: Rig, other: Rig) -> Pairs:
     """Nodes of two rigs that have one name: exactly, else composed as Unicode's NFC, else as USD spells it.
 
-    Joints go before other nodes. Controls and poles that a DCC has given the names of their curves, by what
+    Joints go before other nodes. Of names that several characters have, those below nodes that are one.
+    Controls and poles that a DCC has given the names of their curves, by what
     is stored on them.
     """
     found = _by_records(rig, other)
@@ -47,8 +50,65 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
             found |= made
             if len(made) < min(len(left), len(free)):
                 unclear[rig.names[left[0]]] = None
+    if unclear:
+        found |= _by_branch(rig, other, found)
+        still = {rig.names[node] for node in range(len(rig)) if node not in found}
+        unclear = {name: None for name in unclear if name in still}
     placed = _by_place(rig, other, found)
     return Pairs(found | placed, tuple(unclear), tuple(placed))
+
+
+def _by_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
+    """Nodes of names that several have, each below the nearest node above that has a partner.
+
+    Controls and poles go by what is stored on them first, as they do where there is one of each.
+    """
+    counts = Counter(rig.names)
+    several = {node for node, name in enumerate(rig.names) if counts[name] > 1 and node not in found}
+    ours, theirs = _nearest(rig, found), _nearest(other, found.values())
+    made: dict[int, int] = {}
+    for kind in (ControlRecord, PoleVectorRecord):
+        here, there = (
+            _grouped(_described(each, kind, by_names=True), above)
+            for each, above in ((rig, ours), (other, theirs))
+        )
+        for (above, what), nodes in here.items():
+            others = there.get((found[above], what), [])
+            if len(nodes) == len(others) == 1 and several.issuperset(nodes):
+                made[nodes[0]] = others[0]
+    for spell in (str, composed, as_usd, unnumbered):
+        taken = {*found.values(), *made.values()}
+        here = _grouped(_spelled(rig, str if spell is unnumbered else spell), ours)
+        there = _grouped(_spelled(other, spell), theirs)
+        for (above, name), nodes in here.items():
+            left = [node for node in nodes if node in several and node not in made]
+            free = [node for node in there.get((found[above], name), ()) if node not in taken]
+            if left and free:
+                made |= _paired(rig, other, left, free)
+    return made
+
+
+def _nearest(rig: Rig, known: Collection[int]) -> list[int]:
+    """The nearest node above each that is one of some; −1 for none."""
+    held, found = set(known), list[int]()
+    for parent in rig.parents.tolist():
+        found.append(parent if parent < 0 or parent in held else found[parent])
+    return found
+
+
+def _grouped(named: Mapping[Any, list[int]], above: Sequence[int]) -> dict[tuple[int, Any], list[int]]:
+    """Nodes by the nearest node above and by what they are called; without those that have none."""
+    groups: dict[tuple[int, Any], list[int]] = {}
+    for name, nodes in named.items():
+        for node in nodes:
+            if above[node] >= 0:
+                groups.setdefault((above[node], name), []).append(node)
+    return groups
+
+
+def unnumbered(name: str) -> str:
+    """A name without the number that Blender puts behind one that is taken."""
+    return re.sub(r"[._]\d{3}$", "", name)
 
 
 def _by_records(rig: Rig, other: Rig) -> dict[int, int]:
@@ -63,10 +123,17 @@ def _by_records(rig: Rig, other: Rig) -> dict[int, int]:
     return {a: b for a, b in found.items() if rig.names[a] not in other.names}
 
 
-def _described(rig: Rig, kind: type[ControlRecord] | type[PoleVectorRecord]) -> dict[object, list[int]]:
+def _described(
+    rig: Rig, kind: type[ControlRecord] | type[PoleVectorRecord], *, by_names: bool = False
+) -> dict[object, list[int]]:
+    """Controls and poles by what is stored on them; by_names: of a chain the names alone, without paths."""
     found: dict[object, list[int]] = {}
     for node, record in rig.records(kind).items():
-        what = record.chain if isinstance(record, PoleVectorRecord) else (record.kind, record.named)
+        if isinstance(record, PoleVectorRecord):
+            names = tuple(name.rpartition("/")[2] for name in record.chain)
+            what: object = names if by_names else record.chain
+        else:
+            what = (record.kind, record.named)
         found.setdefault(what, []).append(node)
     return found
 

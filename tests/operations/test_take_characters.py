@@ -1,0 +1,73 @@
+"""take-clips: several characters of one kind, whose nodes a DCC has numbered to tell them apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from program import cli
+from usd_files import MESH, animation, read, save, scene, skeleton
+
+from rigtri.model.metadata import ControlRecord, PoleVectorRecord
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.node_matching import pairs
+from rigtri.operations.take_clips.take_clips import take_clips
+
+
+@pytest.fixture
+def shot(tmp_path: Path) -> Rig:
+    """Two characters of one asset, each with controls that have keys."""
+    hero, rigged, keyed = (tmp_path / f"{name}.usda" for name in ("hero", "rigged", "keyed"))
+    save(tmp_path, scene(skeleton(), animation(), MESH), hero.name)
+    cli("add-controls", hero, "-o", rigged, "--ik", "a", "b", "c", code=0)
+    cli("bake", rigged, "--to", "controls", "-o", keyed, code=0)
+    both = "".join(f'def "{name}" (references = @./keyed.usda@)\n{{\n}}\n' for name in "AB")
+    text = f'#usda 1.0\n(\n    upAxis = "Y"\n)\ndef Xform "W"\n{{\n{both}}}\n'
+    return read(save(tmp_path, text, "shot.usda")).rig
+
+
+def exported(rig: Rig) -> Rig:
+    """As Blender writes it: another name at the top, numbers behind names that were taken, curves' names."""
+    controls = rig.records(ControlRecord).keys() | rig.records(PoleVectorRecord).keys()
+    names, taken = [], set[str]()
+    for node, name in enumerate(rig.names):
+        new = "root" if name == "W" else f"{name}_shape" if node in controls else name
+        names.append(f"{new}_001" if new in taken and not rig.is_joint[node] else new)
+        taken.add(new)
+    return replace(rig, names=tuple(names))
+
+
+def test_nodes_of_two_characters_are_paired_below_what_has_one_name(shot: Rig) -> None:
+    edited = exported(shot)
+    assert edited.names != shot.names
+    found = pairs(shot, edited)
+    assert not found.unclear
+    moved = {track.node for clip in shot.clips for track in clip.tracks}
+    assert moved <= found.of.keys()
+    assert all(found.of[node] == node for node in moved)
+
+
+def test_what_is_animated_on_one_of_two_characters_comes_home_to_it(shot: Rig) -> None:
+    edited = exported(shot)
+    ends = [node for node, record in shot.records(ControlRecord).items() if record.kind == "ik"]
+    end = next(node for node in ends if shot.labels[node].startswith("/W/B/"))
+    assert edited.names[end] == "c_ik_ctl_shape_001"
+    clips = [
+        replace(
+            clip,
+            tracks=tuple(
+                replace(track, values=track.values + np.array([0.25, 0, 0]))
+                if track.node == end and track.path == "translation"
+                else track
+                for track in clip.tracks
+            ),
+        )
+        for clip in edited.clips
+    ]
+    home = take_clips(shot, from_=replace(edited, clips=tuple(clips)))
+    for before, after in zip(shot.clips, home.clips, strict=True):
+        for was, now in zip(before.tracks, after.tracks, strict=True):
+            far = 0.25 if was.node == end and was.path == "translation" else 0.0
+            assert np.abs(now.values - was.values).max() == pytest.approx(far, abs=1e-6)
