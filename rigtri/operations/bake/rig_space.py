@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.maths.quaternions import IDENTITY
+from rigtri.maths.vectors import dot
 from rigtri.model.animation import Clip, key_values
 from rigtri.model.rig import Rig
 
@@ -26,10 +27,10 @@ def uneven_above(rig: Rig) -> list[int]:
     """The nodes above skeletons with a scale that is not uniform, or a shear, at rest or in a clip."""
     above = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
     nodes = sorted(node for node in above if not rig.is_joint[node] and node not in rig.own)
-    axes = rig.local[nodes, :3, :3]
-    grams = axes @ axes.transpose(0, 2, 1)
-    sizes = np.trace(grams, axis1=1, axis2=2) / 3.0
-    off = np.abs(grams - sizes[:, np.newaxis, np.newaxis] * np.eye(3)).max(axis=(1, 2))
+    x, y, z = (rig.local[nodes, axis, :3] for axis in range(3))
+    squares = np.stack([dot(x, x), dot(y, y), dot(z, z)])
+    sizes = (squares[0] + squares[1] + squares[2]) / 3.0
+    off = np.abs(np.stack([*(squares - sizes), dot(x, y), dot(y, z), dot(z, x)])).max(axis=0)
     found = {node for node, odd in zip(nodes, off > 2.0 * _UNIFORM * sizes, strict=True) if odd}
     for track in (t for clip in rig.clips for t in clip.tracks if t.path == "scale" and t.node in above):
         scales = np.abs(key_values(track))
