@@ -24,7 +24,7 @@ from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.report import Report
 
 from .edit_command import SavedFile, edit_command
-from .help_format import Command
+from .help_format import Command, Option
 from .options import shared_option
 from .terminal_text import counted
 
@@ -98,3 +98,7 @@ command = edit_command("orient-joints", OrientJointsOptions, summary, __doc__, m
 for _option in command.params:
     if _option.name in _STYLED:  # each as often as there are chains
         _option.multiple = True
+    if isinstance(_option, Option) and _option.name == "chain":
+        _option.help = (
+            "Re-orient this chain. --aim, --up and --up-from after it apply to it alone. Repeatable."
+        )

@@ -149,8 +149,11 @@ class Option:
         return self.default is MISSING
 
     def described(self, gap: str = "") -> str:
-        """Its help, and a line for each of its values, behind ``gap``."""
-        return "\n".join([self.help, *(f"{gap}- {word}: {words}" for word, words in self.values)])
+        """Its help for specs and Python, and a line for each of its values, behind ``gap``."""
+        lines = [self.help, *(f"{gap}- {word}: {words}" for word, words in self.values)]
+        several = "a mapping" if typing.get_origin(self.hint) is Mapping else "one or a list"
+        text = re.sub(r"(?<=; )repeatable", several, "\n".join(lines))
+        return text.replace("Repeatable", several.capitalize())
 
 
 def option(

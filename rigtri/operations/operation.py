@@ -1,7 +1,7 @@
 """The `operation` decorator: calls with an options object or with keywords, and the report.
 
-Values of keywords are plain ones or those of the fields: a direction may be an axis, a list of names one
-name, and what has fields a mapping.
+Values of keywords are plain ones, as specs have them, or those of the fields: a direction may be an axis,
+a list of names one name, and what has fields a mapping.
 """
 
 from __future__ import annotations
@@ -23,13 +23,15 @@ import numpy as np
 from rigtri.errors import UsageError, in_keywords
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
-from rigtri.model.options import Option, check, default_of, described, hints_of, keywords_of, options_of
+from rigtri.model.options import Kind, Option, check, default_of, described, hints_of, keywords_of, options_of
 from rigtri.model.rig import Rig
-from rigtri.operations.option_kinds import Vector, direction
+from rigtri.operations.option_kinds import assigned, is_one
 from rigtri.report import Report
 
 O_contra = TypeVar("O_contra", contravariant=True)
 T = TypeVar("T")
+# Kinds of options whose list may be a mapping.
+_ASSIGNED = ("assignments", "of nodes", "node to node")
 F = TypeVar("F", bound=Callable[..., Any])
 _WORDS: dict[Any, tuple[type, str]] = {
     bool: (bool, "True or False"),
@@ -237,9 +239,32 @@ def refuse_unknown(name: str, keywords: Iterable[str], known: Collection[str]) -
 
 
 def _spelled(one: Option, value: Any) -> Any:
-    """A value with what it has in words as the command line reads these: colours by name."""
-    plain = typing.get_args(one.hint)[1:] == (str,)
-    if one.kind is None or one.kind.read is None or plain or not isinstance(value, collections.abc.Mapping):
+    """A value as its field has it, where it is as specs and commands have it: one for a list, or words."""
+    kind, hint = one.kind, one.hint
+    outer, inner = typing.get_origin(hint), typing.get_args(hint)
+    if kind is None or value is None:
+        return value
+    if one.one_word:
+        return kind.read(one.flag, value) if kind.read and isinstance(value, str) else value
+    if outer is collections.abc.Mapping and kind.read:
+        return _assigned(one, value, plain=inner[1] is str)
+    listed = outer is tuple and inner[-1] is Ellipsis
+    if listed and isinstance(value, Mapping) and kind.name in _ASSIGNED:
+        return assigned(value)
+    return [value] if listed and is_one(kind.name, value) else value
+
+
+def _assigned(one: Option, value: Any, *, plain: bool) -> Any:
+    """A mapping, or what it is of texts with ``=``; with what it has in words as commands read these.
+
+    plain: what it has are mere texts.
+    """
+    assert one.kind is not None
+    assert one.kind.read is not None
+    texts = [value] if isinstance(value, str) else value
+    if isinstance(texts, list | tuple) and all(isinstance(each, str) for each in texts):
+        return one.kind.read(one.flag, texts)
+    if plain or not isinstance(value, Mapping):
         return value
     words = [f"{name or 'centre'}={each}" for name, each in value.items() if isinstance(each, str)]
     rest = {name: each for name, each in value.items() if not isinstance(each, str)}
@@ -250,19 +275,34 @@ def _fitted(hint: Any, value: Any, word: str) -> Any:
     """A value as its field has it; UsageError, in the user's words, where it cannot be that."""
     outer, inner = typing.get_origin(hint), typing.get_args(hint)
     if outer is Annotated:
-        return _fitted(inner[0], value, word)
+        return _fitted(inner[0], _parsed(inner[1], value, word), word)
     if outer in (types.UnionType, typing.Union):
         return _one_of(inner, value, word)
     if outer is tuple:
         return _row(hint, inner, value, word)
     if is_dataclass(hint) and isinstance(value, Mapping):
-        return from_keywords(typing.cast(type, hint), value, word)
+        try:
+            return from_keywords(typing.cast(type, hint), value, word)
+        except TypeError:  # keys that it has not, or not all that it needs
+            raise UsageError(f"{word}={value!r}: give {_plain(hint, value)[1]}") from None
     if outer is collections.abc.Mapping and isinstance(value, Mapping):
         return {name: _fitted(inner[1], each, f"{word}[{name!r}]") for name, each in value.items()}
     fitting, words = _plain(hint, value)
     if not fitting:
         raise UsageError(f"{word}={value!r}: give {words}")
     return value
+
+
+def _parsed(kind: Kind, value: Any, word: str) -> Any:
+    """A value, or each of a list, as a command line reads it where it is a text."""
+    if kind.parse is None:
+        return value
+    try:
+        if isinstance(value, list | tuple):
+            return [kind.parse(each) if isinstance(each, str) else each for each in value]
+        return kind.parse(value) if isinstance(value, str) else value
+    except ValueError as error:
+        raise UsageError(f"{word}: {error}") from None
 
 
 def _plain(hint: Any, value: Any) -> tuple[bool, str]:
@@ -286,6 +326,8 @@ def _one_of(inner: tuple[Any, ...], value: Any, word: str) -> Any:
     if value is None and type(None) in inner:
         return None
     *first, last = (hint for hint in inner if hint is not type(None))
+    if isinstance(value, Mapping) and (records := [hint for hint in (*first, last) if is_dataclass(hint)]):
+        return _fitted(records[0], value, word)
     for hint in first:
         with suppress(UsageError):
             return _fitted(hint, value, word)
@@ -297,11 +339,6 @@ def _one_of(inner: tuple[Any, ...], value: Any, word: str) -> Any:
 def _row(hint: Any, inner: tuple[Any, ...], value: Any, word: str) -> tuple[Any, ...]:
     """Several values: any number of a kind, or one of each."""
     if isinstance(value, str):
-        if hint == Vector:
-            try:
-                return direction(value)
-            except ValueError as error:
-                raise UsageError(f"{word}: {error}") from None
         value = (value,)
     if not isinstance(value, Iterable) or isinstance(value, Mapping):
         raise UsageError(f"{word}={value!r}: give a list")

@@ -8,14 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
+from numbers import Real
 from typing import Annotated, Any, Literal
 
 from rigtri.errors import UsageError
+from rigtri.limits import fits
 from rigtri.model.dataclass import dataclass
 from rigtri.model.limb import Limb
 from rigtri.model.options import Kind, option
 
 Vector = tuple[float, float, float]
+# Kinds of which one is a list itself: names in a row, or numbers; of the first also a mapping.
+_ROWS = ("styled chains", "chains", "limbs", "triples", "driven", "points")
 
 
 def check_tokens(name: str, tokens: Collection[str]) -> None:
@@ -114,6 +118,35 @@ def _joint_names(flag: str, texts: Iterable[str]) -> dict[str, str]:
     if empty := [joint for joint, name in found.items() if not name]:
         raise UsageError(f"{flag} {empty[0]}=: give JOINT=NAME, a joint and its new name")
     return found
+
+
+def is_word(value: object) -> bool:
+    """Whether a value is a text or a number, no list of them."""
+    return isinstance(value, str | Real) and not isinstance(value, bool)
+
+
+def is_one(kind: str, value: object) -> bool:
+    """Whether a value is one of those of which an option of this kind has a list, not the list itself."""
+    if kind not in _ROWS:
+        return is_word(value)
+    if isinstance(value, Mapping):
+        return kind == "styled chains"
+    if kind == "points" and isinstance(value, str):
+        return True
+    first = next(iter(value), None) if isinstance(value, Collection) and not isinstance(value, str) else None
+    return is_word(first) and not (kind == "points" and isinstance(first, str))
+
+
+def joined(value: Any) -> Any:
+    """Words or numbers of a list with commas between them, as a command line has them; all else as it is."""
+    if isinstance(value, list | tuple) and all(isinstance(part, str) or fits(part) for part in value):
+        return ",".join(str(part) for part in value)
+    return value
+
+
+def assigned(value: Mapping[Any, Any]) -> list[str]:
+    """A mapping as texts with ``=`` between key and value, as a command line has them."""
+    return [f"{key}={joined(part)}" for key, part in value.items()]
 
 
 # Names of nodes, joints mostly: specs look for them in the rig.

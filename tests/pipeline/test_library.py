@@ -23,11 +23,13 @@ import rigtri
 from rigtri.errors import DeviationError, FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.model.constraints import constraints_of
 from rigtri.model.edit_options import RunOptions
-from rigtri.model.options import options_of
+from rigtri.model.options import key_of, options_of
+from rigtri.operations.operation import from_keywords
 from rigtri.operations.options.convert import ConvertOptions
 from rigtri.operations.orient_joints.orient import OrientJointsOptions
-from rigtri.operations.registry import OPERATIONS, operation
+from rigtri.operations.registry import OPERATIONS, operation, options_class
 from rigtri.pipeline.edit import edit
+from rigtri.pipeline.rigspec.models.steps import step_model
 from rigtri.report import Report
 
 BIPED = SAMPLES / "biped.glb"
@@ -292,6 +294,94 @@ def test_a_rig_can_be_written_twice_and_over_its_file(tmp_path: Path) -> None:
     assert rigtri.verify(BIPED, tmp_path / "more.glb").passes()
 
 
+CHAIN = {"start": "hips", "end": "head", "up": "-z"}
+
+
+@pytest.mark.parametrize(
+    ("operation", "option", "value"),
+    [
+        ("orient_joints", "chain", CHAIN),
+        ("orient_joints", "chain", [CHAIN, ["thigh_L", "foot_L"]]),
+        ("orient_joints", "chain", ["hips", "head"]),
+        ("orient_joints", "limb", [*ARM]),
+        ("orient_joints", "limb", [[*ARM]]),
+        ("orient_joints", "joints", "hips"),
+        ("orient_joints", "offset", "0,0,0"),
+        ("orient_joints", "aim_at", {"hips": "head"}),
+        ("orient_joints", "aim_at", ["hips=head", "head=hips"]),
+        ("add_polevector", "chain", ["thigh_L", "foot_L"]),
+        ("add_polevector", "bend", {"shin_L": [0, 0, 1]}),
+        ("add_polevector", "bend", ["shin_L=0,0,1"]),
+        ("add_polevector", "bend", "shin_L=0,0,1"),
+        ("add_controls", "color", {"left": "red", "right": [0, 0, 1]}),
+        ("add_controls", "shape", "fk=cube"),
+        ("add_twist", "weights", "0.25,0.75"),
+        ("add_twist", "weights", [0.25, 0.75]),
+        ("constrain", "skip", "x,y"),
+        ("constrain", "skip", ["x", "y"]),
+        ("constrain", "driver", {"hips": 0.5, "head": 1}),
+        ("constrain", "joint_orient", "0,0,90"),
+        ("make_limb", "end_aim", "0,0,1"),
+        ("make_limb", "end_aim", [0, 0, 1]),
+        ("make_limb", "end_aim", "hips"),
+        ("make_limb", "points", [[0, 0, 0], [1, 0, 1], [2, 0, 0]]),
+        ("make_limb", "points", ["0,0,0", "1,0,1", "2,0,0"]),
+        ("add_rivet", "vertex", 3),
+        ("add_rivet", "at", [0, 1, 0]),
+        ("add_rivet", "at", "0,1,0"),
+        ("add_socket", "at", "0,0,0"),
+        ("add_posereader", "joint", ["smile", "jaw", "ty"]),
+        ("add_posereader", "target", {"up": [0, 0, 90]}),
+    ],
+)
+def test_keywords_take_the_values_that_specs_take(operation: str, option: str, value: Any) -> None:
+    """Before, many were refused, some with errors of Python's own, and a few meant something else."""
+    name = operation.replace("_", "-")
+    kind: Any = options_class(name)
+    needed: dict[str, Any] = {"on": "head", "name": "grip", "mesh": "body", "driver": "hips", "child": "head"}
+    needed = {word: given for word, given in needed.items() if word in options_of(kind)} | {option: value}
+    spelled = {key_of(word): given for word, given in needed.items()}
+    model = step_model(name).model_validate({"do": name} | spelled)
+    read = {word: getattr(model, word) for word in needed}
+    declared = options_of(kind)
+    for word, one in declared.items():
+        if word in read and one.kind and one.kind.read:
+            read[word] = one.kind.read(one.flag, read[word])
+    from_spec, from_python = kind(**read), from_keywords(kind, needed, operation)
+    if option == "chain" and operation == "orient_joints":
+        assert from_python.chain_styles == from_spec.chain_styles
+    else:
+        assert getattr(from_python, option) == getattr(from_spec, option)
+
+
+@pytest.mark.parametrize(
+    ("operation", "keywords", "words"),
+    [
+        (
+            "orient_joints",
+            {"chain": {"start": "hips", "ende": "head"}},
+            "give a mapping with start, end, aim",
+        ),
+        ("add_twist", {"limbs": "auto", "weights": {"a": 1}}, "weights={'a': 1}: give a list"),
+        ("constrain", {"child": "head", "driver": "hips", "skip": {"x": 1}}, "skip={'x': 1}: give a list"),
+        ("make_limb", {"points": ["0,0,0", "1,0,1", "2,0,0"], "end_aim": {"x": 1}}, "end_aim={'x': 1}: give"),
+        ("add_socket", {"on": "head", "name": "grip", "at": "1,2"}, "at: '1,2' is not a valid point"),
+    ],
+)
+def test_what_no_option_can_be_is_an_error_of_usage(
+    operation: str, keywords: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(UsageError, match=re.escape(words)):
+        getattr(rigtri, operation)(rigtri.read(BIPED), **keywords)
+
+
+def test_help_of_keywords_speaks_of_no_command_line() -> None:
+    text = str(rigtri.orient_joints.__doc__)
+    assert "epeatable" not in text
+    assert "joints: Re-orient these joints. One or a list." in text
+    assert "or a mapping with these and aim, up or up_from for it alone" in text
+
+
 def test_objects_of_options_do_what_keywords_do() -> None:
     rig = rigtri.read(BIPED)
     with_object = rigtri.orient_joints(rig, options=OrientJointsOptions(aim="z", up="-x", end="keep"))
@@ -459,7 +549,9 @@ def test_help_of_every_function_says_what_each_of_its_keywords_does(name: str) -
 def test_functions_of_files_have_the_keywords_of_their_commands(name: str) -> None:
     known = inspect.signature(getattr(rigtri, name)).parameters
     kinds = [ConvertOptions, RunOptions] if name == "convert" else [RunOptions]
-    declared = {word: one.help for kind in kinds for word, one in options_of(kind).items()}
+    declared = {
+        word: one.described().splitlines()[0] for kind in kinds for word, one in options_of(kind).items()
+    }
     assert set(declared) <= set(known)
     told = inspect.getdoc(getattr(rigtri, name)) or ""
     assert [word for word, words in declared.items() if f"{word}: {words}" not in told] == []

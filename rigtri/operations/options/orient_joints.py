@@ -98,7 +98,9 @@ class OrientJointsOptions(OneCharacter):
         tuple[StyledChain | tuple[str, str], ...],
         Kind("styled chains", "START END", read=_chains, group="joints"),
     ] = option(
-        (), help="Re-orient this chain. --aim, --up and --up-from after it apply to it alone. Repeatable."
+        (),
+        help="Re-orient this chain: its start and end, or a mapping with these and --aim, --up or --up-from "
+        "for it alone. Repeatable.",
     )
     below: Nodes = option((), metavar="NAME", help="Re-orient this joint and all below it.")
     skin: str | None = option(

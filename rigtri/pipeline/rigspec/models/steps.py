@@ -134,7 +134,7 @@ def spec_type(option: Option) -> Any:
     if option.hint in (int, float):
         return _number(option.hint, kind)
     several = typing.get_origin(option.hint) is tuple and typing.get_args(option.hint)[-1] is Ellipsis
-    return Annotated[option.hint, values.OneOrMany(values.is_word)] if several else option.hint
+    return Annotated[option.hint, values.OneOrMany("names")] if several else option.hint
 
 
 def _is_list(found: Any) -> bool:
@@ -160,10 +160,6 @@ def _styled(value: Any) -> Any:
     return value
 
 
-def _one_chain(value: Any) -> bool:
-    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], str))
-
-
 class _Chain:
     """A pair of names for a chain without axes of its own; in the JSON Schema too."""
 
@@ -184,5 +180,5 @@ _StyledChain: Any = create_model(
     **fields_of(StyledChain),
 )
 _KINDS["styled chains"] = Annotated[
-    tuple[Annotated[_StyledChain, _Chain()], ...], values.OneOrMany(_one_chain)
+    tuple[Annotated[_StyledChain, _Chain()], ...], values.OneOrMany("styled chains")
 ]

@@ -20,7 +20,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from rigtri.errors import AmbiguousNameError, NameNotFoundError
 from rigtri.limits import fits, unfit
-from rigtri.operations.option_kinds import SignedAxis, direction
+from rigtri.operations.option_kinds import SignedAxis, assigned, direction, is_one, is_word, joined
 from rigtri.operations.options.constrain import OrientWord
 
 # The type of the error of names that nothing has in the rig that is the context of a validation.
@@ -31,10 +31,10 @@ _TRIPLE = {"anyOf": [_TEXT, _NUMBERS]}
 
 
 class OneOrMany:
-    """A list, or for a list of one that one itself; in the JSON Schema too."""
+    """A list, or for a list of one that one itself; in the JSON Schema too. kind: of what is listed."""
 
-    def __init__(self, alone: Callable[[Any], bool]) -> None:
-        self._alone = alone
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self._listed, handler(source))
@@ -46,16 +46,7 @@ class OneOrMany:
         return {"anyOf": [found["items"], found]}
 
     def _listed(self, value: Any) -> Any:
-        return [value] if self._alone(value) else value
-
-
-def is_word(value: Any) -> bool:
-    """Whether a value is a text or a number, no list of them."""
-    return isinstance(value, str | int | float) and not isinstance(value, bool)
-
-
-def _row(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and not isinstance(value[0], list | dict)
+        return [value] if is_one(self._kind, value) else value
 
 
 def _numbers(value: Any) -> Any:
@@ -79,23 +70,11 @@ def _direction(value: Any) -> Any:
     return direction(value) if isinstance(value, str) else _numbers(value)
 
 
-def _joined(value: Any) -> Any:
-    """Words or numbers of a list with commas between them."""
-    words = isinstance(value, list) and all(isinstance(part, str) or _is_number(part) for part in value)
-    if words and all(fits(part) for part in value if not isinstance(part, str)):
-        return ",".join(str(part) for part in value)
-    return value
-
-
 def _pairs(value: Any) -> Any:
     """A mapping as texts with ``=`` between key and value, as the command line has it."""
     if isinstance(value, Mapping):
-        return [f"{key}={_joined(part)}" for key, part in value.items()]
-    return (
-        [_joined(part) if isinstance(part, list) else part for part in ([value] if is_word(value) else value)]
-        if value
-        else value
-    )
+        return assigned(value)
+    return [*map(joined, [value] if is_word(value) else value)] if value else value
 
 
 def _joint_orient(value: Any) -> Any:
@@ -105,10 +84,6 @@ def _joint_orient(value: Any) -> Any:
         except ValueError:
             raise ValueError(f"'{value}' is not a valid joint orient: use rest, none or [x, y, z]") from None
     return value
-
-
-def _text_or_point(value: Any) -> Any:
-    return _joined(value) if isinstance(value, list) else value
 
 
 def workable(value: float) -> float:
@@ -184,21 +159,21 @@ def one_of(word: str, known: Collection[str]) -> str:
 Name = Annotated[str, Field(min_length=1)]
 # What stands in ${…}, and before = of --set.
 VariableName = Annotated[str, Field(pattern=r"^[^\s{}$='\"]+$")]
-Names = Annotated[tuple[Name, ...], OneOrMany(is_word)]
+Names = Annotated[tuple[Name, ...], OneOrMany("names")]
 # Names of nodes, joints mostly: an option that has such values asks the rig for them.
 Node = Annotated[Name, AfterValidator(_node)]
-Nodes = Annotated[tuple[Annotated[Name, AfterValidator(_nodes)], ...], OneOrMany(is_word)]
-Chains = Annotated[tuple[tuple[Node, Node], ...], OneOrMany(_row)]
+Nodes = Annotated[tuple[Annotated[Name, AfterValidator(_nodes)], ...], OneOrMany("nodes")]
+Chains = Annotated[tuple[tuple[Node, Node], ...], OneOrMany("chains")]
 Limb = tuple[Node, Node, Node]
-Limbs = Annotated[tuple[Limb, ...], OneOrMany(_row)]
-Triples = Annotated[tuple[tuple[Name, Name, Name], ...], OneOrMany(_row)]
+Limbs = Annotated[tuple[Limb, ...], OneOrMany("limbs")]
+Triples = Annotated[tuple[tuple[Name, Name, Name], ...], OneOrMany("triples")]
 # What drives, the node that it drives, and what of it.
-Driven = Annotated[tuple[tuple[Name, Node, Name], ...], OneOrMany(_row)]
+Driven = Annotated[tuple[tuple[Name, Node, Name], ...], OneOrMany("driven")]
 Flag = Annotated[bool, Strict()]
 Tolerance = Annotated[float, Strict(), Field(ge=0), AfterValidator(_finite)]
-Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany(is_word)]
+Integers = Annotated[tuple[Annotated[int, Strict()], ...], OneOrMany("integers")]
 Point = Annotated[tuple[float, float, float], BeforeValidator(_numbers), WithJsonSchema(_TRIPLE)]
-Points = Annotated[tuple[Point, ...], OneOrMany(_row)]
+Points = Annotated[tuple[Point, ...], OneOrMany("points")]
 Direction = Annotated[tuple[float, float, float], BeforeValidator(_direction), WithJsonSchema(_TRIPLE)]
 # Texts KEY=VALUE, which a spec may also give as a mapping; of nodes, and from node to node.
 _ASSIGNED = WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": _TEXT}, {"type": "object"}]})
@@ -208,13 +183,13 @@ NodeToNode = Annotated[tuple[Annotated[str, AfterValidator(_both)], ...], Before
 # Words or numbers, which a spec may give as a list, and the command line has commas between.
 Joined = Annotated[
     str,
-    BeforeValidator(_joined),
+    BeforeValidator(joined),
     WithJsonSchema({"anyOf": [_TEXT, {"type": "array", "items": {"type": ["string", "number"]}}]}),
 ]
 # ``rest``, ``none`` or three degrees.
 _Degrees = Annotated[float, Strict(), Field(gt=-1e6, lt=1e6)]
 JointOrient = Annotated[OrientWord | tuple[_Degrees, _Degrees, _Degrees], BeforeValidator(_joint_orient)]
-TextOrPoint = Annotated[str, BeforeValidator(_text_or_point), WithJsonSchema(_TRIPLE)]
+TextOrPoint = Annotated[str, BeforeValidator(joined), WithJsonSchema(_TRIPLE)]
 File = Name
 # What a variable may stand for.
 Scalar = Annotated[
