@@ -9,7 +9,7 @@ and triangles in space.
 Examples:
     rigtri draw hero.glb -o hero.svg
     rigtri draw out.glb --against hero.glb -o before-after.png
-    rigtri draw hero.glb -o hand.svg --below hand_L --view top --pose walk@0.5
+    rigtri draw hero.glb -o hand.svg --below hand_L --view top --at walk@0.5
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ as they are.
 \b
 Examples:
     rigtri snap rigged.glb -o out.glb --limb upper_arm_L forearm_L hand_L --to fk --at walk@0.5
-    rigtri snap rigged.glb -o out.glb --all-limbs --to ik --at walk@0 --at walk@0.5
+    rigtri snap rigged.glb -o out.glb --limbs auto --to ik --at walk@0 --at walk@0.5
 """
 
 from __future__ import annotations

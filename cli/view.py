@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 )
 @option("--clip", metavar="CLIP", help="Start with this clip, playing. [the rest pose]", group="what")
 @option(
-    "--pose",
+    "--at",
     metavar="CLIP@TIME",
     help="Start paused at this moment, in seconds (USD: time codes).",
     group="what",
@@ -89,7 +89,7 @@ def command(source: str, output: str, **values: Any) -> None:
     with Progress(source, quiet=values["quiet"] or values["as_json"]):
         text, shown = shown_page(
             sources,
-            begin=Begin(values["clip"], values["pose"]),
+            begin=Begin(values["clip"], values["at"]),
             limit=values["limit"],
             options=read_options(values),
             report=report,

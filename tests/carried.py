@@ -111,7 +111,7 @@ def _another(rig: Rig, joint: int) -> str:
 
 
 def _reader(**more: Any) -> Step:
-    more = {"within": 1e-6, **more}
+    more = {"between": 1e-6, **more}
 
     def build(rig: Rig) -> Rig:
         _, middle, _ = _limb(rig)
@@ -265,7 +265,7 @@ EDITS: dict[str, Edit] = {
         lambda rig: rigtri.take_clips(rig, from_=rigtri.orient_joints(rig, preset="blender"))
     ),
     "snap": Edit(
-        lambda rig: rigtri.snap(rig, to="fk", at=(_middle_of_clip(rig),), all_limbs=True), between=False
+        lambda rig: rigtri.snap(rig, to="fk", at=(_middle_of_clip(rig),), limbs="auto"), between=False
     ),
     "bake": Edit(lambda rig: rigtri.bake(rig, to="controls")),
     "bake --to joints": Edit(lambda rig: rigtri.bake(rig, to="joints", fps=FPS)),

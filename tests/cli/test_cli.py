@@ -49,7 +49,7 @@ def test_edits_that_change_nothing_say_so(samples: Path, tmp_path: Path) -> None
     assert out.read_bytes() == once.read_bytes()
     cli("add-controls", samples / "biped.glb", "-o", rigged, "--whole-character", "-q", code=0)
     snapped = cli(
-        "snap", rigged, "-o", out, "--all-limbs", "--to", "ik", "--at", "rest", "--overwrite", code=0
+        "snap", rigged, "-o", out, "--limbs", "auto", "--to", "ik", "--at", "rest", "--overwrite", code=0
     )
     assert "4 limbs matched already; nothing was changed" in snapped.stderr
     assert out.read_bytes() == rigged.read_bytes()

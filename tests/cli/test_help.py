@@ -163,7 +163,7 @@ def test_values_may_be_written_in_capitals(samples: Path, tmp_path: Path) -> Non
         "schema Spec",
         "completion Bash",
         "inspect IN --matrices --at Rest --joint-orient Rest",
-        "draw IN -o OUT.svg --view Front --pose REST",
+        "draw IN -o OUT.svg --view Front --at REST",
         "rename-joints IN -o OUT.glb --to Unreal",
         "constrain IN -o OUT.glb --type Point --child hand_L --driver head --skip TX",
         "constrain IN -o OUT.glb --child hand_L --space head --space WORLD --switch walk@0.5=World",

@@ -106,7 +106,7 @@ def test_work_on_many_things_tells_how_many_are_done() -> None:
         assert {0, 1, 2} <= set(done)
         assert len([part for part in done if 0 < part < 1]) > 10  # within one clip, too
         steps.counts.clear()
-        snap(rig, options=SnapOptions(at=("walk@0.4",), to="fk", all_limbs=True), report=Report())
+        snap(rig, options=SnapOptions(at=("walk@0.4",), to="fk", limbs="auto"), report=Report())
     assert steps.counts == [(k, 4, "limbs") for k in range(5)]
 
 

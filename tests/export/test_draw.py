@@ -151,11 +151,11 @@ def test_controls_and_pole_vectors_of_the_file_are_drawn_where_they_stand() -> N
 def test_a_pose_moves_what_it_moves() -> None:
     rig = read(SAMPLES / "biped.glb").rig
     clip = rig.clips[0]
-    still, moved = (of_kind(seen(rig, pose=at), "joint") for at in ("rest", f"{clip.name}@0.4"))
+    still, moved = (of_kind(seen(rig, at=at), "joint") for at in ("rest", f"{clip.name}@0.4"))
     far = [np.abs(a.points - b.points).max() for a, b in zip(still, moved, strict=True)]
     assert max(far) > 0.01
     with pytest.raises(NameNotFoundError):
-        draw(rig, pose="nothing@0")
+        draw(rig, at="nothing@0")
 
 
 def test_a_selection_is_drawn_alone_and_larger() -> None:
@@ -364,7 +364,7 @@ def test_the_lines_are_there_for_machines(run: Any) -> None:
         (["-o", "a.svg", "--size", "20x20"], 2, "pixels"),
         (["-o", "a.svg", "--view", "sideways"], 2, "three-quarter"),
         (["-o", "a.svg", "--joints", "elbo"], 4, "elbow"),
-        (["-o", "a.svg", "--pose", "walk@0"], 4, "walk"),
+        (["-o", "a.svg", "--at", "walk@0"], 4, "walk"),
         (["-o", "nowhere/a.svg"], 3, "nowhere"),
     ],
 )

@@ -219,8 +219,8 @@ def test_the_licence_of_three_is_in_the_page_and_beside_the_script(samples: Path
     [
         ((), {"clip": -1, "time": None}),
         (("--clip", "wave"), {"clip": 1, "time": None}),
-        (("--pose", "wave@0.5"), {"clip": 1, "time": 0.5}),
-        (("--pose", "rest"), {"clip": -1, "time": None}),
+        (("--at", "wave@0.5"), {"clip": 1, "time": 0.5}),
+        (("--at", "rest"), {"clip": -1, "time": None}),
     ],
 )
 def test_a_page_begins_as_requested(
@@ -231,7 +231,7 @@ def test_a_page_begins_as_requested(
 
 def test_a_time_outside_the_clip_is_reported_and_the_nearest_pose_shown() -> None:
     report = Report()
-    begin = Begin(pose="wave@-5")
+    begin = Begin(at="wave@-5")
     text, _ = shown_page(
         [SAMPLES / "biped.glb"], begin=begin, limit=100.0, options=ReadOptions(), report=report
     )
@@ -241,7 +241,7 @@ def test_a_time_outside_the_clip_is_reported_and_the_nearest_pose_shown() -> Non
 
 
 def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(samples: Path, tmp_path: Path) -> None:
-    page = written(tmp_path, samples / "biped.usda", "--pose", "walk@12")
+    page = written(tmp_path, samples / "biped.usda", "--at", "walk@12")
     assert page.facts["start"] == {"clip": 0, "time": 0.5}
 
 
@@ -249,7 +249,7 @@ def test_moments_of_usd_are_time_codes_and_the_page_has_seconds(samples: Path, t
     ("options", "code", "words"),
     [
         (("--clip", "nod"), 4, "No clip is named 'nod'"),
-        (("--clip", "walk", "--pose", "walk@1"), 2, "give --clip or --pose, not both"),
+        (("--clip", "walk", "--at", "walk@1"), 2, "give --clip or --at, not both"),
         (("--limit", "0.001"), 2, "Allow it with --limit"),
         (("-o", "-", "--open"), 2, "--open needs a page in a file"),
         (("-o", "page.glb"), 2, "is not a valid page name: use the suffix .html"),

@@ -181,7 +181,7 @@ EVERY: dict[str, Arguments] = {
     "pose": lambda n, r: ["--at", n.moment(r), *r.choice([[], ["--no-evaluate"]])],
     "snap": lambda n, r: [
         *("--to", r.choice(["ik", "fk"]), "--at", n.moment(r)),
-        *r.choice([["--all-limbs"], ["--limb", *n.chain]]),
+        *r.choice([["--limbs", "auto"], ["--limb", *n.chain]]),
     ],
     "strip": lambda n, r: r.choice([[], [], ["--splits"]]),
     "make-limb": lambda n, r: [
@@ -191,7 +191,7 @@ EVERY: dict[str, Arguments] = {
         *r.choice([[], ["--side", "left"], ["--no-skin"], ["--as", "joint"]]),
     ],
     "auto": lambda n, r: ["--no-spec"],
-    "draw": lambda n, r: r.choice([[], ["--view", "front"], ["--pose", n.moment(r)]]),
+    "draw": lambda n, r: r.choice([[], ["--view", "front"], ["--at", n.moment(r)]]),
     "view": lambda n, r: [],
     "export-blender": lambda n, r: [],
     "explain": lambda n, r: ["--limb", n.chain[1]],

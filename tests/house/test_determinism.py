@@ -135,7 +135,7 @@ def test_outputs_have_the_bytes_they_had(name: str, tmp_path: Path, pytestconfig
 def test_pictures_have_the_bytes_they_had(tmp_path: Path, pytestconfig: pytest.Config) -> None:
     """The golden is a picture: where it changes on purpose, look at it."""
     target, path = tmp_path / "biped.svg", GOLDENS / "draw_biped.svg"
-    arguments = ["draw", str(SAMPLES / "biped.glb"), "-o", str(target), "--pose", "walk@0.4"]
+    arguments = ["draw", str(SAMPLES / "biped.glb"), "-o", str(target), "--at", "walk@0.4"]
     cli(*arguments, code=0)
     if pytestconfig.getoption("--update-golden"):
         path.write_bytes(target.read_bytes())

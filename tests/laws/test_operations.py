@@ -70,7 +70,7 @@ CASES = {
     "add-posereader": Case("--driver forearm_L --target rest --target up=0,1,0"),
     "mirror": Case("--from-side left", strips=False),
     "take-clips": Case("--from {keyed}", source=rigged_file, strips=False),
-    "snap": Case("--to fk --at walk@0.5 --all-limbs", source=keyed_file, strips=False),
+    "snap": Case("--to fk --at walk@0.5 --limbs auto", source=keyed_file, strips=False),
     "bake": Case("--to controls", source=rigged_file, strips=False),
     "pose": Case("--at walk@0.5", keeps_looks=False, strips=False),
     "strip": Case("", source=rigged_file, strips=False),

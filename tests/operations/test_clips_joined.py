@@ -241,7 +241,7 @@ def test_numbers_choose_clips_of_edited() -> None:
     [
         ["bake", "IN", "--clip", "#9"],
         slow(["pose", "IN", "--at", "#9@0"]),
-        slow(["snap", "IN", "--all-limbs", "--to", "fk", "--at", "#9@0"]),
+        slow(["snap", "IN", "--limbs", "auto", "--to", "fk", "--at", "#9@0"]),
         slow(["take-clips", "IN", "--from", "IN", "--clip", "#9"]),
         ["take-clips", "IN", "--from", "IN", "--as", "walk=#9"],
         slow(["bake", "IN", "--rig", "IN", "--as", "walk=#9"]),

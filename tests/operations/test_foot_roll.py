@@ -188,7 +188,7 @@ def test_a_second_run_keeps_pivots_and_strip_takes_them_out(rolling: Path, tmp_p
 def test_snap_to_fk_takes_the_rolls_over(keyed: Rig) -> None:
     rig, clip = keyed, keyed.clips[0]
     at = f"{clip.name}@{float(np.median(clip.tracks[0].times)):g}"
-    snapped = rigtri.snap(rig, to="fk", at=(at,), all_limbs=True)
+    snapped = rigtri.snap(rig, to="fk", at=(at,), limbs="auto")
     assert not set(pivots(rig).values()).intersection(t.node for t in snapped.clips[0].tracks)
     joints, before = (rigtri.bake(one, to="joints") for one in (snapped, rig))
     assert np.abs(shown(joints) - shown(before)).max() < 2e-3

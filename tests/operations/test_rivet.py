@@ -156,7 +156,7 @@ def test_a_tighter_bound_takes_more_keys_and_keeps_it(tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb")
     counts = []
     for within in (1e-2, 1e-4, 1e-6):
-        report = riveted(source, tmp_path / "out.glb", replace(MIDDLE, within=within))
+        report = riveted(source, tmp_path / "out.glb", replace(MIDDLE, between=within))
         assert report.added[0]["deviation"] <= max(within, 1e-7)
         counts.append(report.added[0]["keys"]["bend"])
     assert counts == sorted(counts)
@@ -174,8 +174,8 @@ def test_what_is_held_between_keys_is_held_by_the_rivet(tmp_path: Path) -> None:
 
 def test_more_frames_a_second_are_more_keys(tmp_path: Path) -> None:
     source = arm().glb(tmp_path / "in.glb")
-    few = riveted(source, tmp_path / "a.glb", replace(MIDDLE, within=1.0))
-    many = riveted(source, tmp_path / "a.glb", replace(MIDDLE, within=1.0, fps=30))
+    few = riveted(source, tmp_path / "a.glb", replace(MIDDLE, between=1.0))
+    many = riveted(source, tmp_path / "a.glb", replace(MIDDLE, between=1.0, fps=30))
     assert few.added[0]["keys"]["bend"] == 3
     assert many.added[0]["keys"]["bend"] >= 30
 

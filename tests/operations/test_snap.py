@@ -72,7 +72,7 @@ def test_fk_takes_over_where_ik_has_put_the_joints(time: float) -> None:
     rig = posed_by_ik()
     at = f"walk@{time}"
     report = Report()
-    done = snap(rig, options=SnapOptions("fk", (at,), all_limbs=True), report=report)
+    done = snap(rig, options=SnapOptions("fk", (at,), limbs="auto"), report=report)
     assert len(report.added) == 4
     assert apart(rig, done, at) < BOUND
     assert not report.warnings
@@ -151,7 +151,7 @@ def test_a_control_that_takes_over_has_keys_even_where_it_is_zero() -> None:
         if rig.metadata.get(t.node, {}).get("type") not in ("poleVector", "offset")
     )
     rig = replace(rig, clips=(replace(rig.clip("walk"), tracks=still),))
-    done = snap(rig, options=SnapOptions("fk", ("walk@0.25",), all_limbs=True))
+    done = snap(rig, options=SnapOptions("fk", ("walk@0.25",), limbs="auto"))
     assert apart(rig, done, "walk@0.25") < BOUND
     assert control(rig, "hand_L", "fk") in keyed(done, "walk")
 
@@ -230,7 +230,7 @@ def test_at_rest_channels_are_set_at_rest() -> None:
 def test_a_time_outside_its_clip_is_reported_once_as_by_pose(at: str, told: int) -> None:
     rig = posed_by_ik()
     said, posed = Report(), Report()
-    snap(rig, options=SnapOptions("fk", (at,), all_limbs=True), report=said)
+    snap(rig, options=SnapOptions("fk", (at,), limbs="auto"), report=said)
     pose_of(rig, PoseOptions(at), posed)
     assert [n.text for n in said.warnings if n.code == "pose-outside"] == [n.text for n in posed.warnings]
     assert len(posed.warnings) == told
@@ -258,7 +258,7 @@ def test_a_time_outside_its_clip_is_the_nearest_one_and_no_clip_gets_longer(
     keys = times_within(timelines(rig)[-1], None)
     inside = min(max(time, keys[0]), keys[-1])
     done, like = (
-        snap(rig, options=SnapOptions(to, (f"{name}@{at:.17g}",), all_limbs=True))  # type: ignore[arg-type]
+        snap(rig, options=SnapOptions(to, (f"{name}@{at:.17g}",), limbs="auto"))  # type: ignore[arg-type]
         for at in (time, inside)
     )
     now = times_within(timelines(done)[-1], None)
@@ -274,7 +274,7 @@ def test_what_cannot_be_snapped_is_reported() -> None:
     with pytest.raises(GeometryError, match="no IK end"):
         snap(rig, options=SnapOptions("ik", ("rest",), (("hips", "spine", "chest"),)))
     with pytest.raises(UsageError, match="give the moment"):
-        snap(rig, options=SnapOptions("ik", (), all_limbs=True))
+        snap(rig, options=SnapOptions("ik", (), limbs="auto"))
 
 
 REAL = {"pixar_skinnedArm.usda", "raylib_robot.glb", "usdwg_RiggedFigure.usdz"}
@@ -306,7 +306,7 @@ def test_files_keep_their_joints_and_a_second_run_changes_no_byte(path: Path, tm
     for source, target, to in ((up, fk, "fk"), (fk, ik, "ik")):
         for one, other in ((source, target), (target, again)):
             moments = ("--at", at[0], "--at", at[1])
-            cli("snap", one, "-o", other, "--overwrite", "--all-limbs", "--to", to, *moments, code=0)
+            cli("snap", one, "-o", other, "--overwrite", "--limbs", "auto", "--to", to, *moments, code=0)
         assert again.read_bytes() == target.read_bytes()
         before, after = read(source).rig, read(target).rig
         for moment in at:
@@ -320,7 +320,7 @@ def test_the_command_leaves_the_file_looking_the_same(tmp_path: Path) -> None:
     one, two, out = (tmp_path / f"{k}.glb" for k in range(3))
     rigged_file("biped.glb", one)
     keyed_file("biped.glb", two)
-    snapping = ("snap", two, "-o", out, "--all-limbs", "--to", "fk", "--at", "walk@0.5")
+    snapping = ("snap", two, "-o", out, "--limbs", "auto", "--to", "fk", "--at", "walk@0.5")
     posing = ("pose", two, "-o", tmp_path / "posed.glb", "--at", "walk@0.5")
     baking = ("bake", two, "-o", tmp_path / "baked.glb")
     for command in (snapping, posing, baking):
@@ -380,7 +380,7 @@ def test_a_crowd_takes_as_long_as_its_characters(monkeypatch: pytest.MonkeyPatch
     for count in (1, 3):
         runs.clear()
         report = Report()
-        options = SnapOptions(at=("walk@0.4",), to="fk", all_limbs=True)
+        options = SnapOptions(at=("walk@0.4",), to="fk", limbs="auto")
         snap(crowd(rig, count), options=options, report=report)
         assert all(entry["deviation"] < 1e-5 for entry in report.added)
         counts.append((len(report.added), len(runs)))

@@ -147,9 +147,9 @@ def test_controls_are_baked_snapped_and_taken_home_as_by_the_commands(
     [
         ("view --clip walk", "view", {"clip": "walk"}, "out.html"),
         (
-            f"view --against {BIPED} --pose walk@0.5",
+            f"view --against {BIPED} --at walk@0.5",
             "view",
-            {"against": BIPED, "pose": "walk@0.5"},
+            {"against": BIPED, "at": "walk@0.5"},
             "out.html",
         ),
         ("export-blender", "export_blender", {}, "out.py"),
@@ -171,7 +171,7 @@ def test_what_a_page_or_a_script_lacks_is_reported_in_its_report(tmp_path: Path)
     rigtri.view(SAMPLES / "arm.gltf", report=report)
     assert [notice.code for notice in report.warnings][-1] == "no-joints"
     with pytest.raises(UsageError, match="not both"):
-        rigtri.view(BIPED, clip="walk", pose="walk@1")
+        rigtri.view(BIPED, clip="walk", at="walk@1")
     with pytest.raises(GeometryError, match="no controls, constraints or twist joints"):
         rigtri.export_blender(BIPED)
     with pytest.raises(FileError, match="There is no file"):

@@ -47,7 +47,7 @@ LEAST: dict[str, dict[str, Any]] = {
     "add-rivet": {"mesh": "body"},
     "add-posereader": {"driver": "a"},
     "take-clips": {"from": "a.glb"},
-    "snap": {"to": "ik", "at": "rest", "all-limbs": True},
+    "snap": {"to": "ik", "at": "rest", "limbs": "auto"},
     "add-socket": {"name": "grip", "on": "a"},
     "conform": {"to": "unreal"},
 }

@@ -79,8 +79,8 @@ def test_the_samples_move_as_rigtri_computes_and_keys_do_what_they_mean(
     page: Any, samples: Path, tmp_path: Path
 ) -> None:
     turned = oriented(samples / "biped.glb", tmp_path / "out.glb")
-    both = page(turned, "--against", samples / "biped.glb", "--pose", "walk@0.3")
-    usd = page(samples / "biped.usdz", "--pose", "walk@9")
+    both = page(turned, "--against", samples / "biped.glb", "--at", "walk@0.3")
+    usd = page(samples / "biped.usdz", "--at", "walk@9")
     steps = [
         {"evaluate": "rigtri.worlds()"},
         {"hover": "(({x, y}) => [x + 3, y])(rigtri.spots().find(({name}) => name === 'hand_L'))"},
@@ -310,7 +310,7 @@ def test_blend_shapes_of_usd_move_with_their_animation(page: Any, tmp_path: Path
         face = FACES.replace("BINDING", binding)
         paths.append(arm_usd(tmp_path / str(number), weights=WEIGHTS, more=face))
     steps = [{"evaluate": POINTS}, {"evaluate": "rigtri.act.clip(-1)"}, {"evaluate": POINTS}]
-    jobs = [{"page": page(path, "--pose", "Anim@12"), "steps": steps} for path in paths]
+    jobs = [{"page": page(path, "--at", "Anim@12"), "steps": steps} for path in paths]
     for told, path in zip(visited(*jobs, folder=tmp_path), paths, strict=True):
         assert healthy(told), told
         posed, _, rest = told["results"]
@@ -362,7 +362,7 @@ def test_real_files_stand_and_move_as_rigtri_computes(page: Any, tmp_path: Path)
     if not ASSETS.is_dir():
         pytest.skip(NO_ASSETS)
     steps = [{"evaluate": "rigtri.worlds()"}, *SEEN]
-    jobs = [{"page": page(ASSETS / name, "--pose", at), "steps": steps} for name, at in REAL.items()]
+    jobs = [{"page": page(ASSETS / name, "--at", at), "steps": steps} for name, at in REAL.items()]
     for told, (name, at) in zip(visited(*jobs, folder=tmp_path), REAL.items(), strict=True):
         assert healthy(told), (name, told)
         assert asks_nobody(told), name

@@ -99,9 +99,9 @@ def seen(rig: Rig, *, options: DrawOptions) -> list[Mark]:
 
 
 def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
-    posed = pose_of(rig, PoseOptions(at=options.pose), report)
+    posed = pose_of(rig, PoseOptions(at=options.at), report)
     scene = Scene.of(rig, posed, options.selection)
-    timeline, time = timeline_and_time(rig, options.pose)
+    timeline, time = timeline_and_time(rig, options.at)
     found = marks(scene, arrows=options.axes)
     covered: list[Patch] = []
     try:
@@ -120,7 +120,7 @@ def _side(rig: Rig, options: DrawOptions, title: str, report: Report) -> _Side:
         words.append("no joints in this file")
     view = options.view.lower()
     words.append(f"{view} view" if view in VIEWS else f"from {view}")
-    words.append("at rest" if options.pose.lower() == "rest" else options.pose)
+    words.append("at rest" if options.at.lower() == "rest" else options.at)
     return _Side(found, covered, title, tuple(words), crooked(scene))
 
 

@@ -56,12 +56,12 @@ class Begin:
     """How a page begins: a clip that plays, or a moment, CLIP@TIME, that stands still; else at rest."""
 
     clip: str | None = None
-    pose: str | None = None
+    at: str | None = None
 
     def checked(self) -> Begin:
         """UsageError for both."""
-        if self.clip is not None and self.pose is not None:
-            raise UsageError("give --clip or --pose, not both")
+        if self.clip is not None and self.at is not None:
+            raise UsageError("give --clip or --at, not both")
         return self
 
 
@@ -70,20 +70,20 @@ def view(
     *,
     against: Path | str | None = None,
     clip: str | None = None,
-    pose: str | None = None,
+    at: str | None = None,
     limit: float = 100.0,
     options: ReadOptions | None = None,
     report: Report | None = None,
 ) -> str:
     """The HTML page that shows a file, as `rigtri view` writes it; to be written as UTF-8.
 
-    against: what the file was before. clip: play it from the start; pose: stand still at CLIP@TIME, in
+    against: what the file was before. clip: play it from the start; at: stand still at CLIP@TIME, in
     seconds (USD: time codes). limit: megabytes that the files may have. What the page cannot show is a
     warning of the report. Raises FileError, NameNotFoundError (a clip), UsageError (files too large).
     """
     text, _ = shown_page(
         [path] if against is None else [path, against],
-        begin=Begin(clip, pose),
+        begin=Begin(clip, at),
         limit=limit,
         options=options or ReadOptions(),
         report=report if report is not None else Report(),
@@ -130,7 +130,7 @@ def _start(rig: Rig, begin: Begin, report: Report) -> dict[str, Any]:
     """The number of a clip, and the time to stand still at, in seconds."""
     if begin.clip is not None:
         return {"clip": clip_place(rig, rig.clip(begin.clip)), "time": None}
-    timeline, time = timeline_and_time(rig, begin.pose or "rest")
+    timeline, time = timeline_and_time(rig, begin.at or "rest")
     if timeline is None:
         return {"clip": -1, "time": None}
     time = warn_outside_clip(timeline, time, report)

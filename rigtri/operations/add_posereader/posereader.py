@@ -92,7 +92,7 @@ def options_of(record: PoseReaderRecord) -> AddPosereaderOptions:
         joint=tuple((o.target, o.joint, corrective_joints.changes_of(o)) for o in record.outputs if o.joint),
         **own,
         name=record.name,
-        within=record.within,
+        between=record.within,
         fps=record.fps,
     )
 
@@ -176,7 +176,7 @@ class _Builder:
                 self.reader,
                 timeline,
                 self.name,
-                within=self.options.within,
+                within=self.options.between,
                 fps=self.options.fps,
             )
             counts[timeline.name] = len(times)
@@ -244,7 +244,7 @@ class _Builder:
             rest=quadruple(self.seen.resting) if rbf else None,
             targets=tuple(map(self._target, self.goals)),
             outputs=tuple(outputs),
-            within=options.within,
+            within=options.between,
             fps=options.fps,
         )
 

@@ -86,7 +86,7 @@ def reader_keys(
         try:
             times = adaptive_key_times(read, _error, times, within=within, of=of)
         except GeometryError as error:
-            raise GeometryError(f"{error}. Or allow more with --within") from None
+            raise GeometryError(f"{error}. Or allow more with --between") from None
     found = read(times)
     if np.abs(found - found[0]).max() <= STILL:
         return times[:1], found[:1]

@@ -89,7 +89,7 @@ def add_rivet(rig: Rig, *, options: AddRivetOptions, report: Report) -> Rig:
 
 def options_of(record: RivetRecord) -> AddRivetOptions:
     """The options that a rivet was made with; its place is left to the caller."""
-    return AddRivetOptions(mesh=record.mesh, name=(record.name,), within=record.within, fps=record.fps)
+    return AddRivetOptions(mesh=record.mesh, name=(record.name,), between=record.within, fps=record.fps)
 
 
 def rebaked(rig: Rig, node: int, *, clips: Collection[int], report: Report | None = None) -> Rig:
@@ -231,7 +231,7 @@ class _Rivet:
             primitive=self.seat.primitive,
             vertices=tuple(map(int, self.seat.vertices)),
             barycentric=(a, b, c),
-            within=self.options.within,
+            within=self.options.between,
             fps=self.options.fps,
         )
         rig, parent = group(self.rig)
@@ -277,11 +277,11 @@ class _Rivet:
         )
         holds = steps_only(moving)
         if not holds:
-            bound, of = self.options.within * self.size, f"Rivet '{self.name}' in clip '{timeline.name}'"
+            bound, of = self.options.between * self.size, f"Rivet '{self.name}' in clip '{timeline.name}'"
             try:
                 times = adaptive_key_times(seats, self._error, times, within=bound, of=of)
             except GeometryError as error:
-                raise GeometryError(f"{error}. Or allow more with --within") from None
+                raise GeometryError(f"{error}. Or allow more with --between") from None
         values = self._whole(seats(times), timeline, times)
         if (self._apart(values, np.broadcast_to(values[0], values.shape)) <= STILL * self.size).all():
             times, values = times[:1], values[:1]

@@ -92,7 +92,7 @@ class AddPosereaderOptions(OneCharacter):
     name: str = option(
         "", help="Name of the reader, by which it is found again. [JOINT_reader]", group="what"
     )
-    within: Above = option(1e-4, help="Largest error of a weight between keys.", rare=True)
+    between: Above = option(1e-4, help="Largest error of a weight between keys.", rare=True)
     fps: Above | None = option(None, help="Additional keys per second.", rare=True)
 
     def check(self, given: Collection[str]) -> None:

@@ -48,7 +48,7 @@ class AddRivetOptions(OneCharacter):
         "A rivet is found again by its name. [NODE_rivet]",
         group="what",
     )
-    within: Above = option(
+    between: Above = option(
         1e-5,
         help="Largest error between keys of what is attached to a rivet, as a share of the mesh's size.",
         rare=True,

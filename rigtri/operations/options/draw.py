@@ -39,7 +39,7 @@ class DrawOptions:
         help="View direction; front looks at the character's face, side at its left.",
         group="what",
     )
-    pose: str = option(
+    at: str = option(
         "rest",
         metavar="CLIP@TIME",
         help="The moment, in seconds (USD: time codes), or rest. Active controls move their joints.",

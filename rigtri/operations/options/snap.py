@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
-from rigtri.operations.option_kinds import Names, OneCharacter
+from rigtri.operations.option_kinds import Auto, Names, OneCharacter
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.
 Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
@@ -27,11 +27,11 @@ class SnapOptions(OneCharacter):
         group="what",
     )
     limb: Limbs = option((), help="The three joints of a limb with an IK end. Repeatable.")
-    all_limbs: bool = option(False, help="All limbs with an IK end.", group="joints")
+    limbs: Auto | None = option(None, help="Every limb with an IK end.", group="joints")
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where limbs are given twice or not at all, and without a moment."""
-        if bool(self.limb) == self.all_limbs:
-            raise UsageError("give --limb ROOT MIDDLE END, or --all-limbs")
+        if bool(self.limb) == bool(self.limbs):
+            raise UsageError("give --limb ROOT MIDDLE END, or --limbs auto")
         if not self.at:
             raise UsageError("give the moment: --at CLIP@TIME, or --at rest")
