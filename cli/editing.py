@@ -186,17 +186,17 @@ def _sidecar(values: dict[str, Any]) -> Path:
 
 def _write_beside(values: dict[str, Any], document: dict[str, Any]) -> None:
     """The report; and what rigtri has stored in OUT as it is on disk, by the names that it has there."""
+    if values["report_path"] is not None:
+        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
+        write_output(text.encode("utf-8"), values["report_path"])
+    if not values["sidecar"] or values["dry_run"]:
+        return
     from pathlib import Path
 
     from rigtri.export.rig_json import description
     from rigtri.files.staged_output import write_text
     from rigtri.formats import read
 
-    if values["report_path"] is not None:
-        text = json.dumps(document, indent=2, ensure_ascii=False) + "\n"
-        write_output(text.encode("utf-8"), values["report_path"])
-    if not values["sidecar"] or values["dry_run"]:
-        return
     reading = values.get("reading") or read_options(values)
     rig = read(Path(values["output"]), reading).rig
     write_text(_sidecar(values), json.dumps(description(rig), indent=2, ensure_ascii=False) + "\n")
