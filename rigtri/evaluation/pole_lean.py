@@ -44,16 +44,17 @@ def lean_at_rest(bend: Floats, pole: Floats, line: Floats, size: float) -> float
     return abs(lean) if abs(lean) > np.pi - SAME_SIDE else lean if abs(lean) > SAME_SIDE else 0.0
 
 
-def leaning(distance: Floats, total: Floats, at_rest: float, lean: float) -> Floats | None:
+def leaning(reach: Floats, total: Floats, at_rest: float, lean: float) -> Floats | None:
     """By how much limbs are bent beside the pole, radians, (f,), counted about the line from root to end.
 
+    reach: from the root to the end as it is solved, (f,): a soft limb is bent where its target is far.
     As much as at rest, so that they rest where they do in the file, and no longer where they are bent more.
     None where they bend to the pole.
     """
     if not lean:
         return None
     with np.errstate(invalid="ignore", divide="ignore"):
-        nearer = (at_rest - distance / total) / turning_way(at_rest)
+        nearer = (at_rest - reach / total) / turning_way(at_rest)
     share = np.clip(np.where(np.isfinite(nearer), nearer, 1.0), 0.0, 1.0)
     return lean * (0.5 + 0.5 * sin_cos(share * np.pi)[1])
 

@@ -72,7 +72,7 @@ def two_bone(
         grows = (distance > reach) & (reach > 0)
         growth = np.where(grows, distance / np.where(grows, reach, 1.0), 1.0)
     bends, poleless = sides(along, pole - root, side, total)
-    leans = leaning(distance, total, at_rest, lean)
+    leans = leaning(reach, total, at_rest, lean)
     bends = leaned(bends, along, leans)
     high = _height(first, second, reach)
     with np.errstate(invalid="ignore", divide="ignore"):
