@@ -103,7 +103,7 @@ def documented(distances: Floats, soft: float, bones: tuple[float, float]) -> Fl
 
 
 def turns_by(knee: tuple[float, float] | None) -> float:
-    """How far a knee that rests bent the other way leaves the line before it turns to its pole, of the leg."""
+    """How far a knee that rests bent the other way leaves the line until it turns to its pole."""
     return 5e-3 if knee == KNEES["other way"] else 0.0
 
 
