@@ -71,6 +71,4 @@ def command(ctx: click.Context, /, **values: Any) -> None:
 def summary(report: Report) -> str:
     """What was done, in a line."""
     lost = sum(notice.code == "lost" for notice in report.warnings)
-    return (
-        f"converted; {counted(lost, 'thing')} could not be said in the other format" if lost else "converted"
-    )
+    return f"converted; the other format cannot store {counted(lost, 'thing')}" if lost else "converted"

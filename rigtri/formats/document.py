@@ -12,7 +12,7 @@ from rigtri.model.edit_options import FileOptions
 from rigtri.model.mesh import Mesh
 from rigtri.model.options import described, options_of
 from rigtri.model.rig import Rig
-from rigtri.model.scene_facts import Scenery
+from rigtri.model.scene_facts import SceneFacts
 from rigtri.report import Notice
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")
@@ -91,7 +91,7 @@ class Document(Protocol):
         closely: boxes of what each joint moves, from all points, instead of those the file states.
         """
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
         """What the file shows besides poses, for comparing.
 
         closely: also what costs reading: what materials, images and avatars are made of.

@@ -20,7 +20,7 @@ class Rule:
 
     def as_json(self) -> dict[str, str]:
         """As `rigtri check --list --json` prints it."""
-        return {"id": self.id, "severity": self.severity, "says": self.meaning, "remedy": self.remedy}
+        return {"id": self.id, "severity": self.severity, "meaning": self.meaning, "remedy": self.remedy}
 
 
 class Violation(NamedTuple):

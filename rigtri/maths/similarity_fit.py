@@ -97,7 +97,7 @@ def fit_similarity(
     is known; it is 1 where it is nearly that, without it and about the origin up to `ONE_UNIT`. turn: the
     rotation, (3, 3), where it is known.
     """
-    # What lies aside as a whole is turned as it is, not as it lies.
+    # About the centroids: where the points are must not count as a rotation.
     middle = np.array([_mean(theirs), _mean(ours)]) if len(ours) > 1 else np.zeros((2, 3))
     a, b = theirs - middle[0], ours - middle[1]
     sizes = [_spread(a), _spread(b)]

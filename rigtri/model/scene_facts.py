@@ -18,7 +18,7 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Scenery:
+class SceneFacts:
     """Facts of a file: ``whole`` by name, ``nodes`` by node and name.
 
     A fact that is not there is None. Nodes are those that show something; what a node

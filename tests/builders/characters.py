@@ -16,7 +16,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.report import Notice
-from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.verification.compare.scene_facts import SceneFacts
 
 NAMES = ["hips", "spine", "arm", "hand", "sword", "camera", "body", "face"]
 PARENTS = [-1, 0, 1, 2, 3, 3, -1, 1]
@@ -31,7 +31,7 @@ class Held:
     drawn: tuple[Mesh, ...] = ()
     warnings: Sequence[Notice] = ()
 
-    shows: Scenery = field(default_factory=Scenery)
+    shows: SceneFacts = field(default_factory=SceneFacts)
 
     def meshes(self) -> Sequence[Mesh]:
         return self.drawn
@@ -39,7 +39,7 @@ class Held:
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         return self.drawn
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
         return self.shows
 
 

@@ -691,7 +691,7 @@ def test_bones_of_characters_follow_controls(name: str, tmp_path: Path) -> None:
     line = ["add-controls", str(path), "-o", str(rigged), "--whole-character", "-q"]
     cli(*line, code=0)
     document = read(rigged)
-    rig, meters = document.rig, document.scenery().whole.get("metersPerUnit", 1.0)
+    rig, meters = document.rig, document.scene_facts().whole.get("metersPerUnit", 1.0)
     ends, fk = (
         [rig.names[node] for node, note in rig.metadata.items() if (note["type"], note.get("kind")) == wanted]
         for wanted in (("control", "ik"), ("control", "fk"))

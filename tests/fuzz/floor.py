@@ -28,7 +28,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.verification.compare.compare import self_check
-from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.verification.compare.scene_facts import SceneFacts
 
 # Half a step of float32, relative to the largest number beside it: new axes mix the three of a vector.
 STEP = 2.0**-24
@@ -61,8 +61,8 @@ class _Shaken:
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         return self._document.outlines(closely=closely)
 
-    def scenery(self) -> Scenery:
-        return self._document.scenery()
+    def scene_facts(self) -> SceneFacts:
+        return self._document.scene_facts()
 
 
 def _flat(rig: Rig) -> bool:

@@ -668,7 +668,7 @@ def test_usd_nested_sixty_thousand_times_is_an_error_of_the_file(what: str, how:
         with Sdf.ZipFileWriter.CreateNew(str(path)) as archive:
             archive.AddFile(str(root), "root.usda")
             archive.AddFile(str(deep), "deep.usda")
-    with pytest.raises(FileError, match=r"deep\.usda.*: more than \d+ (brackets|braces) stand in each other"):
+    with pytest.raises(FileError, match=r"deep\.usda.*: more than \d+ (brackets|braces) are nested"):
         read(path)
 
 

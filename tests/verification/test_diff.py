@@ -179,7 +179,7 @@ GLTF: dict[str, tuple[Callable[[Any], Any], list[str]]] = {
     "rest turned": (
         lambda b: _node(b, 3).update(rotation=[0, 0, 0.7071067811865476, 0.7071067811865476]),
         [
-            "axes: ~ joint 3  turned 90° about its own +z",
+            "axes: ~ joint 3  rotated 90° about its local +z",
             "rest pose: ~ joint 3  rotation 0 0 0 1 → 0 0 0.7071068 0.7071068",
         ],
     ),

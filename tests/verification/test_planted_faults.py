@@ -217,8 +217,8 @@ class Edited:
     def outlines(self, *, closely: bool = False) -> Any:
         return self.document.outlines(closely=closely)
 
-    def scenery(self, *, closely: bool = False) -> Any:
-        return self.document.scenery(closely=closely)
+    def scene_facts(self, *, closely: bool = False) -> Any:
+        return self.document.scene_facts(closely=closely)
 
 
 ANIMATED = (

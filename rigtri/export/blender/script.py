@@ -61,7 +61,7 @@ def setup_for(path: Path | str, options: ReadOptions, report: Report) -> Setup:
     with opened(path) as file:
         document = read(file, options)
         gltf = file.suffix.lower() in GLTF_SUFFIXES
-        meters = 1.0 if gltf else float(document.scenery().whole["metersPerUnit"])
+        meters = 1.0 if gltf else float(document.scene_facts().whole["metersPerUnit"])
         name = "" if str(path) == "-" else Path(path).name
         return blender_setup(document.rig, gltf=gltf, meters=meters, file=name, report=report)
 

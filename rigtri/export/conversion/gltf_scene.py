@@ -81,7 +81,7 @@ class _Reader:
         scene.materials = [self._material(raw, k) for k, raw in enumerate(self._list("materials"))]
         self._primitives()
         lights = self._object(self.gltf.get("extensions"), LIGHTS).get("lights") or []
-        shown = self.document.scenery().nodes
+        shown = self.document.scene_facts().nodes
         for node, key in enumerate(rig.keys):
             raw = self.gltf["nodes"][key]
             if "camera" in raw:

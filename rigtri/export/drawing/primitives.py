@@ -66,7 +66,7 @@ class Mark:
         found: dict[str, Any] = {"form": self.form, "kind": self.kind, "points": self.points.tolist()}
         for word in ("node", "name", "description", "size", "closed", "crooked"):
             if getattr(self, word):
-                found["told" if word == "description" else word] = getattr(self, word)
+                found[word] = getattr(self, word)
         if self.color is not None:
             found["color"] = list(self.color)
         return found

@@ -29,7 +29,7 @@ from rigtri.formats.gltf.mmap import load, pour
 from rigtri.formats.gltf.node_reader import Rest, read_rest, read_tree
 from rigtri.formats.gltf.node_writer import NodeWriter
 from rigtri.formats.gltf.references import check_added, named_nodes
-from rigtri.formats.gltf.scene_facts import read_scenery
+from rigtri.formats.gltf.scene_facts import read_scene_facts
 from rigtri.formats.gltf.skin_reader import read_skins
 from rigtri.formats.gltf.structure import (
     check_extensions,
@@ -50,7 +50,7 @@ from rigtri.model.format_rules import FormatRules
 from rigtri.model.mesh import Mesh
 from rigtri.model.metadata import damage, illegible
 from rigtri.model.rig import Rig
-from rigtri.model.scene_facts import Scenery
+from rigtri.model.scene_facts import SceneFacts
 from rigtri.report import Notice, SameNotices
 
 # What files of these suffixes have, by the specifications of VRM 0.0, VRM 1.0 and VRMA 1.0.
@@ -123,9 +123,9 @@ class GltfDocument:
         """The same; where a file has very many points, some of them and boxes for its largest meshes."""
         return self._drawn.outlines(closely=closely)
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
         """Scenes, lenses, lights and materials of the nodes that show something, and what avatars state."""
-        facts = read_scenery(self.container.gltf, self.tree)
+        facts = read_scene_facts(self.container.gltf, self.tree)
         if not closely:
             return facts
         from rigtri.formats.gltf.materials import Materials

@@ -64,7 +64,7 @@ class NodeWriter:
         self._write_names()
         self._write_rest()
         self._write_tree()
-        self._move_payload()
+        self._move_attachments()
         self._write_notes()
         self._write_bound()
         self._write_constraints()
@@ -228,7 +228,7 @@ class NodeWriter:
         default = int(self._draft.gltf.get("scene", 0))
         self._draft.need("scenes", default, "nodes", empty=[]).append(index)
 
-    def _move_payload(self) -> None:
+    def _move_attachments(self) -> None:
         """Hand what a node shows to the node that shows it now, and whatever refers to it."""
         for node, shown in enumerate(self._rig.attachment.tolist()):
             if shown >= 0 and shown != node:

@@ -12,13 +12,13 @@ from typing import Any
 from rigtri.formats.gltf.node_reader import Tree
 from rigtri.formats.gltf.structure import shows
 from rigtri.formats.json_values import object_at, object_in
-from rigtri.model.scene_facts import Scenery, flat
+from rigtri.model.scene_facts import SceneFacts, flat
 
 LIGHTS = "KHR_lights_punctual"
 VISIBILITY = "KHR_node_visibility"
 
 
-def read_scenery(gltf: Mapping[str, Any], tree: Tree) -> Scenery:
+def read_scene_facts(gltf: Mapping[str, Any], tree: Tree) -> SceneFacts:
     """The facts of each node that shows something, by its place in the rig."""
     nodes = gltf.get("nodes", [])
     shown = [index for index in tree.order if shows(nodes[index])]
@@ -32,7 +32,7 @@ def read_scenery(gltf: Mapping[str, Any], tree: Tree) -> Scenery:
         own.update(_light(gltf, node))
         own.update(_primitives(gltf, node))
         facts[tree.place[index]] = own
-    return Scenery("glTF", {}, facts)
+    return SceneFacts("glTF", {}, facts)
 
 
 def _scenes(gltf: Mapping[str, Any], tree: Tree) -> list[tuple[str, ...]]:

@@ -20,7 +20,7 @@ from rigtri.formats.usd.layer_writer import Output
 from rigtri.formats.usd.opinions.instance_edits import instance_of
 from rigtri.formats.usd.reading.control_shape_reader import read_lines
 from rigtri.formats.usd.reading.reader import read_source
-from rigtri.formats.usd.reading.scene_facts import read_scenery
+from rigtri.formats.usd.reading.scene_facts import read_scene_facts
 from rigtri.formats.usd.reading.source import (
     Source,
     blocked_samples,
@@ -31,7 +31,7 @@ from rigtri.formats.usd.run_passes import edit_stage
 from rigtri.model.content import Content
 from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
-from rigtri.model.scene_facts import Scenery
+from rigtri.model.scene_facts import SceneFacts
 from rigtri.report import Notice
 
 
@@ -87,11 +87,11 @@ class UsdDocument:
         """The same: USD keeps what is drawn in memory anyway."""
         return self.meshes()
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
         """Units and range of the stage; visibility, lenses, lights and materials of what it shows."""
         shown = {node: self.rig.labels[node] for node in np.flatnonzero(self.rig.attachment >= 0).tolist()}
         with quiet(f"{self._source.path}: USD cannot read what it shows"):
-            facts = read_scenery(self._source.stage, shown, closely=closely)
+            facts = read_scene_facts(self._source.stage, shown, closely=closely)
             blocked = {f"blocked times of {at}": times for at, times in blocked_samples(self._source).items()}
             return replace(facts, whole={**facts.whole, **blocked}, own=played_by_instances(self._source))
 

@@ -32,7 +32,7 @@ from rigtri.verification.compare.probe_selection import (
     skin_corners,
 )
 from rigtri.verification.compare.probes import Probe, mesh_points, mesh_title
-from rigtri.verification.compare.scene_facts import Scenery, compare_scenery, compare_surfaces
+from rigtri.verification.compare.scene_facts import SceneFacts, compare_scene_facts, compare_surfaces
 from rigtri.verification.compare.verdict import Comparison as Comparison
 from rigtri.verification.compare.verdict import Motion
 
@@ -51,7 +51,7 @@ class Source(Protocol):
     def rig(self) -> Rig: ...
     def meshes(self) -> Sequence[Mesh]: ...
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]: ...
-    def scenery(self, *, closely: bool = False) -> Scenery: ...
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +67,8 @@ class DocumentView:
     def outlines(self, *, closely: bool = False) -> Sequence[Mesh]:
         return self.document.outlines(closely=closely)
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
-        return self.document.scenery(closely=closely)
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
+        return self.document.scene_facts(closely=closely)
 
 
 def verify(before: Source, after: Source) -> Comparison:
@@ -91,8 +91,8 @@ def verify(before: Source, after: Source) -> Comparison:
         *instances(mine, theirs, found, everything, sizes),
         origins(mine, found, everything),
     ]
-    shown, now = before.scenery(closely=True), after.scenery(closely=True)
-    different, changed = compare_scenery((mine, theirs), shown, now, found)
+    shown, now = before.scene_facts(closely=True), after.scene_facts(closely=True)
+    different, changed = compare_scene_facts((mine, theirs), shown, now, found)
     if shown.format == now.format:
         different += compare_attached(mine, theirs, found)
         pairs, _ = _mesh_pairs(mine, found, meshes, others)
@@ -136,7 +136,7 @@ def self_check(
         *(own_frames(mine, found, moving, sizes) if own_nodes else ()),
         origins(mine, found, moving),
     ]
-    different, changed = compare_scenery((mine, theirs), before.scenery(), after.scenery(), found)
+    different, changed = compare_scene_facts((mine, theirs), before.scene_facts(), after.scene_facts(), found)
     different += compare_attached(mine, theirs, found)
     found = found.with_more(changed=changed)
     result = compared(mine, theirs, found, probes, sizes, different)

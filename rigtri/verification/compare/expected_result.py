@@ -32,7 +32,7 @@ from rigtri.verification.compare.compare import (
 )
 from rigtri.verification.compare.correspondence import same_track, timeline
 from rigtri.verification.compare.deviation import denormalisation, lost_unit_rotations
-from rigtri.verification.compare.scene_facts import Scenery
+from rigtri.verification.compare.scene_facts import SceneFacts
 from rigtri.verification.compare.verdict import Comparison, Motion
 
 # The two documents of a comparison.
@@ -96,8 +96,8 @@ class ConvertedView(DocumentView):
 
     conversion: Conversion
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
-        found = self.document.scenery(closely=closely)
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
+        found = self.document.scene_facts(closely=closely)
         metrics = {"up axis": self.conversion.up.upper(), "metersPerUnit": self.conversion.metres}
         return replace(found, whole={**found.whole, **metrics})
 
@@ -135,11 +135,11 @@ class PosedView(DocumentView):
             found.append(mesh)
         return found
 
-    def scenery(self, *, closely: bool = False) -> Scenery:
-        found = self.document.scenery(closely=closely)
+    def scene_facts(self, *, closely: bool = False) -> SceneFacts:
+        found = self.document.scene_facts(closely=closely)
         nodes = dict(found.nodes)
         if self.redrawn:
-            now = self.written.scenery(closely=closely).nodes
+            now = self.written.scene_facts(closely=closely).nodes
             there = {key: node for node, key in enumerate(self.written.rig.keys)}
             nodes |= {node: now.get(there.get(self.keys[node], -1), {}) for node in self.redrawn}
         moved = {self.position[node]: shown for node, shown in nodes.items()}

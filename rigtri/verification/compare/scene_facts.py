@@ -18,7 +18,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.mesh import Mesh, Surface
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import Reference as Reference
-from rigtri.model.scene_facts import Scenery as Scenery
+from rigtri.model.scene_facts import SceneFacts as SceneFacts
 from rigtri.model.scene_facts import flat as flat
 from rigtri.verification.compare.correspondence import Correspondence
 
@@ -62,10 +62,10 @@ class _Sides:
         return bool(was == now)
 
 
-def compare_scenery(
+def compare_scene_facts(
     rigs: tuple[Rig, Rig],
-    mine: Scenery,
-    theirs: Scenery,
+    mine: SceneFacts,
+    theirs: SceneFacts,
     m: Correspondence,
     *,
     share: float = SAME_NUMBER,
@@ -94,10 +94,10 @@ def compare_scenery(
     return seen, [text for name, text in found if name in UNSEEN]
 
 
-def _without_rules(rig: Rig, scenery: Scenery) -> Scenery:
+def _without_rules(rig: Rig, scene_facts: SceneFacts) -> SceneFacts:
     """Without node constraints that stand for constraints of rigtri's: those change on purpose."""
     ours = constraints_from_metadata(rig)
-    return replace(scenery, own={k: facts for k, facts in scenery.own.items() if k not in ours})
+    return replace(scene_facts, own={k: facts for k, facts in scene_facts.own.items() if k not in ours})
 
 
 def _short_text(value: Any, rig: Rig) -> str:

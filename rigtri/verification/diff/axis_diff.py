@@ -84,7 +84,7 @@ def all_moved(before: Floats, after: Floats) -> list[str]:
 def _moved(before: Floats, after: Floats, turned: tuple[float, Floats], sizes: tuple[Floats, Floats]) -> str:
     parts = []
     if turned[0] > np.degrees(DERIVED):
-        parts.append(f"turned {turned[0]:.4g}° about its own {axis_words(turned[1])}")
+        parts.append(f"rotated {turned[0]:.4g}° about its local {axis_words(turned[1])}")
     if not same_numbers(before[3, :3], after[3, :3], DERIVED * float(np.abs(before[3, :3]).max())):
         parts.append(f"position {rows(before[3, :3], after[3, :3])}")
     if not same_numbers(sizes[0], sizes[1], DERIVED * float(sizes[0].max())):

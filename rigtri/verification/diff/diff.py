@@ -162,6 +162,6 @@ def _rig_terms(
 ) -> tuple[tuple[Change, ...], Comparison | None]:
     one, other = documents
     meshes = one.meshes(), other.meshes()
-    scenery = one.scenery(closely=True), other.scenery(closely=True)
-    rig = tuple(rig_changes(one.rig, other.rig, meshes=meshes, scenery=scenery, tolerance=tolerance))
+    scene_facts = one.scene_facts(closely=True), other.scene_facts(closely=True)
+    rig = tuple(rig_changes(one.rig, other.rig, meshes=meshes, scene_facts=scene_facts, tolerance=tolerance))
     return rig, compare(one, other) if verify and (rig or differs) else None

@@ -19,7 +19,7 @@ from rigtri.model.mesh import Mesh
 from rigtri.model.rig import Rig
 from rigtri.model.skin import Skin
 from rigtri.verification.compare.correspondence import Correspondence, match, played_together
-from rigtri.verification.compare.scene_facts import Scenery, compare_scenery
+from rigtri.verification.compare.scene_facts import SceneFacts, compare_scene_facts
 from rigtri.verification.diff.axis_diff import DERIVED, all_moved, axis_words, moved, turns
 from rigtri.verification.diff.change import Change, number, order_of, row, rows, same_numbers, same_rows
 from rigtri.verification.diff.clip_diff import clip_changes
@@ -35,13 +35,13 @@ def rig_changes(
     after: Rig,
     *,
     meshes: tuple[Sequence[Mesh], Sequence[Mesh]] = ((), ()),
-    scenery: tuple[Scenery, Scenery] = (Scenery(), Scenery()),
+    scene_facts: tuple[SceneFacts, SceneFacts] = (SceneFacts(), SceneFacts()),
     tolerance: float = 0.0,
 ) -> list[Change]:
     """Everything in which the second rig is not the first, grouped, in the order of the first.
 
     meshes: of both, for weights and points.
-    scenery: of both, for scene settings. tolerance: numbers that differ by less are the same.
+    scene_facts: of both, for scene settings. tolerance: numbers that differ by less are the same.
     """
     before, after = played_together(before, after, by_key=False)
     m = renamed(before, after, match(before, after, by_key=False))
@@ -55,7 +55,7 @@ def rig_changes(
         *clip_changes(before, after, m, tolerance),
         *_bound(before, after, m, tolerance),
         *_constraints(before, after, m, tolerance),
-        *_scenery((before, after), scenery, m, tolerance),
+        *_scene_facts((before, after), scene_facts, m, tolerance),
         *_whole(before, after, m),
     ]
 
@@ -131,7 +131,7 @@ def _axes(before: Rig, after: Rig, m: Correspondence, tolerance: float) -> Itera
     degrees, lines = turns(axes[0][mine], axes[1][theirs])
     far = ~(degrees <= np.degrees(max(DERIVED, tolerance)))
     for j in np.flatnonzero(far & ~_equal(axes[0][mine], axes[1][theirs])).tolist():
-        text = f"turned {degrees[j]:.4g}° about its own {axis_words(lines[j])}"
+        text = f"rotated {degrees[j]:.4g}° about its local {axis_words(lines[j])}"
         description = text if np.isfinite(degrees[j]) else "is not a frame"
         yield Change("axes", "changed", before.title(int(mine[j])), description)
     there = worlds[1][theirs, 3, :3]
@@ -250,11 +250,11 @@ def _constraints(before: Rig, after: Rig, m: Correspondence, tolerance: float) -
             yield Change("constraints", "changed", title, rows(c.axis, now.axis))
 
 
-def _scenery(
-    rigs: tuple[Rig, Rig], scenery: tuple[Scenery, Scenery], m: Correspondence, tolerance: float
+def _scene_facts(
+    rigs: tuple[Rig, Rig], scene_facts: tuple[SceneFacts, SceneFacts], m: Correspondence, tolerance: float
 ) -> Iterator[Change]:
     """Scene settings, which no joint has: scenes, lenses, lights, materials, avatars."""
-    for texts in compare_scenery(rigs, *scenery, m, share=0.0, apart=tolerance):
+    for texts in compare_scene_facts(rigs, *scene_facts, m, share=0.0, apart=tolerance):
         for text in texts:
             yield Change("shown and said", "changed", text)
 

@@ -118,7 +118,7 @@ def test_agents_of_instances_below_a_prim_that_has_no_place_are_compared(world: 
     cli("orient-joints", source, "-o", out, "--preset", "maya", code=0)
     assert prototypes(source) == prototypes(out)
     assert deviation(source, out) < 1e-6
-    played = read(source).scenery().own
+    played = read(source).scene_facts().own
     assert sorted(number for facts in played.values() for number in facts.values()) == ["1"] * 4 + ["2"] * 2
 
 

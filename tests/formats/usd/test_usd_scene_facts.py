@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
-from rigtri.formats.usd.reading.scene_facts import BINDING, read_scenery
+from rigtri.formats.usd.reading.scene_facts import BINDING, read_scene_facts
 
 
 @pytest.mark.parametrize(
@@ -18,7 +18,7 @@ def test_a_binding_to_what_is_no_material_shows_nothing_of_it(path: str, facts: 
     UsdSkel.Skeleton.Define(stage, "/Skel").CreateJointsAttr(["a"])
     UsdShade.Material.Define(stage, "/Paint").CreateInput("size", Sdf.ValueTypeNames.Float).Set(2.0)
     mesh.CreateRelationship(BINDING).SetTargets([path])
-    found = read_scenery(stage, {0: "/Body"}, closely=True).nodes[0]
+    found = read_scene_facts(stage, {0: "/Body"}, closely=True).nodes[0]
     assert found["material"] == path
     assert [name for name in found if "of the material" in name] == facts
 
@@ -27,6 +27,6 @@ def test_one_sample_is_what_shows_at_all_times() -> None:
     """Before, the fallback hid it: a mesh with one sample of "invisible" was taken for a visible one."""
     stage = Usd.Stage.CreateInMemory()
     mesh = UsdGeom.Mesh.Define(stage, "/Body")
-    shown = read_scenery(stage, {0: "/Body"}).nodes[0]["visibility"]
+    shown = read_scene_facts(stage, {0: "/Body"}).nodes[0]["visibility"]
     mesh.CreateVisibilityAttr().Set("invisible", 5.0)
-    assert "invisible" in read_scenery(stage, {0: "/Body"}).nodes[0]["visibility"] != shown
+    assert "invisible" in read_scene_facts(stage, {0: "/Body"}).nodes[0]["visibility"] != shown

@@ -66,7 +66,7 @@ def test_every_value_of_a_block_may_be_wrong(
     for number, at in enumerate(trials):
         with suppress(RigtriError):  # of all others, what is compared of the file as it is
             wrong = _spoiled(text, at, WRONG[number % len(WRONG)], builder, path)
-            GltfDocument.read(wrong).scenery(closely=True)
+            GltfDocument.read(wrong).scene_facts(closely=True)
     random, outcomes = np.random.default_rng(0), {"edited": 0, "refused": 0}
     for at in (trials * 3)[:: 1 + len(trials) // 15]:
         try:

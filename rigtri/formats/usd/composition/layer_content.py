@@ -18,7 +18,7 @@ from rigtri.formats.usd import usdz
 from rigtri.formats.usd.crate import tables
 from rigtri.formats.usd.text.statements import COMMENTS, STRINGS
 
-# How deep packages may stand in each other.
+# How deep packages may be nested.
 NESTED = 4
 # Tuples, arrays and metadata are some ten deep at most; prims and dictionaries stand in braces.
 MOST_BRACKETS, MOST_BRACES = 1000, 5000
@@ -59,7 +59,7 @@ def _check_entries(whole: usdz.Package, name: str, deeper: int) -> None:
             _check_brackets(content, title)
         elif entry.name.lower().endswith(".usdz") and not entry.method:
             if not deeper:
-                raise FileError(f"{title}: packages stand in each other more than {NESTED} deep. Unpack them")
+                raise FileError(f"{title}: packages are nested more than {NESTED} deep. Unpack them")
             try:
                 inner = usdz.parse(bytes(content), title)
             except FileError:
@@ -71,14 +71,14 @@ def _check_brackets(text: memoryview, name: str) -> None:
     """FileError, with the line, for a text whose brackets USD's parser may not survive."""
     content, plain = bytes(text), b""
     for what, opening, closing, most in _KINDS:
-        # As many as there are stand in each other at worst; many files end here.
+        # No more can be nested than there are; many files end here.
         if sum(map(content.count, opening)) <= most:
             continue
         plain = plain or _without_words(content)
         if (place := _too_deep(plain, opening, closing, most)) >= 0:
             line = plain.count(b"\n", 0, place) + 1
             raise FileError(
-                f"{name}: more than {most} {what} stand in each other in line {line}, which USD cannot read. "
+                f"{name}: more than {most} {what} are nested in line {line}, which USD cannot read. "
                 "The file is damaged; export it again"
             )
 

@@ -13,14 +13,14 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from rigtri.formats.usd.composition.stage import DEFAULT
 from rigtri.formats.usd.composition.time_samples import moving_times
-from rigtri.model.scene_facts import Scenery
+from rigtri.model.scene_facts import SceneFacts
 
 # How a mesh is drawn between its points, besides its faces.
 DRAWN = ("subdivisionScheme", "orientation", "doubleSided")
 BINDING = "material:binding"
 
 
-def read_scenery(stage: Any, shown: Mapping[int, str], *, closely: bool = False) -> Scenery:
+def read_scene_facts(stage: Any, shown: Mapping[int, str], *, closely: bool = False) -> SceneFacts:
     """Facts of a stage and of its prims that show something. shown: their paths by node.
 
     closely: also what their materials are made of.
@@ -47,7 +47,7 @@ def read_scenery(stage: Any, shown: Mapping[int, str], *, closely: bool = False)
                     materials[at] = dict(_network(stage, at))
                 nodes[node] |= {f"{fact} of the {name}": value for fact, value in materials[at].items()}
                 nodes[node][name] = at
-    return Scenery("USD", whole, nodes)
+    return SceneFacts("USD", whole, nodes)
 
 
 def _inherited(prim: Any, known: dict[Any, tuple[str, str, Any]]) -> tuple[str, str, Any]:
