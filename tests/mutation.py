@@ -131,7 +131,7 @@ def faults_of(file: str, content: bytes) -> Iterator[Fault]:
             elif isinstance(node, ast.BoolOp):
                 yield from between(node.values[0], node.values[1], type(node.op))
             elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
-                yield fault(first(node), first(node.operand), "")
+                yield fault(first(node), first(node) + len("not"), "")
             elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
                 if node.slice.value in (0, 1) and type(node.slice.value) is int:
                     yield fault(first(node.slice), last(node.slice), str(1 - node.slice.value))
