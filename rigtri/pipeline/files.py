@@ -60,10 +60,8 @@ def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
 
 def known(document: Document, path: Path, options: ReadOptions, content: bytes | None = None) -> Rig:
     """The rig of a document that was read from ``path``, or from ``content``, able to be written."""
-    report = Report()
-    report.extend(document.warnings)
     _protect(document.rig)
-    return replace(document.rig, source=Origin(path, document, options, report, content))
+    return replace(document.rig, source=Origin(path, document, options, Report(), content))
 
 
 def _protect(rig: Rig) -> None:
