@@ -605,6 +605,7 @@ def test_two_options_do_not_write_one_file(samples: Path, tmp_path: Path) -> Non
 def test_what_was_meant_is_reported_of_a_second_file_a_lacking_suffix_and_an_address(samples: Path) -> None:
     assert "Did you mean -o out.glb?" in run("freeze", samples / "biped.glb", "out.glb", code=2).stderr
     assert "biped.glb" in run("inspect", samples / "biped", code=3).stderr
+    assert "There is no file nowhere/biped" in run("inspect", "nowhere/biped", code=3).stderr
     assert "https://a.b/c.glb is not a local file" in run("inspect", "https://a.b/c.glb", code=3).stderr
 
 

@@ -599,6 +599,16 @@ def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> Non
     assert _setup_in_words(exported(replace(rig, translation=places), gltf=True).plan) != text
 
 
+def test_a_joint_follows_its_control_in_its_own_axes() -> None:
+    """One that has other axes keeps them, riding on its control; any other stands as its control does."""
+    oriented = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"), joints="spine")
+    plan = exported(rigtri.add_controls(oriented, joints=["spine", "head"]), gltf=True).plan
+    names = {"n": plan["nodes"], "s": plan["sockets"]}
+    follows = {each["name"]: each for each in plan["constraints"]}
+    targets = [follows[f"Follow {name}_ctl"]["target"] for name in ("spine", "head")]
+    assert [names[each[0]][int(each[1:])]["name"] for each in targets] == ["spine_ctl", "head drive"]
+
+
 def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(tmp_path: Path) -> None:
     plain, script = str(SAMPLES / "biped.glb"), str(tmp_path / "setup.py")
     result = cli("export-blender", plain, "-o", script, code=5)

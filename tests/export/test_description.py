@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from places import slow
+from places import SAMPLES, slow
 from program import cli
 from second_opinions import validator
 
+import rigtri
 from rigtri.export.rig_json import description
 from rigtri.formats import read
 
@@ -29,6 +32,19 @@ def test_the_sidecar_describes_what_the_file_holds(samples: Path, tmp_path: Path
         assert entry["parent"] is None or rig.find(entry["parent"], "node") == rig.parents[node]
     kinds = {entry["note"]["type"] for entry in said["nodes"]}
     assert kinds == {"group", "control", "offset", "poleVector"}
+
+
+def test_a_node_whose_rest_pose_is_a_matrix_has_its_numbers() -> None:
+    """As files of other programs may hold a control; the place of others is in three parts."""
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "tpose.glb"), joints="upper_arm_L")
+    control = rig.find("upper_arm_L_ctl")
+    has_matrix, matrix = rig.has_matrix.copy(), rig.matrix.copy()
+    has_matrix[control], matrix[control] = True, np.arange(16.0).reshape(4, 4)
+    said = description(replace(rig, has_matrix=has_matrix, matrix=matrix))
+    validator("rig").validate(said)
+    places = {entry["node"]: entry for entry in said["nodes"]}
+    assert places["upper_arm_L_ctl"]["matrix"] == list(range(16))
+    assert places["upper_arm_L_ctl_offset"]["rotation"] == rig.rotation[rig.parents[control]].tolist()
 
 
 def test_a_sidecar_replaces_nothing_unasked(samples: Path, tmp_path: Path) -> None:

@@ -113,6 +113,23 @@ def test_a_source_that_changed_meanwhile_is_copied_anew(source: Path, tmp_path: 
         assert not part.exists()
 
 
+@pytest.mark.parametrize("ended", [True, False], ids=["removed", "stopped"])
+def test_a_copy_that_is_not_there_or_did_not_end_is_made_anew(
+    ended: bool, source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that somebody removed, or one that was stopped behind its last byte."""
+    file, target = tmp_path / "the data.bin", tmp_path / "there" / "b.gltf"
+
+    def copy(_: Path, to: Path, __: Any) -> bool:
+        if not ended:
+            to.write_bytes(file.read_bytes())
+        return ended
+
+    monkeypatch.setattr(background_copy, "copy_file", copy)
+    with background_copy.copy_in_background(source, target) as copies:
+        assert not copies.take(file, temp_path(target.parent / file.name))
+
+
 @pytest.mark.parametrize("number", [errno.ENOSYS, errno.EXDEV, None])
 def test_what_the_kernel_cannot_copy_is_copied_all_the_same(
     number: int | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

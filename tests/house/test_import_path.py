@@ -14,6 +14,7 @@ import pytest
 from places import BUILDERS, SAMPLES, ci, slow
 
 from rigtri.cli.catalogue import COMMANDS
+from rigtri.files import import_path
 from rigtri.files.worker_process import WorkerProcess
 
 SCRIPT = Path(sysconfig.get_path("scripts"), "rigtri")
@@ -120,6 +121,18 @@ def test_no_command_runs_what_lies_where_it_works(command: str, pack: Path) -> N
     done = run(pack, SCRIPT, command, *WORDS[command])
     assert ran(pack) == []
     assert done.returncode == REFUSED.get(command, 0), done.stderr
+
+
+def test_only_a_working_folder_that_holds_rigtri_is_searched(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed = Path(import_path.__file__).resolve().parents[2]
+    for folder, stays in ((tmp_path, False), (installed, True)):
+        places = ["", str(folder), str(tmp_path.parent)]
+        monkeypatch.setattr(sys, "path", [*places])
+        monkeypatch.chdir(folder)
+        import_path.leave_out_working_folder()
+        assert sys.path == (places if stays else places[2:])
 
 
 LAUNCHER = """

@@ -70,6 +70,14 @@ def test_sockets_stay_in_every_run_and_ends_go() -> None:
     assert not {"wpn", "weapon_socket"} & set(rigtri.prune_joints(once, ends=True, sockets=True).names)
 
 
+def test_a_joint_of_another_program_that_is_called_a_socket_stays() -> None:
+    rig = rigtri.add_socket(rigtri.read(SAMPLES / "biped.usda"), name="weapon_socket", on="hand_L")
+    rig = replace(rig, metadata={})
+    assert rig.is_joint[rig.find("weapon_socket")]
+    assert "weapon_socket" in rigtri.prune_joints(rig).names
+    assert "weapon_socket" not in rigtri.prune_joints(rig, sockets=True).names
+
+
 @pytest.mark.ci
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
 def test_a_merge_is_measured_and_refused_above_the_tolerance(suffix: str, tmp_path: Path) -> None:

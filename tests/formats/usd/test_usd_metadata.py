@@ -103,6 +103,25 @@ def test_a_locator_is_moved_renamed_and_annotated_in_place(tmp_path: Path) -> No
     assert "b_pole" not in third.names
 
 
+def test_relationships_follow_when_what_is_above_their_target_is_renamed(tmp_path: Path) -> None:
+    document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
+    rig = located(document.rig)
+    rig = replace(rig, metadata={**rig.metadata, 0: {"v": 1, "type": "frame", "frame": "b_pole"}})
+    again = read(write(document, rig, tmp_path / "out.usda"))
+    names = [*again.rig.names]
+    names[again.rig.find("rigtri")] = "moved"
+    stage = Usd.Stage.Open(str(write(again, replace(again.rig, names=tuple(names)), tmp_path / "third.usda")))
+    found = [
+        target
+        for prim in stage.Traverse()
+        for relation in prim.GetRelationships()
+        if relation.GetName().startswith("rigtri:")
+        for target in relation.GetTargets()
+    ]
+    assert Sdf.Path("/Root/moved/b_pole") in found
+    assert all(stage.GetPrimAtPath(target) for target in found)
+
+
 def test_a_second_locator_joins_the_first(tmp_path: Path) -> None:
     document = read(save(tmp_path, scene(skeleton(), animation(), MESH)))
     again = read(write(document, located(document.rig), tmp_path / "out.usda"))

@@ -112,6 +112,21 @@ def test_all_else_in_the_extension_is_what_it_was(tmp_path: Path) -> None:
     assert nodes[-1] | {"rotation": 0} == {"name": "hand_payload", "mesh": 1, "rotation": 0}
 
 
+def test_of_what_swings_only_what_shows_nothing_itself_is_turned(tmp_path: Path) -> None:
+    """A node that is no joint would have to hand over the mesh that it shows; one without is a bone."""
+    builder = avatar_0(3)
+    nodes = builder.gltf["nodes"]
+    number = len(nodes)
+    turn = {"translation": [0, 0.1, 0], "rotation": [0.6, 0, 0, 0.8]}
+    nodes += [{"name": "bow", "mesh": 1} | turn, {"name": "lock", "children": [number + 2]} | turn]
+    nodes += [{"name": "lock_end", "translation": [0, 0.1, 0]}]
+    nodes[NODES["hair"]]["children"] += [number, number + 1]
+    rig = GltfDocument.read(builder.glb(tmp_path / "a.vrm")).rig
+    after = orient_joints(rig, options=OrientJointsOptions(world=True))
+    assert_allclose(after.world[number], rig.world[number], atol=1e-12)
+    assert_allclose(after.world[number + 1, :3, :3], np.eye(3), atol=1e-12)
+
+
 def test_the_end_of_a_swinging_chain_keeps_its_pose(tmp_path: Path) -> None:
     """Viewers hang it along its translation, which its parent sees: both turn alike."""
     rig = GltfDocument.read(avatar_0(6).glb(tmp_path / "a.vrm")).rig
