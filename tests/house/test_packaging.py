@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -90,6 +91,22 @@ def test_the_action_checks_and_builds_and_takes_nothing_from_its_inputs_as_code(
         subprocess.run(["bash", "-n", "-c", step["run"]], check=True)
     words = re.findall(r"rigtri (\w+) --?\w", lines) + re.findall(r'rigtri (\w+) "', lines)
     assert set(words) <= set(COMMANDS)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="runs a script of bash")
+@pytest.mark.parametrize("folder", ["bin", "Scripts"])
+def test_the_action_finds_its_program_where_the_system_has_it(folder: str, tmp_path: Path) -> None:
+    """Virtual environments of Windows have Scripts."""
+    step = yaml("action.yml")["runs"]["steps"][0]["run"]
+    python, pip, path = tmp_path / "python3", tmp_path / "temp/rigtri" / folder / "pip", tmp_path / "path"
+    pip.parent.mkdir(parents=True)
+    for program in (python, pip):
+        program.write_text("#!/bin/sh\n")
+        program.chmod(0o755)
+    places = {"PATH": f"{tmp_path}:/usr/bin:/bin", "RUNNER_TEMP": str(tmp_path / "temp")}
+    places |= {"GITHUB_PATH": str(path), "VERSION": "==1"}
+    subprocess.run(["bash", "-e", "-c", step], check=True, env=places)
+    assert path.read_text() == f"{pip.parent}\n"
 
 
 def test_the_image_is_small_and_its_program_not_root() -> None:
