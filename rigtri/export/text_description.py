@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
+from rigtri.errors import UsageError
 from rigtri.evaluation import sampling
 from rigtri.export.drawing.view import View, view_of
 from rigtri.maths.matrices import SKEW, determinant, skew
@@ -60,8 +62,11 @@ def describe(rig: Rig, *, width: int | None = None) -> str:
     in the world (``+x`` or numbers), the axis nearest to the child and how far it misses it, the
     distance to the child, the bend between the bones, and what is unusual. Other
     nodes stand in brackets. Then skins, clips, and what rigtri has stored on nodes. width: of the
-    terminal; columns that make the tree wider are left out, the numbers of the axes first.
+    terminal; columns that make the tree wider are left out, the numbers of the axes first. Raises
+    UsageError for a width that is no whole number.
     """
+    if width is not None and not isinstance(width, Integral):
+        raise UsageError(f"width={width!r}: give a whole number")
     seen = _Seen(rig)
     kind = "joints" if rig.is_joint.any() else "nodes"
     room = None if width is None else width - 2

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -46,3 +46,10 @@ def test_at_the_ends_of_the_middle_angle_the_last_is_zero(order: RotateOrder, mi
 
 def test_a_quarter_about_x_takes_y_to_z() -> None:
     assert_allclose(to_axes(from_angles([np.pi / 2, 0.0, 0.0], "xyz"))[1], [0, 0, 1], atol=1e-15)
+
+
+@pytest.mark.parametrize("order", ["abc", "xx", "xyx", ""])
+def test_an_order_that_is_none_is_named(order: Any) -> None:
+    for convert in (to_angles, from_angles):
+        with pytest.raises(ValueError, match=f"'{order}' is not a valid order: use xyz, "):
+            convert([0, 0, 0, 1][: 4 if convert is to_angles else 3], order)

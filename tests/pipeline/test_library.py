@@ -375,6 +375,16 @@ def test_what_no_option_can_be_is_an_error_of_usage(
         getattr(rigtri, operation)(rigtri.read(BIPED), **keywords)
 
 
+def test_what_is_drawn_and_described_is_checked_too() -> None:
+    rig = rigtri.read(BIPED)
+    with pytest.raises(UsageError, match="width=nan: give a whole number"):
+        rigtri.describe(rig, width=float("nan"))  # type: ignore[arg-type]
+    with pytest.raises(UsageError, match=r"against=\{\}: give a rig"):
+        rigtri.draw(rig, against={})
+    with pytest.raises(UsageError, match=r"title=\{\}: give a text"):
+        rigtri.draw(rig, title={})
+
+
 def test_help_of_keywords_speaks_of_no_command_line() -> None:
     text = str(rigtri.orient_joints.__doc__)
     assert "epeatable" not in text
