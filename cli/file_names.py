@@ -61,7 +61,7 @@ def _read_names(
 
     with suppress(RigtriError, OSError):
         found = dict.fromkeys(names(read(path, ReadOptions(empty=True)).rig))
-        return [CompletionItem(each) for each in found if each.lower().startswith(incomplete.lower())]
+        return [CompletionItem(each) for each in found if each.startswith(incomplete)]
     return []
 
 

@@ -83,7 +83,8 @@ class NodeNames(Hierarchy, ABC):
         found: dict[str, list[int]] = {}
         for node, label in enumerate(self.labels):
             whole = {self._path(node): None} if self.holders else {}
-            for way in {label: None, self.path(node): None, **whole}:
+            shared = {self.title(node): None} if self.names[node] != self.title(node) else {}
+            for way in {label: None, self.path(node): None, **whole, **shared}:
                 found.setdefault(way, []).append(node)
         for bone, node in self.humanoid.items():
             found.setdefault(f"vrm:{bone}", []).append(node)
@@ -95,7 +96,7 @@ class NodeNames(Hierarchy, ABC):
         return [*self._by_name, *(way for way in self._by_address if not way.startswith("+"))]
 
     def find(self, name: str, kind: str = "joint") -> int:
-        """The one node called ``name``: its name, its label (``#3``), its path, or ``vrm:head``.
+        """The one node called ``name``: its name, its label (``#3``), its path, its `title`, or ``vrm:head``.
 
         Raises NameNotFoundError, or AmbiguousNameError where several share the name.
         """

@@ -195,6 +195,7 @@ def test_joints_clips_skins_and_moments_are_completed_from_the_file(samples: Pat
     hero = samples / "biped.glb"
     assert completed("rigtri", "orient-joints", hero, "--joints", "upper") == ["upper_arm_L", "upper_arm_R"]
     assert completed("rigtri", "add-controls", hero, "--chain", "Hand_L", "head_") == ["head_end"]
+    assert completed("rigtri", "orient-joints", hero, "--joints", "UPPER") == []  # no name of a joint
     assert completed("rigtri", "bake", hero, "--clip", "") == ["walk", "wave"]
     assert completed("rigtri", "pose", hero, "--at", "wa") == ["walk@0", "walk@1", "wave@0", "wave@1.7"]
     assert completed("rigtri", "pose", hero, "--at", "walk@") == ["@0", "@1"]

@@ -95,6 +95,8 @@ def test_titles_suffice_to_find_the_node() -> None:
     rig = hero()
     assert [rig.title(node) for node in (1, 2, 4)] == ["arm (#1)", "elbow", "#4"]
     assert rig.path(4) == "/root/#4"
+    assert [rig.find(rig.title(node)) for node in range(len(rig))] == [*range(len(rig))]
+    assert rig.match("arm (#3)") == [3]
 
 
 def test_new_nodes_come_last_and_have_no_key() -> None:
