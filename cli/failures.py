@@ -14,7 +14,7 @@ import click
 from rigtri.errors import Fault, RigtriError, alike, error_kind
 
 from . import INTERRUPTED
-from .terminal_text import echo_message, plain, without_advice
+from .terminal_text import echo_message, plain, request_plain, without_advice
 
 # In the context of a run: whether JSON is requested on standard output, which has nothing on it yet.
 _JSON_REQUESTED = "rigtri.cli.failures"
@@ -24,6 +24,7 @@ def request_json(ctx: click.Context, _option: click.Parameter | None, value: boo
     """Note that JSON is requested; the callback of --json, which may also come from the environment."""
     if value:
         ctx.meta[_JSON_REQUESTED] = True
+        request_plain(ctx, value)
     return value
 
 

@@ -14,23 +14,30 @@ from rigtri.errors import LIST_NAMES, SEE_LIMBS
 from rigtri.text import plain as plain
 from rigtri.text import plain_lines as plain_lines
 
-# In the context of a run: whether only errors are printed.
-_QUIET = "rigtri.cli.terminal_text"
+# In the context of a run: whether nothing is printed in colours.
+_PLAIN = "rigtri.cli.terminal_text"
 
 
 def request_quiet(ctx: click.Context, _option: click.Parameter, value: bool) -> bool:
     """Note that only errors are printed; the callback of --quiet."""
-    ctx.meta[_QUIET] = value
+    request_plain(ctx, value)
     return value
 
 
+def request_plain(ctx: click.Context, value: bool) -> None:
+    """Note that nothing is printed in colours, on standard error either."""
+    ctx.meta[_PLAIN] = ctx.meta.get(_PLAIN, False) or value
+
+
 def colored(stream: TextIO) -> bool:
-    """Whether to print in colours: NO_COLOR and FORCE_COLOR decide, else whether somebody looks. -q has none.
+    """Whether to print in colours: NO_COLOR and FORCE_COLOR decide, else whether somebody looks.
+
+    -q and --json have none.
 
     Source: no-color.org and force-color.org: set and not empty.
     """
     ctx = click.get_current_context(silent=True)
-    if os.environ.get("NO_COLOR") or (ctx is not None and ctx.meta.get(_QUIET)):
+    if os.environ.get("NO_COLOR") or (ctx is not None and ctx.meta.get(_PLAIN)):
         return False
     if os.environ.get("FORCE_COLOR"):
         return os.environ["FORCE_COLOR"] != "0"

@@ -180,6 +180,9 @@ def did_you_mean(word: str, known: Iterable[object], most: int = 1) -> str:
 
 
 def _meant(name: str, known: Sequence[str]) -> str:
+    if "/" not in name:  # a path says no more than the name that is its end
+        named = set(known)
+        known = [word for word in known if word[:1] != "/" or word.rpartition("/")[2] not in named]
     if close := did_you_mean(name, known, most=3):
         return close
     if 0 < len(known) <= _FEW:

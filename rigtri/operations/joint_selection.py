@@ -123,7 +123,9 @@ def _named(tree: Skeleton, selection: Selection) -> set[int]:
     for top in selection.below:
         named.update(rig.below(rig.find(top)))
     if selection.named and not named & known and not named & rig.rules.data_nodes:
-        raise UsageError("the selection holds no joint; see the joints with: rigtri inspect FILE")
+        words = [*selection.joints, *(name for chain in selection.chains for name in chain), *selection.below]
+        names = and_more((f"'{word}'" for word in words), 3)
+        raise UsageError(f"the selection {names} holds no joint; see the joints with: rigtri inspect FILE")
     return named & known
 
 

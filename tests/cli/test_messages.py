@@ -184,3 +184,34 @@ def test_a_file_that_is_no_stream_has_a_name(tmp_path: Path, monkeypatch: pytest
     told = cli("batch", BIPED, "--convert-to", "usda", "-O", "out", "--log", "-", code=2).stderr
     assert "'--log': - stands for a stream, and this needs a file" in told
     assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (("add-rivet", "--mesh", "Bdy", "--name", "x", "--at", "0,1,0"), "Did you mean 'body'? List"),
+        (("orient-joints", "--joints", "staff"), "the selection 'staff' holds no joint"),
+    ],
+)
+def test_a_name_is_in_the_error_and_proposed_once(line: tuple[str, ...], told: str, tmp_path: Path) -> None:
+    assert told in cli(line[0], BIPED, *line[1:], "-o", tmp_path / "out.glb").stderr
+
+
+def test_a_pose_is_counted_as_one() -> None:
+    assert "in 1 pose\n" in cli("verify", BIPED, SAMPLES / "hand.glb", code=6).stdout
+
+
+def test_a_spec_proposes_words_as_commands_do(tmp_path: Path) -> None:
+    spec = tmp_path / "rig.yaml"
+    spec.write_text("steps: [{do: orient-joints, preset: mayaa, end: tipp}]\n")
+    told = cli("build", BIPED, "--spec", spec, "-n", code=2).stderr
+    assert "Did you mean 'maya'?\n" in told
+    assert "Did you mean 'tip'?\n" in told
+
+
+def test_json_is_beside_no_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before, warnings and errors were coloured on a terminal."""
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    line = ("inspect", BIPED.parent / "none.glb")
+    assert "\x1b[" in cli(*line, env={"FORCE_COLOR": "1"}, code=3).stderr
+    assert "\x1b[" not in cli(*line, "--json", env={"FORCE_COLOR": "1"}, code=3).stderr

@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import re
+import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -183,11 +184,13 @@ def test_a_dry_run_lists_and_draws_and_writes_nothing_else(tmp_path: Path) -> No
 
 @pytest.mark.usefixtures("unsure")
 def test_a_limb_that_is_not_sure_is_left_open_in_the_spec_with_a_question(tmp_path: Path) -> None:
-    source, out = SAMPLES / "biped.glb", tmp_path / "out.glb"
+    source, out = SAMPLES / "biped.glb", tmp_path / "my hero (v1).glb"
     result = run("auto", source, "-o", out, code=5)
     assert "the right arm is not sure (0.60): perhaps 'upper_arm_R', 'forearm_R', 'hand_R'" in result.stderr
     assert not out.exists()
     spec = out.with_suffix(".rig.yaml")
+    words = shlex.split(result.stderr.splitlines()[-1].rpartition("then: ")[2])
+    assert words == ["rigtri", "build", str(source), "--spec", str(spec), "-o", str(out)]
     refused = run("build", source, "--spec", spec, "-o", out, code=2)
     assert "is null" in refused.stderr
     text = spec.read_text("utf-8").replace("null, null, null", "upper_arm_R, forearm_R, hand_R")

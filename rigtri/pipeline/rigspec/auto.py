@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from functools import partial
@@ -219,7 +220,7 @@ def _unsure_message(found: Proposal, place: Path | None, target: Path | str) -> 
         return words
     return (
         f"{words}. Name their joints in {place}, where it says null, then: "
-        f"rigtri build {found.source} --spec {place} -o {target}"
+        f"rigtri build {shlex.join(map(str, (found.source, '--spec', place, '-o', target)))}"
     )
 
 

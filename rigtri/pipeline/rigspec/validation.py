@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Container, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -113,6 +114,9 @@ def _fault(tree: Tree, loc: tuple[str | int, ...], detail: ErrorDetails) -> tupl
         text = text[:1].lower() + text[1:]
         by = f", by the variable '{tree.at(keys).variable}'" if tree.at(keys).variable else ""
         text += "" if kind == "value_error" else f" (it is {_short(detail['input'])}{by})"
+        if kind == "literal_error":
+            known = re.findall("'([^']*)'", str(ctx["expected"]))
+            text += f".{hint}" if (hint := did_you_mean(str(detail["input"]), known)) else ""
         text = f"{option}: {text}" if option else text
     return keys, Fault(tree.place(at), where_of(tree, keys), text)
 

@@ -204,7 +204,11 @@ class Comparison:
         if not self.measured:
             lines = ["deviation   not measured: no pose was compared"]
         else:
-            extent = f"in {self.poses} poses" if self.poses else "nothing can have moved"
+            extent = (
+                f"in {self.poses} pose{'s' if self.poses > 1 else ''}"
+                if self.poses
+                else "nothing can have moved"
+            )
             lines = [
                 f"deviation   {self.deviation:.2g} of the model's size, {extent}",
                 f"absolute    {self.absolute:.2g} of {self.diagonal:.6g}, in file units",

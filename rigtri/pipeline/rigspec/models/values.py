@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from rigtri.errors import AmbiguousNameError, NameNotFoundError
+from rigtri.errors import AmbiguousNameError, NameNotFoundError, did_you_mean
 from rigtri.limits import fits, unfit
 from rigtri.operations.option_kinds import SignedAxis, assigned, direction, is_one, is_word, joined
 from rigtri.operations.options.constrain import OrientWord
@@ -152,7 +152,8 @@ def _both(text: str, info: ValidationInfo) -> str:
 def one_of(word: str, known: Collection[str]) -> str:
     """A word of those that are known; ValueError for any other."""
     if word not in known:
-        raise ValueError(f"'{word}' is not valid: use {', '.join(known)}")
+        hint = did_you_mean(word, known)
+        raise ValueError(f"'{word}' is not valid: use {', '.join(known)}{'.' if hint else ''}{hint}")
     return word
 
 
