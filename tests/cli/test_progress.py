@@ -174,6 +174,17 @@ def test_the_files_of_a_check_are_counted(monkeypatch: pytest.MonkeyPatch) -> No
     assert "1/2 files" in terminal.getvalue()
 
 
+def test_the_bar_of_a_check_moves_within_one_file() -> None:
+    steps = Steps()
+    with report_progress(steps):
+        for name in counted([SAMPLES / "arm.gltf"], "files"):
+            rigtri.check(name)
+    done = [done for done, *_ in steps.counts]
+    assert done == sorted(done)
+    assert len({round(part, 9) for part in done if 0 < part < 1}) > 10
+    assert {(total, what) for _, total, what in steps.counts} == {(1, "files")}
+
+
 @pytest.mark.skipif(os.name != "posix", reason="elsewhere consoles keep their streams")
 def test_what_is_to_appear_at_once_does(monkeypatch: pytest.MonkeyPatch) -> None:
     """PYTHONUNBUFFERED: before, the bar went only with the first line that was printed on its place."""

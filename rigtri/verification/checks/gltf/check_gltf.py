@@ -12,6 +12,7 @@ from rigtri.formats.gltf.structure import unknown_required
 from rigtri.formats.gltf.uris import absent
 from rigtri.formats.json_values import short_repr
 from rigtri.model.rig import Rig
+from rigtri.progress import as_share, counted
 from rigtri.text import is_number
 from rigtri.verification.checks.axis_check import LEAST_JOINTS, check_axes
 from rigtri.verification.checks.clip_check import MAYBE_FAR, check_clips
@@ -29,6 +30,8 @@ from rigtri.verification.checks.gltf import (
 from rigtri.verification.checks.gltf.tolerant_reader import View
 from rigtri.verification.checks.metadata_check import broken, unknown
 
+# How much of the time goes into checks of the file; those of the rig that it holds have the rest.
+_OF_FILE = 0.7
 _NOTICES = {"glb-length": "gltf.glb.length", "byte-order-mark": "gltf.json.byte-order-mark"}
 
 
@@ -40,20 +43,26 @@ def check_gltf(path: Path, findings: Findings, *, allow_external: bool = False) 
     container = _opened(path, findings)
     try:
         view = View(container, findings, allow_external=allow_external)
-        _check_extensions(view)
-        references.check(view)
-        _check_files(view)
-        nodes.check(view)
-        skins.check(view)
-        animations.check(view)
-        nodes.check_joints(view)
-        meshes.check(view)
-        meshes.check_vertices(view)
-        references.check_types(view)
-        vrm.check(view)
-        spring_bones.check(view)
-        _check_metadata(view)
-        return _check_rig(view, findings, allow_external=allow_external)
+        checks = (
+            _check_extensions,
+            references.check,
+            _check_files,
+            nodes.check,
+            skins.check,
+            animations.check,
+            nodes.check_joints,
+            meshes.check,
+            meshes.check_vertices,
+            references.check_types,
+            vrm.check,
+            spring_bones.check,
+            _check_metadata,
+        )
+        with as_share(0.0, _OF_FILE):
+            for check in counted(checks, "checks"):
+                check(view)
+        with as_share(_OF_FILE, 1.0):
+            return _check_rig(view, findings, allow_external=allow_external)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
 
