@@ -130,6 +130,73 @@ def test_an_image_outside_the_folder_is_not_copied_along(tmp_path: Path) -> None
         assert list((tmp_path / "other").iterdir()) == []
 
 
+TEXTURED = """#usda 1.0
+def Mesh "m" (prepend apiSchemas = ["MaterialBindingAPI"])
+{
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    rel material:binding = </look>
+}
+def Material "look"
+{
+    token outputs:surface.connect = </look/surface.outputs:surface>
+    def Shader "surface"
+    {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </look/map.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "map"
+    {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @IMAGE@
+        float3 outputs:rgb
+    }
+}
+"""
+
+
+def _shown(folder: Path, image: str) -> Iterator[tuple[str, str, bytes]]:
+    """What is said of an image, and what is written, by each command that reads images, in both formats."""
+    folder.mkdir(exist_ok=True)
+    gltf = changed(folder / "a.gltf")
+    parts = json.loads(gltf.read_text())
+    parts |= {"images": [{"uri": image}], "textures": [{"source": 0}]}
+    parts["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
+    parts["meshes"][0]["primitives"][0]["material"] = 0
+    gltf.write_text(json.dumps(parts))
+    usd = folder / "b.usda"
+    usd.write_text(TEXTURED.replace("IMAGE", image))
+    for source, other in ((gltf, "a.usdz"), (usd, "b.glb")):
+        for command, target in (("view", f"{source.name}.html"), ("convert", other)):
+            result = cli(command, source, "-o", folder / target, "--overwrite")
+            yield f"{command} {source.name}", result.stderr, (folder / target).read_bytes()
+
+
+@POSIX
+def test_pipes_are_no_images(tmp_path: Path) -> None:
+    """Opening one would wait for whoever writes to it."""
+    os.mkfifo(tmp_path / "pipe.png")
+    for where, said, _ in _shown(tmp_path, "pipe.png"):
+        assert "a device or a pipe" in said, where
+
+
+@POSIX
+@pytest.mark.parametrize("image", ["../secret.png", "link.png"])
+def test_no_output_holds_an_image_from_outside_the_folder(image: str, tmp_path: Path) -> None:
+    secret = b"\x89PNG\r\n\x1a\nsecret"
+    (tmp_path / "secret.png").write_bytes(secret)
+    (tmp_path / "asset").mkdir()
+    (tmp_path / "asset" / "link.png").symlink_to(tmp_path / "secret.png")
+    for where, said, written in _shown(tmp_path / "asset", image):
+        assert "lies outside the folder" in said, where
+        assert secret not in written, where
+    out = tmp_path / "out.glb"
+    assert not cli("convert", tmp_path / "asset" / "b.usda", "-o", out, "--allow-external-paths").exit_code
+    assert secret in out.read_bytes()
+
+
 @pytest.mark.parametrize("uri", ["\ud800.bin", "a\0b", "x" * 5000, "x/" * 3000 + "y", ".", "", "a/"])
 def test_what_is_no_file_name_is_an_error(uri: str, tmp_path: Path) -> None:
     assert "buffers[0]" in fault(changed(tmp_path / "a.gltf", uri=uri))

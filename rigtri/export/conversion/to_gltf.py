@@ -10,7 +10,7 @@ import numpy as np
 
 from rigtri.export.conversion.gltf_file import GltfWriter
 from rigtri.export.conversion.scene import Scene
-from rigtri.export.conversion.usd_scene import read_scene, without_instances
+from rigtri.export.conversion.usd_scene import read_scene
 from rigtri.formats.document import Companion, ReadOptions
 from rigtri.formats.gltf.container import glb
 from rigtri.formats.gltf.document import GltfDocument
@@ -28,7 +28,7 @@ class ToGltf:
     name: str
 
     def __post_init__(self) -> None:
-        self.scene: Scene = read_scene(without_instances(self.document), self.name)
+        self.scene: Scene = read_scene(self.document, self.name)
 
     @property
     def rig(self) -> Rig:

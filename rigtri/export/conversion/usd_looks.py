@@ -6,13 +6,14 @@ Source: UsdPreviewSurface specification 2.6; glTF 2.0 §3.9; UsdGeomCamera; UsdL
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Usd, UsdGeom, UsdLux, UsdShade
 
+from rigtri.errors import FileError
 from rigtri.export.conversion.scene import Camera, Image, Light, Material, Scene, Slot, Texture
 from rigtri.export.conversion.usd_lenses import CANDELA, FAR, TENTHS
 from rigtri.export.conversion.usd_materials import DEGREES, flipped
@@ -41,8 +42,9 @@ _FRAMES = (0xC0, 0xC1, 0xC2)
 class Looks:
     """Materials of a stage, each and each image read once."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
+    def __init__(self, scene: Scene, read: Callable[[Any], bytes]) -> None:
+        """read: the bytes of the texture that an asset path names; FileError where they are not to be had."""
+        self._scene, self._content = scene, read
         self._known: dict[tuple[str, bool, str], int] = {}
         self._images: dict[str, Image | None] = {}
         self._names: set[str] = set()
@@ -218,14 +220,13 @@ class Looks:
         return texture, tuple(self._value(node, "scale", (1.0,) * 4)), channel
 
     def _image(self, asset: Any) -> Image | None:
-        path = str(asset.resolvedPath)
+        path = str(asset.resolvedPath) or asset.path
         if path not in self._images:
-            opened = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path)) if path else None
-            if opened is None:
-                self._scene.lose(f"texture '{asset.path}', which is missing or cannot be read")
-            self._images[path] = (
-                None if opened is None else self._named(asset.path, bytes(opened.GetBuffer()))
-            )
+            try:
+                self._images[path] = self._named(asset.path, self._content(asset))
+            except FileError as error:
+                self._scene.lose(str(error))
+                self._images[path] = None
         return self._images[path]
 
     def _named(self, path: str, content: bytes) -> Image | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -30,7 +31,7 @@ from rigtri.model.rig import Rig
 from rigtri.text import and_more
 
 
-def without_instances(document: UsdDocument) -> UsdDocument:
+def _without_instances(document: UsdDocument) -> UsdDocument:
     """The document with every instance as prims of its own: glTF has no prototypes but meshes."""
     stage = document.source.stage
     if not any(prim.IsInstance() for prim in stage.Traverse()):
@@ -47,17 +48,17 @@ def without_instances(document: UsdDocument) -> UsdDocument:
 
 def read_scene(document: UsdDocument, name: str) -> Scene:
     """All of a stage that glTF can say; the rest is in `Scene.lost`. Its rig has clips in seconds."""
-    return _Reader(document, name).read()
+    return _Reader(_without_instances(document), name, document.image).read()
 
 
 class _Reader:
     """One pass over a stage."""
 
-    def __init__(self, document: UsdDocument, name: str) -> None:
+    def __init__(self, document: UsdDocument, name: str, images: Callable[[Any], bytes]) -> None:
         self.document, self.source = document, document.source
         self.stage = self.source.stage
         self.scene = Scene(document.rig, name)
-        self.looks = Looks(self.scene)
+        self.looks = Looks(self.scene, images)
         self.motion = PrimMotion()
 
     def read(self) -> Scene:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import errno
 import mmap
 import os
+import stat
 from pathlib import Path
 from typing import BinaryIO
 
@@ -52,8 +53,10 @@ class Mapped(mmap.mmap):
 
 
 def load(path: Path) -> memoryview:
-    """The bytes of a file, mapped instead of read where it is large. FileError where there is none."""
+    """The bytes of a plain file, mapped instead of read where it is large. FileError where there is none."""
     try:
+        if not stat.S_ISREG(path.stat().st_mode):  # to open a pipe waits for whoever writes to it
+            raise FileError(f"{path}: cannot be read: it is a folder, a device or a pipe")
         with path.open("rb", buffering=0) as file:
             if not MAPS or os.fstat(file.fileno()).st_size < MAP_FROM:
                 return memoryview(file.read())

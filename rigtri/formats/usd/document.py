@@ -114,12 +114,16 @@ class UsdDocument:
         self._notices += [notice for notice in edit.notices if notice not in self._notices]
         return ()
 
+    def image(self, asset: Any) -> bytes:
+        """The bytes of the texture that an asset path names. FileError where they are not to be had."""
+        allowed = self._options.allow_external_paths
+        return external_paths.texture(asset, self._source.path, allow_external=allowed)
+
     def embedded(self) -> Embedded:
         """All layers as one, with the textures of its materials."""
         source = self._source
         with quiet(f"{source.path}: USD cannot make one layer of it"):
-            allowed = self._options.allow_external_paths
-            return embedded(source.stage, source.path, allow_external=allowed)
+            return embedded(source.stage, source.path, self.image)
 
     def needed(self) -> Iterator[tuple[Path, str]]:
         """Layers and assets of all variants; of an override also what it is for."""

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Any
 
-from pxr import Ar, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
+from rigtri.errors import FileError
 from rigtri.formats.document import FOUR, Embedded
 from rigtri.formats.image_types import KINDS, shows
 from rigtri.formats.usd.composition import layers
-from rigtri.formats.usd.composition.external_paths import lies_outside
 from rigtri.formats.usd.composition.stage import quiet
 
+# The bytes of the texture that an asset path names; FileError where they are not to be had.
+Images = Callable[[Any], bytes]
 
-def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:
+
+def embedded(stage: Any, path: Path, images: Images) -> Embedded:
     """A stage as one crate; variants as they are chosen, instances as prims of their own."""
     whole = Usd.Stage.Open(stage.GetRootLayer(), Usd.Stage.LoadAll)
     # The session is this stage's own: nothing reaches the layers of the file.
@@ -30,7 +33,7 @@ def embedded(stage: Any, path: Path, *, allow_external: bool) -> Embedded:
     lacking = list(dict.fromkeys(_unseen(whole)))
     for prim in whole.Traverse():
         if prim.IsA(UsdShade.Shader):
-            _textures(prim, flat, files, lacking, None if allow_external else path)
+            _textures(prim, flat, files, lacking, images)
     with quiet(f"{path} as one layer in the temporary folder {gettempdir()}: USD cannot write it"):
         content = layers.to_bytes(flat.GetRootLayer(), "usdc")
     return Embedded("usd", content, files, tuple(lacking))
@@ -86,29 +89,21 @@ def _unseen(whole: Any) -> Iterator[str]:
 
 
 def _textures(
-    shader: Any, flat: Any, files: dict[str, bytes | Path], lacking: list[str], within: Path | None
+    shader: Any, flat: Any, files: dict[str, bytes | Path], lacking: list[str], images: Images
 ) -> None:
     """Take the images of a shader along under plain names, which ``flat`` then has for them."""
     for given in shader.GetAttributes():
         asset = given.Get()
         if given.GetTypeName() != Sdf.ValueTypeNames.Asset or asset is None or not asset.path:
             continue
-        resolved, suffix = str(asset.resolvedPath), Path(asset.path.rstrip("]")).suffix.lower()
-        if not resolved:
-            lacking.append(f"the texture '{asset.path}' is missing")
-        elif within is not None and lies_outside(resolved, within):
-            lacking.append(
-                f"the texture '{asset.path}' lies outside the folder of the file; "
-                "if you trust it, allow this with --allow-external-paths"
-            )
-        else:
-            content = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
-            if content is None:
-                lacking.append(f"the texture '{asset.path}' cannot be read")
-                continue
-            if not shows(content.GetBuffer()[:16]):
-                lacking.append(f"the texture '{asset.path}' is not shown: it is not one of {KINDS}")
-                continue
-            name = f"texture{len(files)}{suffix}"
-            files[name] = bytes(content.GetBuffer())
-            flat.GetPrimAtPath(shader.GetPath()).GetAttribute(given.GetName()).Set(Sdf.AssetPath(name))
+        try:
+            content = images(asset)
+        except FileError as error:
+            lacking.append(str(error))
+            continue
+        if not shows(content):
+            lacking.append(f"the texture '{asset.path}' is not shown: it is not one of {KINDS}")
+            continue
+        name = f"texture{len(files)}{Path(asset.path.rstrip(']')).suffix.lower()}"
+        files[name] = content
+        flat.GetPrimAtPath(shader.GetPath()).GetAttribute(given.GetName()).Set(Sdf.AssetPath(name))

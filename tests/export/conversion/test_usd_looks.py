@@ -176,7 +176,7 @@ def test_what_textures_have_that_gltf_cannot_say_is_listed(tmp_path: Path) -> No
         body,
     )
     assert lost == {
-        "texture './gone.png', which is missing or cannot be read",
+        "the texture './gone.png' is missing",
         "that './rgb.png' is black beside its edges: its last texels go on",
         "the texture of opacity of material 'look': glTF has it in alpha of the texture of colour",
         "emissiveColor of material 'look', which </m/look/noise> gives",

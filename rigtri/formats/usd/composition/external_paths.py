@@ -139,6 +139,29 @@ def lies_outside(resolved: str, path: Path) -> bool:
     return not file.is_relative_to(path.parent.resolve()) and file != path.resolve()
 
 
+def texture(asset: Any, path: Path, *, allow_external: bool) -> bytes:
+    """The bytes of a texture that the file at ``path`` names, be it in a package.
+
+    FileError where it is missing, lies outside the folder of the file (unless ``allow_external``), or is a
+    device or a pipe.
+    """
+    name, resolved = f"the texture '{asset.path}'", str(asset.resolvedPath)
+    if not resolved:
+        raise FileError(f"{name} is missing")
+    if not is_of_site(resolved):
+        if not allow_external and lies_outside(resolved, path):
+            raise FileError(
+                f"{name} lies outside the folder of the file; "
+                "if you trust it, allow this with --allow-external-paths"
+            )
+        if not _outer(resolved).is_file():
+            raise FileError(f"{name} is a folder, a device or a pipe")
+    content = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
+    if content is None:
+        raise FileError(f"{name} cannot be read")
+    return bytes(content.GetBuffer())
+
+
 def asset_paths(layer: Any, variables: Variables) -> Iterator[tuple[str, str, str]]:
     """The asset paths of layers that a layer refers to, expressions evaluated with ``variables``.
 
