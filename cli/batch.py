@@ -158,7 +158,7 @@ def command(inputs: tuple[str, ...], **values: Any) -> None:
 
 def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     """Run a batch with a command's options; its exit code."""
-    from rigtri.pipeline.batch.manifest_lookup import opened, others_of, place
+    from rigtri.pipeline.batch.manifest_lookup import manifest_path, opened, others_of
     from rigtri.pipeline.batch.manifest_writer import Manifest
     from rigtri.pipeline.batch.run import Run
 
@@ -175,7 +175,7 @@ def run(inputs: tuple[str, ...], values: dict[str, Any], tasks: Tasks) -> int:
     chosen = found.entries if shard is None else shard.of(found.entries, folder)
     if not values["quiet"]:
         print_selection(found, chosen, shard, values)
-    own = place(whole, shard)
+    own = manifest_path(whole, shard)
     with ExitStack() as stack:
         engine = stack.enter_context(batch_engine.engine(values, folder, chosen))
         part = str(shard) if shard else None
@@ -274,7 +274,9 @@ def _found(
     kept = {"--log": values["log"], "--manifest": _manifest(values, out_dir)}
     lists = [word[1:] for word in inputs if word.startswith("@") and word != "@-"]
     reads = [*task.sources, *task.files(), *([job] if job else []), *map(Path, lists)]
-    output_checks.check_apart(found.entries, {flag: Path(path) for flag, path in kept.items() if path}, reads)
+    output_checks.check_nothing_lost(
+        found.entries, {flag: Path(path) for flag, path in kept.items() if path}, reads
+    )
     return found
 
 

@@ -95,11 +95,11 @@ def page_of(command: str) -> str:
     return f"docs/{PAGES[command]}"
 
 
-def alike(name: str) -> list[str]:
+def similar_commands(name: str) -> list[str]:
     """The commands that a user may have meant, the likeliest first.
 
-    >>> alike("orint"), alike("control"), alike("dance"), alike("hepl")
-    (['orient-joints'], ['add-controls'], [], ['help', 'explain'])
+    >>> [similar_commands(word) for word in ("orint", "control", "dance", "hepl")]
+    [['orient-joints'], ['add-controls'], [], ['help', 'explain']]
     """
     from difflib import SequenceMatcher
 

@@ -51,7 +51,7 @@ def command(source: str, output: str, **values: Any) -> None:
     report = Report()
     if output != "-" and not output.lower().endswith(".py"):
         raise UsageError(f"{output} is not a valid script name: use the suffix .py")
-    output_file.check_place(output, [source], values)
+    output_file.check_output(output, [source], values)
     made = setup_for(source, read_options(values), report)
     output_file.write_output(made.script.encode("utf-8", "backslashreplace"), output)
     counts = {name: len(made.plan[name]) for name in ("nodes", "constraints", "limbs")}

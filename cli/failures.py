@@ -11,7 +11,7 @@ from typing import NoReturn
 
 import click
 
-from rigtri.errors import Fault, RigtriError, alike, error_kind
+from rigtri.errors import Fault, RigtriError, error_kind, faults_by_text
 
 from . import INTERRUPTED
 from .terminal_text import echo_message, plain, request_plain, without_advice
@@ -105,7 +105,7 @@ def _fault_lines(faults: Sequence[Fault]) -> list[str]:
     """Each fault once, where it is first and where it is again; then the advice that they have in common."""
     lines: list[str] = []
     advice: dict[str, None] = {}
-    for first, *others in alike(faults).values():
+    for first, *others in faults_by_text(faults).values():
         line, advised = without_advice(str(first))
         advice |= dict.fromkeys(advised)
         places = dict.fromkeys(_place(other, first) for other in others)

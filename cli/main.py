@@ -14,7 +14,7 @@ from rigtri._version import __version__
 from rigtri.errors import FileError, RigtriError
 
 from . import COMPLETION, failures, ignore_interrupts, raise_interrupts, streams
-from .catalogue import COMMANDS, GROUPS, alike
+from .catalogue import COMMANDS, GROUPS, similar_commands
 
 
 class Program(click.Group):
@@ -41,7 +41,7 @@ class Program(click.Group):
         name = args[0].lower().replace("_", "-")
         if name in COMMANDS or name.startswith("-"):
             return super().resolve_command(ctx, [name, *args[1:]])
-        close = [f"'{known}'" for known in alike(name)]
+        close = [f"'{known}'" for known in similar_commands(name)]
         hint = f" Did you mean {' or '.join(close)}?" if close else ""
         return ctx.fail(f"No such command '{args[0]}'.{hint}")
 

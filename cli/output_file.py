@@ -17,7 +17,7 @@ from .printing import print_warnings
 from .terminal_text import plain
 
 
-def check_place(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
+def check_output(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
     """UsageError, before anything is read, where a file that is there, or is shown, would be lost."""
     from rigtri.files.atomic_write import same_file
     from rigtri.files.staged_output import destination
@@ -36,11 +36,11 @@ def check_place(output: str, sources: Sequence[str], values: dict[str, Any]) -> 
 
 
 def check_picture(output: str, sources: Sequence[str], values: dict[str, Any]) -> None:
-    """As `check_place`, also for a picture of another format."""
+    """As `check_output`, also for a picture of another format."""
     suffix = Path(output).suffix.lower()
     if output != "-" and suffix not in (".svg", ".png"):
         raise UsageError(f"{output} is not a valid picture name: use the suffix .svg or .png")
-    check_place(output, sources, values)
+    check_output(output, sources, values)
     if suffix == ".png":
         from rigtri.export.drawing.png import check_installed
 

@@ -49,7 +49,7 @@ def command(source: str, output: str, **values: Any) -> None:
     if output != "-" and suffix not in (".yaml", ".yml", ".json"):
         raise UsageError(f"{output}: the spec is YAML or JSON; give it the suffix .yaml or .json")
     # With --json standard output has the spec, too: in JSON, and once.
-    output_file.check_place(output, [source], values | {"as_json": False})
+    output_file.check_output(output, [source], values | {"as_json": False})
     text = spec_init(source, options=read_options(values))
     in_json = json.dumps(plain_values(text), indent=2, ensure_ascii=False)
     if values["as_json"]:

@@ -84,7 +84,7 @@ def command(source: str, output: str, **values: Any) -> None:
         raise UsageError(f"{output} is not a valid page name: use the suffix .html")
     if output == "-" and values["opens"]:
         raise UsageError("--open needs a page in a file; give OUT a name")
-    output_file.check_place(output, sources, values)
+    output_file.check_output(output, sources, values)
     report = Report()
     with Progress(source, quiet=values["quiet"] or values["as_json"]):
         text, shown = shown_page(

@@ -29,7 +29,7 @@ class Fault(Protocol):
     def as_json(self) -> dict[str, object]: ...
 
 
-def alike(faults: Iterable[Fault]) -> dict[str, list[Fault]]:
+def faults_by_text(faults: Iterable[Fault]) -> dict[str, list[Fault]]:
     """Faults by what is wrong, wherever it is, in their order."""
     found: dict[str, list[Fault]] = {}
     for fault in faults:

@@ -292,7 +292,7 @@ class Ik:
 
     def run(self, posed: PoseCache) -> None:
         """Move the limb's joints to where control and pole vector direct them."""
-        found = self.solved(posed, self.target(posed), self.place(posed), self.hand(posed))
+        found = self.solved(posed, self.target(posed), self.pole_position(posed), self.hand(posed))
         for node, parts in found.items():
             if node in self.fk:
                 parts = self.fk[node].moved(parts, posed.part(self.fk[node].own.control))
@@ -314,9 +314,9 @@ class Ik:
         """How the end is to be turned, (1 or f, 4), by its control."""
         return product(posed.turn(self.limb.holder), self.grip)
 
-    def place(self, posed: PoseCache) -> Floats:
+    def pole_position(self, posed: PoseCache) -> Floats:
         """Where the pole is, (1 or f, 3)."""
-        own = self._own_place(posed)
+        own = self._own_pole_position(posed)
         if self.rule is None:
             return own
         rule = weighted(self.rule, posed)
@@ -326,7 +326,7 @@ class Ik:
         found = constraint_pole(rule, drivers)
         return np.where(np.isfinite(found).all(axis=-1, keepdims=True), found, own)
 
-    def _own_place(self, posed: PoseCache) -> Floats:
+    def _own_pole_position(self, posed: PoseCache) -> Floats:
         """Where the pole is without a rule that moves it, (1 or f, 3)."""
         if self.limb.pole >= 0:
             return posed.world(self.limb.pole)[:, 3, :3]

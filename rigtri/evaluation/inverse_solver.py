@@ -305,7 +305,7 @@ def _limb(found: SolvedControls, ik: Ik, source: PoseCache, ruled: Collection[in
 def _bend(found: SolvedControls, ik: Ik, source: PoseCache, still: Collection[int]) -> Requests:
     """What the limb's FK controls hold below the solver, but for those that keep ``still``; its joints."""
     built = found.posed
-    solved = ik.solved(built, ik.target(built), ik.place(built), ik.hand(built))
+    solved = ik.solved(built, ik.target(built), ik.pole_position(built), ik.hand(built))
     turn = move = 0.0
     for node, parts in solved.items():
         if node in ik.fk:

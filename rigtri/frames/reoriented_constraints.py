@@ -55,7 +55,7 @@ _NONE = np.zeros(3)
 _REORIENTED = ("offsets", "joint_orient", "rest", "aim", "up", "world_up_vector", "roll_axis")
 
 
-def alike(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
+def coupled_nodes(rig: Rig, constraint: NodeConstraint) -> tuple[int, int] | None:
     """The two nodes that must take one delta, the leading one first; −1 is the world, which takes none."""
     if constraint.kind == "aim":
         return None
@@ -98,7 +98,7 @@ def broken(rig: Rig, delta: Floats) -> list[NodeConstraint]:
 
 
 def _keeps_alike(rig: Rig, constraint: NodeConstraint, delta: Floats) -> bool:
-    pair = alike(rig, constraint)
+    pair = coupled_nodes(rig, constraint)
     if pair is None:
         return True
     a, b = (delta[node] if node >= 0 else IDENTITY for node in pair)

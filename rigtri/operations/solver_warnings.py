@@ -126,7 +126,7 @@ def turned_at_rest(ik: Ik) -> float:
 
 def _limb(ik: Ik, posed: PoseCache, at: Moment) -> Iterator[Notice]:
     rig, limb = ik.rig, ik.limb
-    target, place = ik.target(posed), ik.place(posed)
+    target, place = ik.target(posed), ik.pole_position(posed)
     solved, lengths = ik.solve(posed, target, place), ik.lengths(posed)
     longest, shortest = lengths[0] + lengths[1], np.abs(lengths[0] - lengths[1])
     end = rig.title(limb.chain[2])

@@ -98,7 +98,7 @@ def test_they_bend_to_their_pole_and_do_not_roll(name: str) -> None:
             turned = [_turned(solver, posed, node) for node in limb.limb.chain[:2]]
             assert before is None or np.abs(np.subtract(turned, before)).max() < 6.0
             before = turned
-        pole = limb.place(posed)[0] - root
+        pole = limb.pole_position(posed)[0] - root
         line = (target - root) / np.linalg.norm(target - root)
         assert _bend(posed, limb) @ (pole - pole @ line * line) > 0.999 * np.linalg.norm(
             pole - pole @ line * line

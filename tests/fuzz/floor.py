@@ -43,7 +43,7 @@ def explains(document: Document) -> bool:
         return True
     for draw in range(DRAWS):
         found = self_check(document, _Shaken(document, np.random.default_rng(draw)))
-        if not found.shown <= ENOUGH:
+        if not found.largest_deviation <= ENOUGH:
             return True
     return False
 

@@ -35,7 +35,7 @@ def job(limb: Ik, posed: PoseCache) -> dict[str, object]:
     places = [
         rows(posed.world(limb.limb.chain[0])[:, 3, :3]),
         rows(posed.world(limb.limb.control)[:, 3, :3]),
-        rows(limb.place(posed)),
+        rows(limb.pole_position(posed)),
     ]
     told = [place.tolist() for place in places]
     words = ("root", "target", "pole")

@@ -173,7 +173,7 @@ def _ride(plan: Plan, node: int) -> str:
     return f"Ride on {plan.called(node)}" if node >= 0 else "Stay"
 
 
-def pole_place(plan: Plan, rule: Constraint) -> str:
+def pole_expression(plan: Plan, rule: Constraint) -> str:
     """What a rule makes the pole of a limb: the middle of points that ride on its drivers."""
     points = []
     for driver, offset, share in zip(rule.drivers, rule.offsets, plan.shares(rule), strict=True):

@@ -19,7 +19,7 @@ from rigtri.evaluation.solver import Solver, refuse_cycles
 from rigtri.evaluation.timelines import timelines
 from rigtri.evaluation.twist_joints import twist_joints
 from rigtri.export.blender.constraints import follow, left_out, twist
-from rigtri.export.blender.controls import controls, pole_place
+from rigtri.export.blender.controls import controls, pole_expression
 from rigtri.export.blender.plan import Plan, armature_of
 from rigtri.files.input_stream import opened
 from rigtri.formats import GLTF_SUFFIXES, ReadOptions, read
@@ -93,7 +93,9 @@ def planned(rig: Rig, report: Report) -> Plan:
     solver = Solver(rig)
     refuse_cycles(rig)
     plan = Plan(rig, solver.reference)
-    poles = {limb.limb.control: pole_place(plan, limb.rule) for limb in solver.limbs if limb.rule is not None}
+    poles = {
+        limb.limb.control: pole_expression(plan, limb.rule) for limb in solver.limbs if limb.rule is not None
+    }
     controls(plan, solver.limbs, poles, report)
     solved = {joint for limb in solver.limbs for joint in limb.limb.chain}
     for each in twist_joints(rig):

@@ -168,7 +168,7 @@ def _outlines(found: Sequence[Patch], window: Window) -> list[Floats]:
     corner = np.array([window.left, window.top])
 
     def flat(points: Floats) -> Floats:
-        cells: Floats = (window.place(points) - corner) / _CELL
+        cells: Floats = (window.on_sheet(points) - corner) / _CELL
         return cells
 
     loops = outline(found, flat, int(window.wide / _CELL) + 1, int(window.high / _CELL) + 1)

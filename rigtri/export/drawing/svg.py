@@ -54,7 +54,7 @@ def panel(
     parts += _joints(marks, seen)
     named = [mark for mark in marks if mark.form == "dot" and mark.name] if font else []
     named.sort(key=lambda mark: (not mark.crooked, -mark.size))
-    requests = [(shown(m.name), seen.places(m)[0], _radius(m, window) + 1.0) for m in named]
+    requests = [(printable(m.name), seen.places(m)[0], _radius(m, window) + 1.0) for m in named]
     busy = [seen.places(mark) for mark in marks if mark.form == "arrow"]
     placed = labels(requests, busy, (window.left, window.top, window.wide, window.high), font, longest)
     for label in placed:
@@ -84,7 +84,7 @@ class _Seen:
         points = np.concatenate([*(mark.points for mark in marks), np.zeros((0, 3))])
         ends = np.cumsum([len(mark.points) for mark in marks], dtype=np.int64).tolist()
         rows = {id(m): slice(end - len(m.points), end) for m, end in zip(marks, ends, strict=True)}
-        return _Seen(window, window.place(points), window.view.depth(points), rows)
+        return _Seen(window, window.on_sheet(points), window.view.depth(points), rows)
 
     def places(self, mark: Mark) -> Floats:
         return self.flat[self.rows[id(mark)]]
@@ -192,7 +192,7 @@ def _titled(element: str, description: str) -> str:
 
 
 def _title(description: str) -> str:
-    return f"<title>{escape(shown(description))}</title>" if description else ""
+    return f"<title>{escape(printable(description))}</title>" if description else ""
 
 
 def sheet(parts: Sequence[str], wide: int, high: int, description: str) -> str:
@@ -200,7 +200,7 @@ def sheet(parts: Sequence[str], wide: int, high: int, description: str) -> str:
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}" height="{high}" '
-            f'viewBox="0 0 {wide} {high}" role="img" aria-label={quoteattr(shown(description))}>',
+            f'viewBox="0 0 {wide} {high}" role="img" aria-label={quoteattr(printable(description))}>',
             f"<style>\n{css()}\n</style>",
             f'<rect class="paper" width="{wide}" height="{high}"/>',
             *parts,
@@ -214,13 +214,13 @@ def heading(lines: Sequence[tuple[str, str]], left: float, wide: float) -> Itera
     for row, (kind, text) in enumerate(lines):
         font = 16.0 if kind == "title" else 12.0
         # Bold letters are wider.
-        line, size = fitted(shown(text), font, (wide - 24.0) * (1.0 if kind == "words" else 0.92))
+        line, size = fitted(printable(text), font, (wide - 24.0) * (1.0 if kind == "words" else 0.92))
         style = f' style="font-size: {number(size)}px"' if size != font else ""
         where = f'x="{number(left + 16)}" y="{number(26 + 19 * row)}"'
         yield f'<text class="{kind}" {where}{style}>{escape(line)}</text>'
 
 
-def shown(text: str) -> str:
+def printable(text: str) -> str:
     """Text as a picture may hold it: what is no character to look at is a replacement."""
     return (
         text

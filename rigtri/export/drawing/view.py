@@ -105,7 +105,7 @@ class Window:
         scale = min(fits, default=1.0)
         return [Window(view, *place, 0.5 * (low + high), scale) for place in places]
 
-    def place(self, points: Floats) -> Floats:
+    def on_sheet(self, points: Floats) -> Floats:
         """Points of the world, (..., 3), on the sheet, (..., 2): right and down."""
         off = (self.view.flat(points) - self.middle) * self.scale
         return np.stack(

@@ -9,7 +9,7 @@ import numpy as np
 from rigtri.export.drawing.picture import gizmo, legend
 from rigtri.export.drawing.primitives import Kind, Mark
 from rigtri.export.drawing.scene import pole_arrow, triangle
-from rigtri.export.drawing.svg import heading, panel, sheet, shown
+from rigtri.export.drawing.svg import heading, panel, printable, sheet
 from rigtri.export.drawing.view import View, Window, direction
 from rigtri.export.explain.explain import Explanation
 from rigtri.maths.triangle import frame, hinge, pole_position
@@ -34,7 +34,7 @@ def picture(found: Explanation, *, view: str | None = None) -> str:
     points = [mark.points for mark in marks] or [found.points]
     (window,) = Window.around(points, seen, [(0.0, 64.0, float(_WIDE), _HIGH - 64.0)], 70.0)
     parts, _ = panel(marks, window, [], font=15.0, longest=_LONGEST)
-    a, b, c = (shown(name) for name in found.names)
+    a, b, c = (printable(name) for name in found.names)
     lines = [("title", f"{a} → {b} → {c}"), ("words", _words(found))]
     parts += heading(lines, 0.0, _WIDE)
     parts += [*legend(marks, _WIDE, _HIGH), *gizmo(seen, _HIGH)]

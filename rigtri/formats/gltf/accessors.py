@@ -275,7 +275,7 @@ class Accessors:
         start, length = view.natural("byteOffset", 0), view.natural("byteLength")
         stride = view.natural("byteStride", 0)
         # Where the same bytes are also there uncompressed, those are read.
-        if "extensions" in view.raw and self.buffers.place(buffer) == "none" and compression_of(view):
+        if "extensions" in view.raw and self.buffers.storage(buffer) == "none" and compression_of(view):
             return -1, 0, length, stride
         whole = self.buffers.length(buffer)
         if start + length > whole:

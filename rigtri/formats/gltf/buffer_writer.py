@@ -128,7 +128,7 @@ class Storage:
 
     def changeable(self, buffer: int) -> bool:
         """Whether a buffer of the file that was read is ours to change."""
-        return buffer < len(self._buffers) and self._buffers.place(buffer) in _OURS
+        return buffer < len(self._buffers) and self._buffers.storage(buffer) in _OURS
 
     def remove(self, buffer: int, spans: list[tuple[int, int]]) -> None:
         """Leave ranges of bytes, rising and apart, out of a buffer that is `changeable`."""
@@ -193,12 +193,12 @@ class Storage:
 
     def _place(self, index: int) -> str:
         if index < len(self._buffers):
-            return self._buffers.place(index)
+            return self._buffers.storage(index)
         return str(self._draft.gltf["buffers"][index].get("uri", "bin"))
 
     def _target_buffer(self) -> int:
         """The buffer that takes new data: one of ours if there is one, else a new one."""
-        places = [self._buffers.place(k) for k in range(len(self._buffers))]
+        places = [self._buffers.storage(k) for k in range(len(self._buffers))]
         names = [self._buffers.raw(k).get("name") for k in range(len(places))]
         if "bin" in places:
             return 0
@@ -283,7 +283,7 @@ def _free_accessors(gltf: dict[str, Any], accessors: Accessors) -> set[int]:
     """Accessors of plain float32 whose bytes lie where we may write and overlap nothing else."""
     raw, views = gltf.get("accessors", []), gltf.get("bufferViews", [])
     shared, buffers = used_views(gltf), accessors.buffers
-    ours = {buffer for buffer in range(len(buffers)) if buffers.place(buffer) in _OURS}
+    ours = {buffer for buffer in range(len(buffers)) if buffers.storage(buffer) in _OURS}
     spans: list[tuple[int, int, int, int]] = []
     for index in range(len(raw)):
         try:

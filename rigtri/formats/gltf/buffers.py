@@ -14,7 +14,7 @@ from rigtri.formats.gltf.uris import decode_data, file_of, is_data, is_file, is_
 from rigtri.formats.json_values import Value
 
 # Where a buffer lies: in the GLB, in its URI, in a file of ours, in a file of the user's, nowhere.
-Place = Literal["bin", "data", "own", "file", "none"]
+Storage = Literal["bin", "data", "own", "file", "none"]
 MESHOPT = ("KHR_meshopt_compression", "EXT_meshopt_compression")
 
 
@@ -32,7 +32,7 @@ class Buffers:
         self._lengths: dict[int, int] = {}
         self._undeployed: set[int] = set()
         for index, item in enumerate(self._items):
-            if self.place(index) in ("file", "own") and is_file(self.uri(index)):
+            if self.storage(index) in ("file", "own") and is_file(self.uri(index)):
                 path = self._path(index)
                 if not is_there(path) and _is_fallback(item):
                     self._undeployed.add(index)
@@ -48,7 +48,7 @@ class Buffers:
         lengths = [(a.get("byteLength"), b.get("byteLength")) for a, b in pairs]
         return (
             len(pairs) == len(others)
-            and all(self.place(k) == others.place(k) for k in range(len(pairs)))
+            and all(self.storage(k) == others.storage(k) for k in range(len(pairs)))
             and all(type(a) is type(b) is int and a >= b for a, b in lengths)
         )
 
@@ -57,7 +57,7 @@ class Buffers:
         uri = self._items[index].get("uri")
         return "" if uri is None else uri.text()
 
-    def place(self, index: int) -> Place:
+    def storage(self, index: int) -> Storage:
         """Where the bytes of a buffer lie."""
         uri = self.uri(index)
         if index in self._undeployed:
@@ -80,7 +80,7 @@ class Buffers:
         if index not in self._lengths:
             item = self._items[index]
             length = item.need("byteLength").count()
-            file = self.place(index) in ("file", "own")
+            file = self.storage(index) in ("file", "own")
             if (self._path(index).stat().st_size if file else len(self.content(index))) < length:
                 self.content(index)
             self._lengths[index] = length
@@ -93,7 +93,7 @@ class Buffers:
                 content.obj.forget()
 
     def _fetch(self, index: int) -> memoryview:
-        item, place = self._items[index], self.place(index)
+        item, place = self._items[index], self.storage(index)
         length = item.need("byteLength").count()
         if place == "bin" and self._container.binary is not None:
             content = self._container.binary

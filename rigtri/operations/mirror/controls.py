@@ -19,11 +19,11 @@ from rigtri.operations.control_frames import stored_style
 from rigtri.operations.mirror.counterparts import (
     ALIKE,
     NotMirroredError,
-    alike,
     existing_twin_record,
     mirror_each,
     of_side,
     other,
+    same_values,
     size_of,
     twin_name,
 )
@@ -147,7 +147,7 @@ def _edited(rig: Rig, control: int, found: int, options: MirrorOptions, posed: l
     here, there = (unposed(rig, int(rig.parents[node])) for node in (control, found))
     across = multiply(multiply(there, options.across.matrix), inverse(here))
     place = multiply(multiply(across, own), inverse(across))
-    if not alike(place.ravel().tolist(), rig.local[found].ravel().tolist(), size_of(rig)):
+    if not same_values(place.ravel().tolist(), rig.local[found].ravel().tolist(), size_of(rig)):
         posed.append(rig.title(found))
     return stand_local(rig, found, place)
 

@@ -198,17 +198,17 @@ def direction(rig: Rig, here: int, there: int, own: Iterable[float], options: Mi
     return triple(np.where(np.abs(found - whole) < ALIKE, whole, found) + 0.0)
 
 
-def alike(one: Any, other_one: Any, size: float) -> bool:
+def same_values(one: Any, other_one: Any, size: float) -> bool:
     """Whether two records' values, or parts of them, are the same but for rounding; ``size``: of the rig."""
     if isinstance(one, Mapping) and isinstance(other_one, Mapping):
-        return one.keys() == other_one.keys() and all(alike(one[k], other_one[k], size) for k in one)
+        return one.keys() == other_one.keys() and all(same_values(one[k], other_one[k], size) for k in one)
     if isinstance(one, list | tuple) and isinstance(other_one, list | tuple):
         if len(one) != len(other_one):
             return False
         numbers = all(isinstance(x, float | int) for x in (*one, *other_one))
         if numbers and one and len(one) % 16 == 0:
             return _matrices_alike(np.array(one, float), np.array(other_one, float), size)
-        return all(alike(a, b, size) for a, b in zip(one, other_one, strict=True))
+        return all(same_values(a, b, size) for a, b in zip(one, other_one, strict=True))
     number = isinstance(one, float | int) and isinstance(other_one, float | int)
     if number and not isinstance(one, bool):
         return bool(abs(one - other_one) <= ALIKE * max(1.0, abs(one)))

@@ -11,10 +11,10 @@ from rigtri.model.metadata import Triple, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.add_twist.twist import NAME, AddTwistOptions, add_twist
 from rigtri.operations.mirror.counterparts import (
-    alike,
     direction,
     mirror_each,
     of_side,
+    same_values,
     twin_address,
     twin_name,
     twin_record,
@@ -78,7 +78,7 @@ def _same_twist(rig: Rig, record: TwistRecord, there: int | None, axis: Triple |
         return False
     own = rig.records(TwistRecord)[there]
     expected = replace(expected, axis=axis, rest=own.rest, standing=own.standing)
-    return alike(expected.to_dict(), own.to_dict(), 1.0)
+    return same_values(expected.to_dict(), own.to_dict(), 1.0)
 
 
 def _named_as_twins(rig: Rig, new: Mapping[int, int], bone: tuple[str, str], report: Report) -> Rig:

@@ -15,7 +15,7 @@ import numpy as np
 
 from rigtri.errors import GeometryError
 from rigtri.frames.nonuniform_scale import ScaleTable
-from rigtri.frames.reoriented_constraints import alike, axes_compared, axis_fits, axis_straightened
+from rigtri.frames.reoriented_constraints import axes_compared, axis_fits, axis_straightened, coupled_nodes
 from rigtri.maths.quaternions import IDENTITY, angle_between, rotates, to_axes
 from rigtri.maths.trigonometry import Floats
 from rigtri.model.bindings import NodeConstraint
@@ -57,7 +57,7 @@ def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
 
     led = set()
     for constraint in constraints:
-        pair = alike(rig, constraint)
+        pair = coupled_nodes(rig, constraint)
         if pair is not None:
             top[find(pair[1])] = find(pair[0])
             led.add(pair[1])
@@ -70,7 +70,7 @@ def bonds(rig: Rig, ties: Sequence[NodeConstraint] = ()) -> list[Bond]:
         if node not in led:
             bond.tops.append(node)
     for constraint in constraints:
-        pair = alike(rig, constraint)
+        pair = coupled_nodes(rig, constraint)
         tops = {find(pair[1])} if pair is not None else set()
         tops |= {find(constraint.node)} if constraint.axis.any() else set()
         for one in tops:

@@ -39,7 +39,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import key_values
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.bind_axes import BoundAxes, median_ratio
-from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, most_apart, world_turns
+from rigtri.operations.take_clips.bind_space import MOST_DEGREES, SHORT, largest_angle, world_turns
 from rigtri.operations.take_clips.node_matching import pairs
 
 
@@ -117,7 +117,7 @@ class Counterparts:
         if float(np.abs(turn - nearest).max()) > SAME_TURN:
             return upright
         # Spaces of bind poses are free: that the world lies must show in it, too.
-        if self.stands(nearest) or most_apart(*self._directions, nearest) <= MOST_DEGREES:
+        if self.stands(nearest) or largest_angle(*self._directions, nearest) <= MOST_DEGREES:
             return nearest
         return upright
 
@@ -135,9 +135,9 @@ class Counterparts:
         """
         upright = upright_turn(self.other.rules.up, self.rig.rules.up)
         ours, theirs = self._directions
-        if not len(ours) or most_apart(ours, theirs, upright) <= MOST_DEGREES:
+        if not len(ours) or largest_angle(ours, theirs, upright) <= MOST_DEGREES:
             return upright
-        off = [most_apart(ours, theirs, turn) for turn in AXIS_TURNS]
+        off = [largest_angle(ours, theirs, turn) for turn in AXIS_TURNS]
         turn = AXIS_TURNS[int(np.argmin(off))]
         with_axes = np.abs(turn - self._bare_axes).max() <= SAME_TURN
         return turn if min(off) <= MOST_DEGREES and (with_axes or not self.stands(turn)) else upright
@@ -162,7 +162,7 @@ class Counterparts:
         ours, theirs = self._long(
             self.rig.local[bones, 3, :3], self.other.local[[self.of[n] for n in bones], 3, :3]
         )
-        off = [most_apart(ours, theirs, turn) for turn in AXIS_TURNS] if len(ours) else [0.0]
+        off = [largest_angle(ours, theirs, turn) for turn in AXIS_TURNS] if len(ours) else [0.0]
         best = int(np.argmin(off))
         return np.asarray(AXIS_TURNS[best if off[best] <= MOST_DEGREES < off[0] else 0])
 

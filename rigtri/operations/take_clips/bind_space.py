@@ -17,7 +17,7 @@ SHORT = 1e-2
 MOST_DEGREES = 5.0
 
 
-def most_apart(ours: Floats, theirs: Floats, turn: Floats) -> float:
+def largest_angle(ours: Floats, theirs: Floats, turn: Floats) -> float:
     """The largest angle, in degrees, between directions, (k, 3), and others that are turned by (3, 3)."""
     seen = transform_directions(theirs, from_frame(turn, np.zeros(3)))
     return float(np.degrees(angle(ours, seen)).max(initial=0.0))

@@ -13,7 +13,7 @@ from rigtri.model.animation import Track, key_values
 from rigtri.model.metadata import PoseReaderRecord, RivetRecord, TwistRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.axis_mapping import Counterparts
-from rigtri.operations.take_clips.node_matching import why_apart
+from rigtri.operations.take_clips.node_matching import why_unmatched
 from rigtri.report import Report
 from rigtri.text import and_more
 
@@ -27,7 +27,7 @@ def why_nothing_matches(rig: Rig, edited: Rig) -> str:
     if nameless:
         return (
             f"The nodes of {' and '.join(nameless)} have no names, and their positions do not show "
-            f"which is which: {why_apart(rig, edited)}. Give the nodes names before you edit the file"
+            f"which is which: {why_unmatched(rig, edited)}. Give the nodes names before you edit the file"
         )
     return (
         f"No node of EDITED has the name of one of RIG: there are {list_names(edited.names)} and "

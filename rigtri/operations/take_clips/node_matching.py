@@ -138,7 +138,7 @@ def _described(
     return found
 
 
-def why_apart(rig: Rig, other: Rig) -> str:
+def why_unmatched(rig: Rig, other: Rig) -> str:
     """Why nodes without names cannot be matched by position; empty where they can."""
     if len(rig) != len(other):
         return f"RIG has {len(rig)} nodes and EDITED {len(other)}"
@@ -170,7 +170,7 @@ def _by_place(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]:
     """The nodes without a name in one of two files that are built alike, node by node."""
     left = [node for node in range(len(rig)) if node not in found and node < len(other)]
     left = [node for node in left if not (rig.names[node] and other.names[node])]
-    if not left or any(node != theirs for node, theirs in found.items()) or why_apart(rig, other):
+    if not left or any(node != theirs for node, theirs in found.items()) or why_unmatched(rig, other):
         return {}
     return {node: node for node in left}
 

@@ -13,7 +13,7 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from rigtri.errors import FileError, RigtriError, alike, error_kind
+from rigtri.errors import FileError, RigtriError, error_kind, faults_by_text
 from rigtri.files.staged_output import StagedOutput
 from rigtri.files.temp_dirs import adopt
 from rigtri.files.temp_dirs import folder as temporary
@@ -231,7 +231,7 @@ def _warnings(report: Report) -> tuple[dict[str, Any], ...]:
 def _refused(error: RigtriError | OSError, report: Report) -> Record:
     if isinstance(error, RigtriError):
         # What is wrong in several places of a spec is one reason.
-        text = "; ".join(str(first) for first, *_ in alike(error.faults).values()) or str(error)
+        text = "; ".join(str(first) for first, *_ in faults_by_text(error.faults).values()) or str(error)
         return Record("error", error_kind(error), text, error.exit_code, warnings=_warnings(report))
     text = f"{error.filename or 'the output'}: {error.strerror or error}"
     return Record("error", "file", text, 3, warnings=_warnings(report))

@@ -80,7 +80,7 @@ def _mode(path: Path) -> str:
     return "mode=ro" if log.is_file() and log.stat().st_size > 0 else "mode=ro&immutable=1"
 
 
-def place(path: Path, shard: Shard | None) -> Path:
+def manifest_path(path: Path, shard: Shard | None) -> Path:
     """Where the manifest of a part of a batch is: each has its own, for machines cannot share one."""
     if shard is None or shard.count == 1:
         return path

@@ -63,7 +63,7 @@ def check(
     _try_stores(entries)
 
 
-def check_apart(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequence[Path]) -> None:
+def check_nothing_lost(entries: Sequence[Entry], kept: Mapping[str, Path], needed: Sequence[Path]) -> None:
     """UsageError where what a batch writes would take the place of a file that it needs.
 
     kept: what it writes besides outputs, by the option that names it. needed: what it reads besides inputs.

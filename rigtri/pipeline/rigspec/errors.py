@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rigtri.errors import UsageError, alike
+from rigtri.errors import UsageError, faults_by_text
 from rigtri.model.dataclass import dataclass
 
 
@@ -53,16 +53,16 @@ class SpecError(UsageError):
         self.exit_code = exit_code
         # One fault is the error itself.
         self.faults: tuple[Fault, ...] = found if len(found) > 1 else ()
-        count = len(alike(found))
+        count = len(faults_by_text(found))
         many = f"{', '.join(files)}: {count} fault{'s' if count > 1 else ''} in the spec"
         super().__init__(many if self.faults else str(found[0]))
 
 
 def _each_once(faults: Sequence[Fault]) -> Iterator[Fault]:
     """Each fault once: what several words of braces have in common is reported for the step."""
-    alike: dict[tuple[Place, str, str], list[str]] = {}
+    together: dict[tuple[Place, str, str], list[str]] = {}
     for fault in faults:
         step = fault.where.rpartition(", ")[0] or fault.where
-        alike.setdefault((fault.place, fault.text, step), []).append(fault.where)
-    for (place, text, step), where in alike.items():
+        together.setdefault((fault.place, fault.text, step), []).append(fault.where)
+    for (place, text, step), where in together.items():
         yield Fault(place, where[0] if len(set(where)) == 1 else f"{step})", text)

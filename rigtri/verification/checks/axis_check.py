@@ -37,7 +37,7 @@ from rigtri.recognition.limb_bends import LimbBends
 from rigtri.recognition.limbs import recognise as recognised
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
-from rigtri.verification.checks.cycle_check import place_of
+from rigtri.verification.checks.cycle_check import title_and_pointer
 from rigtri.verification.checks.findings import Findings
 
 # No hand and no body has fewer joints.
@@ -65,7 +65,7 @@ def check_axes(rig: Rig, findings: Findings) -> None:
     """Note the axes of a rig's characters that make no sense."""
     with suppress(RigtriError):  # of a rig that cannot be judged there are other findings
         for rule, node, text in axis_findings(rig):
-            findings.add(rule, *place_of(rig, node), text)
+            findings.add(rule, *title_and_pointer(rig, node), text)
 
 
 def axis_findings(rig: Rig) -> Iterator[Found]:

@@ -7,7 +7,7 @@ import numpy as np
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
-from rigtri.verification.checks.cycle_check import place_of
+from rigtri.verification.checks.cycle_check import title_and_pointer
 from rigtri.verification.checks.findings import Findings
 
 # So many times the size of the model away, or as large, float32 has one number left for all of its points.
@@ -28,7 +28,7 @@ def check_clips(rig: Rig, findings: Findings) -> None:
             if unit > 0 and (key := _first_far(track, FAR * unit)) is not None:
                 words = f"key {key} of '{clip.name}' has a {track.path} of {_largest(track)[key]:g}"
                 beside = f", and the skeleton is {size:g} large" if track.path == "translation" else ""
-                findings.add("clips.far", *place_of(rig, track.node), words + beside)
+                findings.add("clips.far", *title_and_pointer(rig, track.node), words + beside)
 
 
 def _largest(track: Track) -> np.ndarray:

@@ -22,12 +22,12 @@ def check_cycles(rig: Rig, rule: str, findings: Findings) -> None:
     except ControlCycleError as error:
         noted = [node for node in error.nodes if node in rig.metadata]
         node = next((n for n in noted if rig.type_of(n) in WAITING), [*noted, *error.nodes][0])
-        findings.add(rule, *place_of(rig, node), error.path)
+        findings.add(rule, *title_and_pointer(rig, node), error.path)
     except RigtriError:
         return
 
 
-def place_of(rig: Rig, node: int) -> tuple[str, str]:
+def title_and_pointer(rig: Rig, node: int) -> tuple[str, str]:
     """What to call a node, and where the file has it."""
     key = rig.keys[node]
     if isinstance(key, int):

@@ -24,7 +24,7 @@ from rigtri.recognition.layout_output import direction_text
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Severity
 from rigtri.verification import Profile
-from rigtri.verification.checks.cycle_check import place_of
+from rigtri.verification.checks.cycle_check import title_and_pointer
 from rigtri.verification.checks.findings import Findings
 
 PROFILES: tuple[Profile, ...] = get_args(Profile)
@@ -147,7 +147,7 @@ PROFILE_RULES: Mapping[str, Rule] = {
 def check_profile(rig: Rig, profile: Profile, findings: Findings) -> None:
     """Note what an engine asks for and a rig does not have."""
     for rule, node, text in _found(rig, _ENGINES[profile]):
-        place = place_of(rig, node) if node >= 0 else ("file", "")
+        place = title_and_pointer(rig, node) if node >= 0 else ("file", "")
         findings.add(f"profile.{rule}", *place, text)
 
 

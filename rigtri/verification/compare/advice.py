@@ -29,17 +29,17 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
     """
     if result.lost or result.different:
         return ""
-    allow = f"allow more with --tolerance {_rounded_up(result.shown):g}"
+    allow = f"allow more with --tolerance {_rounded_up(result.largest_deviation):g}"
     if after.pending.joint_merges or after.pending.weight_limit is not None:
         return f" Other weights move the skin: {allow}"
-    if rough := rough_scales(before, after, result.shown):
+    if rough := rough_scales(before, after, result.largest_deviation):
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
             f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale (freeze: --above), "
             f"or {allow}"
         )
-    if not result.shown < 10 * tolerance:
+    if not result.largest_deviation < 10 * tolerance:
         return why_far(before, result)
     noisy = nearly_uniform(before, after, tolerance)
     if noisy:
@@ -75,7 +75,7 @@ def why_far(rig: Rig, result: Comparison) -> str:
                 largest = moves
                 found = f" The {track.path} of '{rig.title(track.node)}' in clip '{clip.name}' is {value:.2g}"
     # The rounding of ordinary numbers is nothing to remove keys for, however small the tolerance.
-    if not largest >= max(_NEAR * result.shown, TOLERANCE):
+    if not largest >= max(_NEAR * result.largest_deviation, TOLERANCE):
         return ""
     return (
         f"{found}: the float32 of the file rounds what they move by {largest:.1g} sizes. Remove those "

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rigtri.frames.reoriented_constraints import alike, constraints_from_metadata
+from rigtri.frames.reoriented_constraints import constraints_from_metadata, coupled_nodes
 from rigtri.maths.matrices import nearest_rotation
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
@@ -108,7 +108,7 @@ def _axis_kept(c: NodeConstraint, now: NodeConstraint, axes: tuple[Floats, Float
 
 
 def _turn_alike(before: Rig, c: NodeConstraint, m: Correspondence, axes: tuple[Floats, Floats]) -> bool:
-    pair = alike(before, c)
+    pair = coupled_nodes(before, c)
     if pair is None:
         return True
     first, second = (

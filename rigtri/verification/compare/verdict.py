@@ -112,7 +112,7 @@ class Comparison:
     motion: Motion | None = None
 
     @property
-    def shown(self) -> float:
+    def largest_deviation(self) -> float:
         """The largest deviation in any viewer that reads the file as its format specifies."""
         worse = not self.deviation >= self.raw_deviation  # also where the latter is not a number
         return self.raw_deviation if self.raw_counts and worse else self.deviation
@@ -130,7 +130,7 @@ class Comparison:
 
     def passes(self, tolerance: float = TOLERANCE) -> bool:
         """Whether both look the same: nothing lost or different and no deviation above ``tolerance``."""
-        return not self.lost and not self.different and self.shown <= tolerance
+        return not self.lost and not self.different and self.largest_deviation <= tolerance
 
     def as_json(self) -> dict[str, Any]:
         """For machines; a deviation that is not a number, or was not measured, is null."""
@@ -169,20 +169,20 @@ class Comparison:
             for label, found in (("lost", self.lost), ("different", self.different))
             if found
         ]
-        if differences and self.shown == 0:
+        if differences and self.largest_deviation == 0:
             still = "what both have does not move" if self.poses else "no pose was compared"
             return "; ".join([*differences, still])
         start = (
             "largest vertex movement" if self.motion is None else "largest deviation from the intended result"
         )
-        line = f"{start}: {self.shown:.2g} of the model's size"
+        line = f"{start}: {self.largest_deviation:.2g} of the model's size"
         if tolerance is not None:
             line += f" (limit {tolerance:g})"
         if self.identical:
             line += "; everything that was in the file is unchanged"
         if self.worst is not None and self.deviation > 0:
             line += f"; at {self.worst}"
-        if self.denormalisation > VISIBLY_NON_UNIT or self.shown > max(self.deviation, TOLERANCE):
+        if self.denormalisation > VISIBLY_NON_UNIT or self.largest_deviation > max(self.deviation, TOLERANCE):
             line += (
                 f"; rotations as stored: {self.raw_deviation:.2g}, off unit length "
                 f"by {self.denormalisation:.2g}"

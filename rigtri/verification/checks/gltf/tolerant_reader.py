@@ -320,7 +320,7 @@ class View:
         gltf = Value({"buffers": self._usable()}, f"{self.container.path}:")
         try:
             buffers = Buffers(gltf, self.container, allow_external=True)
-            if buffers.place(index) != "none" or self._is_needed(index):
+            if buffers.storage(index) != "none" or self._is_needed(index):
                 buffers.content(index)
         except FileError as error:
             text = _words(error, f"{self.container.path}").removeprefix(f"buffers[{index}]").lstrip(".: ")
