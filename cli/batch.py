@@ -29,7 +29,7 @@ from . import INTERRUPTED, batch_engine, batch_job, failures
 from .batch_messages import Files, opened_log, print_selection, print_summary
 from .build import assigned, set_option, spec_option, spec_strict_option, spec_tolerance_option
 from .help_format import Command, option
-from .option_types import Bytes, FilePath
+from .option_types import Bytes, FilePath, Integer
 from .options import dry_run_option, json_option, quiet_option, shared
 from .progress import Progress
 from .terminal_text import plain
@@ -94,7 +94,7 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
     group="output",
     rare=True,
 )
-@option("-j", "--jobs", type=click.IntRange(1, 1024), help="Number of processes. [one per core]", group="how")
+@option("-j", "--jobs", type=Integer(1, 1024), help="Number of processes. [one per core]", group="how")
 @option(
     "--timeout",
     type=click.FloatRange(0, min_open=True),
@@ -135,7 +135,7 @@ CONVERTED = ("usda", "usdc", "usdz", "glb", "gltf")
 @option("--fail-fast", is_flag=True, help="Start no other file when one has failed.", group="safety")
 @option(
     "--max-errors",
-    type=click.IntRange(0),
+    type=Integer(0),
     metavar="N",
     help="Start no other file when more than N have failed.",
     group="safety",

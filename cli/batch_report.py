@@ -17,7 +17,7 @@ from typing import Any
 import click
 
 from .help_format import Command, option
-from .option_types import FilePath, Tolerance
+from .option_types import FilePath, Integer, Tolerance
 from .options import json_option
 from .printing import print_json
 from .terminal_text import counted, plain
@@ -27,7 +27,7 @@ from .terminal_text import counted, plain
 @click.argument("manifests", metavar="MANIFEST…", nargs=-1, required=True, type=FilePath())
 @option(
     "--most",
-    type=click.IntRange(1),
+    type=Integer(1),
     default=10,
     show_default=True,
     help="How many of each kind are listed.",

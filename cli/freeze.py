@@ -1,8 +1,8 @@
 """rigtri freeze
 
-Positions, inverse bind matrices and keys take up the scale of joints and of everything above them, which
-becomes 1, and the rotation above joints, which is removed. Vertices, cameras and lights keep their
-numbers. Without options both are frozen.
+The scale of joints and of everything above them becomes 1, and the rotation above joints is removed.
+Positions, inverse bind matrices and keys change to match. Vertices, cameras and lights keep their numbers.
+Without options both are frozen.
 
 \b
 Examples:

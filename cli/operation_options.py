@@ -12,7 +12,7 @@ from rigtri.model.options import Kind, options_of
 from rigtri.model.options import Option as Declared
 
 from .help_format import Option
-from .option_types import FilePath, Number, Parsed, Tolerance
+from .option_types import FilePath, Integer, Number, Parsed, Tolerance
 
 
 def click_options(declared: type) -> list[Option]:
@@ -74,7 +74,7 @@ def _number(item: type, kind: Kind | None) -> Any:
     if kind is not None and (kind.low, kind.high) != (None, None):
         bounds = {"min": kind.low, "max": kind.high, "min_open": kind.low_open, "max_open": kind.high_open}
     if item is int:
-        return click.IntRange(**bounds) if bounds else click.INT
+        return Integer(**bounds) if bounds else click.INT
     return Number(**bounds)
 
 

@@ -47,6 +47,12 @@ class Number(click.FloatRange):
         return number
 
 
+class Integer(click.IntRange):
+    """A whole number within bounds as click.IntRange has them."""
+
+    name = "integer"
+
+
 class Parsed(ParamType):
     """What a function makes of a word; ValueError for words that it refuses."""
 

@@ -15,7 +15,7 @@ from rigtri.model.rig import Rig
 NOTHING = 1e-6
 
 
-def size_of(rig: Rig) -> float:
+def skeleton_size(rig: Rig) -> float:
     """The diagonal of the box of the joints at rest, of all nodes where there are none, in file units."""
     points = rig.world[rig.is_joint, 3, :3] if rig.is_joint.any() else rig.world[:, 3, :3]
     points = points[np.isfinite(points).all(axis=1)]

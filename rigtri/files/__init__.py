@@ -4,5 +4,5 @@
 `background_copy` copies large files meanwhile, `temp_dirs` has temporary folders that are gone with their
 process, `worker_process` a child that may crash, `import_path` where children look for modules,
 `input_stream` and `text_files` open what users name.
-Nothing here knows a rig or a format, and nothing is imported from other rooms but errors.
+Nothing here knows a rig or a format; of other packages it imports errors and printable text alone.
 """

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, steps_only, times_and_jumps
@@ -139,7 +139,7 @@ def turned(rig: Rig, clip: Clip, hips: int, root: int, options: RootMotionOption
     if options.mode == "extract":
         _refuse_shear(rig, root, up)
     if not holds:
-        size = size_of(rig)
+        size = skeleton_size(rig)
 
         def error(values: Floats, left: Floats, right: Floats, share: Floats, _times: Floats) -> Floats:
             place, turn = _hips(values, rig.scale[root])

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rigtri.errors import UsageError
-from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import locals_at, worlds
 from rigtri.evaluation.timelines import (
@@ -116,7 +116,7 @@ def _placed(rig: Rig, name: str, parent: int, leader: int, place: Floats, report
             f"Another node has the name {name}, and is not a child of '{rig.title(parent)}': rename it"
         )
     if known:
-        node, made = known[0], stood(rig, known[0], place[:3], place[3:], size_of(rig))
+        node, made = known[0], stood(rig, known[0], place[:3], place[3:], skeleton_size(rig))
         if made is rig:
             return rig, node
         report.rekeyed = True
@@ -165,8 +165,8 @@ def _follow(rig: Rig, timeline: Timeline, followers: Sequence[_Follower]) -> boo
     world = worlds(rig, locals_at(rig, timeline.clip, times))
     one, other = world[:, nodes], world[:, leaders]
     turned = angle_between(*(from_axes(orthonormal_axes(each)) for each in (one, other)))
-    off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * size_of(rig) * turned
-    return bool(off.max() <= 2.0 * _WITHIN * size_of(rig))
+    off = length(one[..., 3, :3] - other[..., 3, :3]) + _ARM * skeleton_size(rig) * turned
+    return bool(off.max() <= 2.0 * _WITHIN * skeleton_size(rig))
 
 
 def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: int) -> list[Track]:
@@ -178,7 +178,7 @@ def _tracks(rig: Rig, timeline: Timeline, followers: Sequence[_Follower], root: 
     tracks = tuple(track for track in timeline.clip.tracks if track.node in line and track.path != "weights")
     if not tracks:
         return []
-    moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), size_of(rig)
+    moving, size = replace(timeline, clip=Clip(timeline.clip.name, tracks)), skeleton_size(rig)
 
     def seats(times: Floats) -> Floats:
         world = worlds(rig, locals_at(rig, moving.clip, times))

@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, pose_at, size_of
+from rigtri.evaluation.active_controls import (
+    NOTHING,
+    controls_with_keys,
+    moved_at_rest,
+    pose_at,
+    skeleton_size,
+)
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import sample
@@ -40,8 +46,8 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
     if report is not None and timeline is not None:
         warn_outside_clip(timeline, time, report)
     if not options.evaluate:
-        return pose_at(rig, timeline, time, size=size_of(rig), evaluate=False)
-    at_work = controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+        return pose_at(rig, timeline, time, size=skeleton_size(rig), evaluate=False)
+    at_work = controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
     solver = Solver(rig, at_work)
     posed = solver.run({} if timeline is None else sample_parts(rig, timeline.clip, np.array([time])))
     if report is not None:
@@ -117,7 +123,7 @@ def take_pose(rig: Rig, *, options: PoseOptions, report: Report) -> Rig:
         if not all(np.isfinite(each).all() for each in now):
             raise GeometryError(f"'{rig.title(node)}' has no finite position in {options.at}")
     timeline, time = timeline_and_time(rig, options.at)
-    taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * size_of(rig)))
+    taken, moved = at_rest(rig, parts, np.full(len(rig), 0.1 * NOTHING * skeleton_size(rig)))
     weights = _morphed(rig, timeline, time)
     report.added.append({"type": "pose", "at": options.at, "nodes": len(moved), "morphs": len(weights)})
     report.reposed |= bool(moved or weights)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sample
 from rigtri.evaluation.timelines import Timeline, steps_only, times_and_jumps
@@ -32,7 +32,7 @@ def besides(rig: Rig, hips: int, root: int) -> tuple[list[int], list[int]]:
     going, found = [root], list[int]()
     moving = {t.node for clip in rig.clips for t in clip.tracks if t.path != "weights" and not rests(t, rig)}
     for child in rig.children[root]:
-        apart = np.abs(rig.local[child] - np.eye(4)).max(axis=1) * (1.0, 1.0, 1.0, 1.0 / size_of(rig))
+        apart = np.abs(rig.local[child] - np.eye(4)).max(axis=1) * (1.0, 1.0, 1.0, 1.0 / skeleton_size(rig))
         group = rig.names[child] in _GROUPS and child not in moving and apart.max() <= _SAME
         going += [child] if group else []
         found += rig.children[child] if group else [child]
@@ -81,7 +81,7 @@ def _sampled(
     old = _driving(clip, node)
     moving = Timeline(Clip(clip.name, (*old.values(), *was.values(), *now.values())), (0,))
     hips = next(iter(now.values())).node
-    size = size_of(rig)
+    size = skeleton_size(rig)
 
     def value(tracks: dict[Path, Track], of: int, path: Path, times: Floats) -> Floats:
         if path in tracks:

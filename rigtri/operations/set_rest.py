@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING, size_of
+from rigtri.evaluation.active_controls import NOTHING, skeleton_size
 from rigtri.evaluation.bind_pose import placed_bind_worlds
 from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.maths.matrices import local, multiply
@@ -65,7 +65,7 @@ def set_rest(rig: Rig, *, options: SetRestOptions, report: Report) -> Rig:
 
 def _least(rig: Rig) -> Floats:
     """By how much joints that move do so, (n,)."""
-    return np.full(len(rig), 0.1 * NOTHING * size_of(rig))
+    return np.full(len(rig), 0.1 * NOTHING * skeleton_size(rig))
 
 
 def _target(rig: Rig, options: SetRestOptions, report: Report) -> dict[int, Parts]:
@@ -123,7 +123,7 @@ def _differs(rig: Rig, node: int, part: Parts, uneven: float) -> bool:
     place = float(np.abs(was.translation - part.translation).max())
     size = float(np.abs(was.scale - part.scale).max())
     turn = float(angle_between(was.rotation, part.rotation)[0])
-    far = max(size_of(rig), float(np.abs(was.translation).max()))
+    far = max(skeleton_size(rig), float(np.abs(was.translation).max()))
     least = SAME + uneven
     return place > least * far or turn > least or size > least * float(np.abs(was.scale).max())
 

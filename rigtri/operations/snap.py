@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, size_of
+from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.ik import Ik
@@ -129,7 +129,9 @@ class _Limb:
             if self.to == "fk" and was_ik:
                 zero = Parts(np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]), np.ones((1, 3)))
                 channels |= dict.fromkeys((ik.limb.control, *pivots), zero)
-            rig, _ = at_rest(self.rig, channels, np.full(len(self.rig), 0.1 * NOTHING * size_of(self.rig)))
+            rig, _ = at_rest(
+                self.rig, channels, np.full(len(self.rig), 0.1 * NOTHING * skeleton_size(self.rig))
+            )
         elif already:
             rig = self._set(channels)
         else:
@@ -154,7 +156,7 @@ class _Limb:
 
     def _at_work(self, rig: Rig) -> frozenset[int]:
         timeline = self._now(rig)
-        return controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, size_of(rig))
+        return controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
 
     def _now(self, rig: Rig) -> Timeline | None:
         """The timeline, with the tracks that a later state of the rig has in it."""
@@ -232,7 +234,7 @@ class _Limb:
         timeline = self._now(self.rig)
         assert timeline is not None
         now = PoseCache(self.rig, sample_parts(self.rig, timeline.clip, self.times))
-        size = size_of(self.rig)
+        size = skeleton_size(self.rig)
         if all(_alike(now.part(node), parts, size) for node, parts in channels.items()):
             return self.rig
         clips, target = list(self.rig.clips), _channel_values(channels)
@@ -321,7 +323,7 @@ class _Limb:
         for joint in joints:
             apart = length(after.world(joint)[:, 3, :3] - before.world(joint)[:, 3, :3])
             far = max(far, float(np.nan_to_num(apart).max()))
-        return far / size_of(solvers[1].rig)
+        return far / skeleton_size(solvers[1].rig)
 
 
 def _joints_moved(rig: Rig, changed: Collection[int], solvers: Iterable[Solver]) -> list[int]:

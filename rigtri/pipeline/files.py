@@ -8,11 +8,11 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from rigtri import formats
 from rigtri.errors import UsageError
 from rigtri.files import temp_dirs
 from rigtri.files.input_stream import opened
 from rigtri.formats import Document, ReadOptions
+from rigtri.formats import read as read_document
 from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
@@ -55,7 +55,7 @@ def read(path: Path | str, options: ReadOptions | None = None) -> Rig:
     """
     options = options or ReadOptions()
     with opened(path) as place:
-        return known(formats.read(place, options), place, options)
+        return known(read_document(place, options), place, options)
 
 
 def known(document: Document, path: Path, options: ReadOptions, content: bytes | None = None) -> Rig:
@@ -148,6 +148,6 @@ def verify(
 def _source(file: Path | str | Source, options: ReadOptions | None) -> Iterator[Source]:
     if isinstance(file, Path | str):
         with opened(file) as place:
-            yield formats.read(place, options or ReadOptions())
+            yield read_document(place, options or ReadOptions())
     else:
         yield file

@@ -18,7 +18,7 @@ from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
 from program import cli
 
 import rigtri
-from rigtri.evaluation.active_controls import controls_with_keys, size_of
+from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
@@ -273,7 +273,7 @@ def test_one_edit_in_blender_comes_home_by_the_documented_commands(
         told += cli(*line, code=0).stderr
     assert "motion differs from IN by up to 0.4" not in told
     edited = rig.find("hand_L_ik_ctl")
-    size = size_of(rig)
+    size = skeleton_size(rig)
     for timeline in timelines(rig):
         clip = timeline.clip
         moves = {
@@ -331,7 +331,7 @@ def test_what_nobody_edits_in_blender_comes_home_as_it_was(name: str, tmp_path: 
         one, two = (PoseCache(rig, sample_parts(rig, c, times)) for rig, c in ((ours, clip), (theirs, other)))
         for joint in np.flatnonzero(ours.is_joint).tolist():
             places = one.world(joint)[:, 3, :3] - two.world(theirs.find(ours.names[joint]))[:, 3, :3]
-            assert np.abs(places).max() <= BAKED * size_of(ours), (clip.name, ours.names[joint])
+            assert np.abs(places).max() <= BAKED * skeleton_size(ours), (clip.name, ours.names[joint])
 
 
 # What an animator gives keys to, and the IK ends whose IK is off; nothing else has keys.

@@ -171,6 +171,17 @@ def test_nobody_imports_the_program_or_the_schemas() -> None:
     assert wrong == []
 
 
+def test_no_package_imports_the_root() -> None:
+    """Its face is for users; a package names the module that it needs."""
+    wrong = []
+    for path in INNER:
+        for node in statements(path):
+            whole = isinstance(node, ast.Import) and any(alias.name == "rigtri" for alias in node.names)
+            parts = isinstance(node, ast.ImportFrom) and node.level == 0 and node.module == "rigtri"
+            wrong += [f"{shown(path)}:{node.lineno}"] if whole or parts else []
+    assert wrong == []
+
+
 def test_no_except_catches_everything() -> None:
     wrong = []
     for path in SOURCES:

@@ -80,6 +80,13 @@ def test_exit_codes_are_those_of_the_errors() -> None:
     assert {kind.exit_code for kind in kinds} | {0, SOME_FAILED} == said
 
 
+def test_docs_of_operations_name_each() -> None:
+    from rigtri.operations.registry import OPERATIONS
+
+    text = (ROOT / "docs" / "operations.md").read_text("utf-8")
+    assert [name for name in OPERATIONS if not re.search(rf"\b{name}\b", text)] == []
+
+
 @pytest.mark.parametrize("page", ["pictures.md", "explain.md", "exactness.md", "presets.md"])
 def test_pictures_of_the_documents_are_what_their_commands_make(
     page: str,

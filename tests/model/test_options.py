@@ -72,7 +72,7 @@ def command() -> click.Command:
 def test_the_command_has_the_option_with_its_help_and_default() -> None:
     text = " ".join(CliRunner().invoke(command(), ["--help"]).output.split())
     assert "Let a hand wave. As often as you like." in text
-    assert "--times INTEGER RANGE How often it waves. [default: 3; x>=1]" in text
+    assert "--times INTEGER How often it waves. [default: 3; x>=1]" in text
     assert "--as [queen|child] The manner." in text
     assert "--limb ROOT MIDDLE END The arms that move along." in text
 

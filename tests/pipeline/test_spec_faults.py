@@ -156,9 +156,14 @@ def test_an_unknown_variable_hides_nothing_else(tmp_path: Path) -> None:
         (4, "there is no variable 'b'"),
         (5, "up: input should be 'x',"),
         (7, "there is no variable 'd'"),
-        (8, "give --limb ROOT MIDDLE "),
+        (8, "give 'limb' ROOT MIDDLE "),
         (11, "there is no variable 'e'"),
     ]
+
+
+def test_options_that_exclude_each_other_are_named_by_their_keys(tmp_path: Path) -> None:
+    (text,) = faults(write(tmp_path, "steps:\n- {do: freeze, above: true, joints: true}\n")).values()
+    assert text == "step 1 (freeze): give 'above' or 'joints', not both"
 
 
 def test_all_names_that_a_step_has_wrong_are_reported(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from engines import blender_limbs
 from places import SAMPLES, asset_files
 
 from rigtri.evaluation import sampling
-from rigtri.evaluation.active_controls import controls_with_keys, size_of
+from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
@@ -64,6 +64,6 @@ def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> No
     assert len(theirs) == len(solver.limbs) > 0
     for limb, found in zip(solver.limbs, theirs, strict=True):
         mine = np.stack([rows(posed.world(node)[:, 3, :3]) for node in limb.limb.chain[1:]], axis=1)
-        apart = np.linalg.norm(mine - np.array(found), axis=-1) / size_of(up)
+        apart = np.linalg.norm(mine - np.array(found), axis=-1) / skeleton_size(up)
         assert apart.max() < NEAR
         assert np.median(apart) < USUALLY

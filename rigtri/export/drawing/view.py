@@ -16,6 +16,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise, perpendicular
 from rigtri.model.dataclass import dataclass
 from rigtri.model.rig import Rig
+from rigtri.operations.option_kinds import three
 from rigtri.operations.options.draw import VIEWS
 from rigtri.recognition.limbs import forward
 
@@ -136,10 +137,9 @@ def view_of(rig: Rig, name: str = "front") -> View:
 def direction(text: str, or_else: str = "") -> Floats:
     """The direction, (3,), that ``x,y,z`` means. UsageError where it means none; or_else: what might, too."""
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        eye = normalise(three(text))
     except ValueError:
         raise UsageError(f"'{text}' is not a valid view: use {or_else}a direction x,y,z") from None
-    eye = normalise([x, y, z])
     if not np.isfinite(eye).all():
         raise UsageError(f"'{text}' points nowhere: a view is seen from a direction x,y,z")
     return eye

@@ -18,7 +18,7 @@ from rigtri.evaluation.active_controls import (
     controls_and_poles,
     controls_with_keys,
     moved_at_rest,
-    size_of,
+    skeleton_size,
 )
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.curve_refinement import ControlCurve, JointCurve, RefinedSamples, refine_samples
@@ -193,7 +193,7 @@ class _Baker:
     @cached_property
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, in file units."""
-        return size_of(self.rig)
+        return skeleton_size(self.rig)
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:

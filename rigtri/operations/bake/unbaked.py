@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_with_keys, moved_at_rest, size_of
+from rigtri.evaluation.active_controls import controls_with_keys, moved_at_rest, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import key_times
@@ -33,7 +33,7 @@ def unbaked(rig: Rig) -> str:
 
     Constraints alone are no motion that somebody has made: they count where controls have keys.
     """
-    size = size_of(rig)
+    size = skeleton_size(rig)
     posed = moved_at_rest(rig, size)
     found = _difference(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size) if posed else ""
     for timeline in timelines(rig):

@@ -20,11 +20,11 @@ from rigtri.operations.mirror.counterparts import (
     ALIKE,
     NotMirroredError,
     direction,
+    farthest_joint,
     mirror_each,
     of_side,
     other,
     same_values,
-    size_of,
 )
 from rigtri.operations.options.mirror import MirrorOptions
 from rigtri.report import Report
@@ -44,7 +44,7 @@ def mirror_constraints(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         keys: list[WeightKeys] | None = [] if rule.weight_nodes else None
         built = follow(rig, mirrored, keep=keep, vrm=vrm, report=report, keys=keys)
         same = len(built) == len(rig) and all(
-            same_values(stored, built.metadata[k], size_of(rig)) for k, stored in rig.metadata.items()
+            same_values(stored, built.metadata[k], farthest_joint(rig)) for k, stored in rig.metadata.items()
         )
         if not same:
             _warn_keyed(rig, mirrored, report)

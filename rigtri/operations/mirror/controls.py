@@ -20,11 +20,11 @@ from rigtri.operations.mirror.counterparts import (
     ALIKE,
     NotMirroredError,
     existing_twin_record,
+    farthest_joint,
     mirror_each,
     of_side,
     other,
     same_values,
-    size_of,
     twin_name,
 )
 from rigtri.operations.mirror_plane import TOLERANCE
@@ -147,7 +147,7 @@ def _edited(rig: Rig, control: int, found: int, options: MirrorOptions, posed: l
     here, there = (unposed(rig, int(rig.parents[node])) for node in (control, found))
     across = multiply(multiply(there, options.across.matrix), inverse(here))
     place = multiply(multiply(across, own), inverse(across))
-    if not same_values(place.ravel().tolist(), rig.local[found].ravel().tolist(), size_of(rig)):
+    if not same_values(place.ravel().tolist(), rig.local[found].ravel().tolist(), farthest_joint(rig)):
         posed.append(rig.title(found))
     return stand_local(rig, found, place)
 
@@ -168,7 +168,7 @@ def _pole(rig: Rig, node: int, there: PoleVectorRecord, options: MirrorOptions, 
     axes = mirrored_axes(orthonormal_axes(world), options.mode, options.across)
     found = find(rig, PoleVectorRecord, chain=there.chain)
     if found is not None and (clips := _moving(rig, found, there)):
-        if length(place - unposed(rig, found)[3, :3]) > TOLERANCE * size_of(rig):
+        if length(place - unposed(rig, found)[3, :3]) > TOLERANCE * farthest_joint(rig):
             where = f"'{rig.title(found)}' at rest would change how its limb moves in {listed(clips, 6)}"
             raise NotMirroredError(f"to move {where}")
         return rig

@@ -222,7 +222,7 @@ def _matrices_alike(one: Floats, two: Floats, size: float) -> bool:
     return bool(near and np.abs(a[:, 3] - b[:, 3]).max() <= ALIKE * max(size, 1e-30) * longest)
 
 
-def size_of(rig: Rig) -> float:
+def farthest_joint(rig: Rig) -> float:
     """How far joints stand from the origin: what their rounding is a share of."""
     found = rig.world[rig.is_joint, 3, :3]
     return float(length(found).max()) if len(found) else 1.0

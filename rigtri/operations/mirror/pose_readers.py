@@ -21,12 +21,12 @@ from rigtri.operations.mirror.counterparts import (
     OTHER,
     SUFFIX,
     direction,
+    farthest_joint,
     mirror_each,
     of_side,
     other,
     same_values,
     side,
-    size_of,
     twin_address,
     warn_not_mirrored,
 )
@@ -46,7 +46,7 @@ def mirror_readers(rig: Rig, options: MirrorOptions, report: Report) -> Rig:
         built_report = Report()
         built = add_posereader(rig, options=twin_options, report=built_report)
         known = find(rig, PoseReaderRecord, name=twin_options.name)
-        if known is not None and same_values(rig.metadata[known], built.metadata[known], size_of(rig)):
+        if known is not None and same_values(rig.metadata[known], built.metadata[known], farthest_joint(rig)):
             built, built_report.morph_changes = rig, {}
         report.merge(built_report)
         return built

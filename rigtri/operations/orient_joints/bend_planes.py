@@ -20,7 +20,7 @@ from rigtri.maths.vectors import dot, length, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import twin
 from rigtri.operations.aim_targets import chain_child, limb_path
-from rigtri.operations.orient_joints.targets import Targets
+from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.recognition.bend_direction import CLEAR, Bend, areas_and_sines, in_motion, in_pose
 from rigtri.recognition.body_hinges import Body, body_of
 from rigtri.recognition.layout import NAMES

@@ -24,7 +24,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.joint_selection import STEADFAST
 from rigtri.operations.option_kinds import ConstraintPolicy
 from rigtri.operations.orient_joints.joint_frames import UNCHANGED, DeadBand
-from rigtri.operations.orient_joints.targets import Targets
+from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.report import Report
 from rigtri.text import and_more
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_with_keys, size_of
+from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
@@ -70,5 +70,5 @@ def _apart(
         off = posed[0].world(joint)[:, 3, :3] - posed[1].world(joint)[:, 3, :3]
         far = np.broadcast_to(np.nan_to_num(length(off)), times.shape)
         at = int(far.argmax())
-        worst = max(worst, (float(far[at]) / size_of(one[0]), joint, float(times[at])))
+        worst = max(worst, (float(far[at]) / skeleton_size(one[0]), joint, float(times[at])))
     return worst

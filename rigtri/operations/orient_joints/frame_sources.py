@@ -29,7 +29,7 @@ from rigtri.model.rig import Rig
 from rigtri.operations.mirror_plane import parting, warn_plane
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.joint_frames import set_world_axes
-from rigtri.operations.orient_joints.targets import Targets
+from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.recognition.one_character import bodies
 from rigtri.recognition.sides import side_of, twin_of
 from rigtri.report import Report

@@ -21,9 +21,9 @@ from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.dataclass import dataclass
 from rigtri.operations.axis_presets import AxisStyle
 from rigtri.operations.orient_joints.bend_planes import UpDirections
+from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy
 from rigtri.operations.orient_joints.standard_frames import StandardFrames
-from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import UpLadder, crossing
 
 # float32 storage re-derives frames with up to this much noise (radians).

@@ -23,8 +23,8 @@ from rigtri.operations.joint_selection import warn_held, warn_unread
 from rigtri.operations.option_kinds import Selection
 from rigtri.operations.orient_joints.bend_planes import UpDirections
 from rigtri.operations.orient_joints.joint_frames import DeadBand
+from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.operations.orient_joints.scale_policy import EXACT, ScalePolicy, Uneven
-from rigtri.operations.orient_joints.targets import Targets
 from rigtri.operations.orient_joints.up_direction import degrees, up_text
 from rigtri.recognition.hand_hinges import AS_HANDS_HANG
 from rigtri.recognition.layout import CONFIDENT

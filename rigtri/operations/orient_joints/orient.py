@@ -29,10 +29,10 @@ from rigtri.operations.orient_joints import messages
 from rigtri.operations.orient_joints.bend_planes import UpDirections, bend_planes
 from rigtri.operations.orient_joints.constraint_policy import apply_constraint_policy
 from rigtri.operations.orient_joints.joint_frames import dead_band, joint_frames, like_dead_band
+from rigtri.operations.orient_joints.joints_to_orient import Targets, find_targets
 from rigtri.operations.orient_joints.messages import RequestedFrames
 from rigtri.operations.orient_joints.scale_policy import ScalePolicy, nearest_cardinal
 from rigtri.operations.orient_joints.standard_frames import StandardFrames, standard_frames, warn_facing
-from rigtri.operations.orient_joints.targets import Targets, find_targets
 from rigtri.operations.orient_joints.up_direction import UpLadder
 from rigtri.recognition.body_hinges import bodies
 from rigtri.recognition.recognise import recognise

@@ -25,7 +25,7 @@ from rigtri.maths.trigonometry import Floats, arc_tangent
 from rigtri.maths.vectors import cross, length, normalise
 from rigtri.operations.option_kinds import vector
 from rigtri.operations.orient_joints.bend_planes import BendPlanes, UpDirections
-from rigtri.operations.orient_joints.targets import Targets
+from rigtri.operations.orient_joints.joints_to_orient import Targets
 from rigtri.report import Report
 
 # Words for sources of up directions that files and reports keep, as messages have them.

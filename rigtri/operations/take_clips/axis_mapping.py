@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.maths.matrices import (
     determinant,
     from_frame,
@@ -207,7 +207,7 @@ class Counterparts:
     @cached_property
     def size(self) -> float:
         """The diagonal of the box of the joints at rest, or of all nodes, in units of the rig."""
-        return size_of(self.rig)
+        return skeleton_size(self.rig)
 
     def _turn(self, node: int) -> Floats:
         if node in self._bound:

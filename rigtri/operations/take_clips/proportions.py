@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.frames.skeleton import reference, skeleton
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import from_frame, inverse, multiply, transform_directions, transform_points
@@ -227,7 +227,7 @@ def _bound_place(rig: Rig, node: int) -> Floats | None:
     sizes = length(rig.world[joints, 0, :3]), length(np.array([binds[n][0, :3] for n in joints]))
     ratio = float(np.median(sizes[0] / sizes[1]))
     place = transform_points(binds[node][3, :3] * ratio, from_frame(placed(rig), np.zeros(3)))
-    near = float(length(place - rig.world[node, 3, :3])) <= SHORT * size_of(rig)
+    near = float(length(place - rig.world[node, 3, :3])) <= SHORT * skeleton_size(rig)
     return place if near else None
 
 

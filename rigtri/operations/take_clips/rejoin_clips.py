@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_with_keys, size_of
+from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
 from rigtri.evaluation.pose_cache import blocks, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
@@ -159,7 +159,7 @@ def warn_lost_motion(seen: Comparison, restored: Set[tuple[int, Path]], most: fl
     tracks = tuple(frames.get((track.node, track.path), track) for track in home.clip.tracks)
     without = replace(home, clip=replace(home.clip, tracks=tracks))
     far, joint, time = _apart(rig, home, without, np.unique(np.concatenate([each for *_, each in thin])))
-    far /= size_of(rig)
+    far /= skeleton_size(rig)
     if far > most:
         controls = list_names(rig.title(node) for node, _ in frames)
         report.warn(

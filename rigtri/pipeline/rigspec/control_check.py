@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import size_of
+from rigtri.evaluation.active_controls import skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache
 from rigtri.evaluation.solver import Solver
@@ -160,7 +160,7 @@ class _Run:
     def __init__(self, solver: Solver, trials: Sequence[_Trial], tree: Skeleton) -> None:
         rig = self.rig = solver.rig
         self.solver, self.trials = solver, trials
-        self.size, self.bodies = size_of(rig), bodies(rig)
+        self.size, self.bodies = skeleton_size(rig), bodies(rig)
         # What holds the controls cannot follow them; --root may name a node that holds them and joints.
         holding, self.carries = rig.with_ancestors(rig.nodes_of("control")), tree.carries
         self.watched = [node for node in tree.joints if node not in holding and not _is_added(rig, node)]

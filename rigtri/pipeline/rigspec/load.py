@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigtri.errors import FileError, RigtriError, UsageError
+from rigtri.errors import FileError, RigtriError, UsageError, in_keywords
 from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
@@ -183,6 +183,12 @@ def _files_of(do: str) -> list[str]:
     return [name for name, one in options_of(declared).items() if one.is_file]
 
 
+def _keys_of(do: str) -> dict[str, str]:
+    """By the option of a command, without the dashes in front, the key that a step has for it."""
+    keys = [one.key for one in options_of(options_class(do)).values()]
+    return {key: f"'{key}'" for key in keys} | {f"no-{key}": f"'{key}: false'" for key in keys}
+
+
 def need_libraries() -> None:
     """UsageError where what reads specs is missing, as in a DCC that has rigtri's folder alone."""
     missing = [name for name in ("pydantic", "ruamel.yaml") if not _has(name)]
@@ -207,8 +213,9 @@ def _planned(
         keys: Keys = ("steps", number)
         place, label = tree.place(keys), tree.labels[number]
         try:
-            options = one.options(shared)
-            applied(one.do, options, reading)
+            with in_keywords(_keys_of(one.do)):
+                options = one.options(shared)
+                applied(one.do, options, reading)
         except RigtriError as error:
             faults.append(Fault(place, where_of(tree, keys), str(error)))
             continue
