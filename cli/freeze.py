@@ -7,7 +7,7 @@ Without options both are frozen.
 \b
 Examples:
     rigtri freeze soldier.glb -o out.glb
-    rigtri freeze soldier.glb -o out.glb --scale --above
+    rigtri freeze soldier.glb -o out.glb --scale --only above
     rigtri freeze hero.usdz -o out.usdz --up-axis y
 """
 

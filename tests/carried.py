@@ -237,7 +237,7 @@ def _another_world_and_back(rig: Rig) -> Rig:
 
 EDITS: dict[str, Edit] = {
     "freeze": Edit(rigtri.freeze),
-    "freeze --above": Edit(lambda rig: rigtri.freeze(rig, above=True)),
+    "freeze --only above": Edit(lambda rig: rigtri.freeze(rig, only="above")),
     "freeze --unit --up-axis": Edit(_another_world_and_back),
     "rename-joints": Edit(_renamed_and_back),
     "set-rest": Edit(lambda rig: rigtri.set_rest(rig, pose="tpose"), reposes=True),

@@ -156,8 +156,8 @@ def _without_scale(
     inside = np.zeros(len(rig), dtype=bool)
     inside[nodes] = True
     counts = inside.copy()
-    if options.above or options.joints:
-        counts &= ~below if options.above else below
+    if options.only is not None:
+        counts &= ~below if options.only == "above" else below
     total = np.ones(len(rig))
     # A frame whose axes are mirrored in the world has a scale of -1 there.
     sign = np.where(_mirrored(rig, report), -1.0, 1.0)
@@ -203,7 +203,7 @@ def _warn_instances(rig: Rig, options: FreezeOptions, report: Report) -> None:
         rig.title(node)
         for node in rig.rules.instances
         if (options.rotates and np.abs(axes[node] - np.eye(3)).max() > ALIGNED)
-        or (options.scales and not options.joints and np.abs(sizes[node] - 1.0).max() > SAME_SCALE)
+        or (options.scales and options.only != "joints" and np.abs(sizes[node] - 1.0).max() > SAME_SCALE)
     ]
     if left:
         text = f"{listed(left, 6)}: what is below instances is the same in all, so they keep what rotation "

@@ -231,7 +231,7 @@ def test_gltf_has_one_unit_and_one_up_axis(tmp_path: Path) -> None:
 
 def test_only_what_is_above_or_only_what_joints_have(tmp_path: Path) -> None:
     rig = rigtri.read(source(tmp_path, ".usda"))
-    above, own = rigtri.freeze(rig, scale=True, above=True), rigtri.freeze(rig, joints=True)
+    above, own = rigtri.freeze(rig, scale=True, only="above"), rigtri.freeze(rig, only="joints")
     wrist, root = rig.find("wrist"), rig.find("root")
     assert np.allclose(length(above.world[wrist, :3, :3]), 50.0)
     assert np.allclose(length(own.world[wrist, :3, :3]), 0.01)
@@ -263,7 +263,7 @@ def test_scales_that_sixteen_bits_cannot_hold_are_named_with_what_keeps_them(tmp
     source = save(tmp_path, scene(skeleton(rest=rest), animation(scales=keyed), MESH))
     ran = cli("freeze", source, "-o", tmp_path / "out.usda", code=6)
     assert "cannot say the new ones of 'b' closely enough" in " ".join(ran.stderr.split())
-    cli("freeze", source, "--above", "-o", tmp_path / "out.usda", code=0)
+    cli("freeze", source, "--only", "above", "-o", tmp_path / "out.usda", code=0)
 
 
 def test_a_clip_library_without_a_skin_is_frozen_as_its_character() -> None:

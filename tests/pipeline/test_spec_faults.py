@@ -162,8 +162,10 @@ def test_an_unknown_variable_hides_nothing_else(tmp_path: Path) -> None:
 
 
 def test_options_that_exclude_each_other_are_named_by_their_keys(tmp_path: Path) -> None:
-    (text,) = faults(write(tmp_path, "steps:\n- {do: freeze, above: true, joints: true}\n")).values()
-    assert text == "step 1 (freeze): give 'above' or 'joints', not both"
+    (text,) = faults(
+        write(tmp_path, "steps:\n- {do: add-polevector, limbs: auto, reach: 1, distance: 2}\n")
+    ).values()
+    assert text == "step 1 (add-polevector): give 'reach' or 'distance', not both"
 
 
 def test_all_names_that_a_step_has_wrong_are_reported(tmp_path: Path) -> None:

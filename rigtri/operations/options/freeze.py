@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
 from rigtri.operations.option_kinds import Above, UpAxis
@@ -27,12 +29,9 @@ class FreezeOptions:
         help="Make this the file's unit, in metres, and convert all lengths (glTF: only 1).",
         group="what",
     )
-    above: bool = option(
-        False,
-        excludes=["joints"],
-        help="Freeze only the scale of nodes above joints.",
+    only: Literal["above", "joints"] | None = option(
+        None, help="Freeze only the scale of nodes above joints, or only the joints' own."
     )
-    joints: bool = option(False, help="Freeze only the joints' own scale.")
 
     @property
     def scales(self) -> bool:
@@ -42,4 +41,4 @@ class FreezeOptions:
     @property
     def rotates(self) -> bool:
         """Whether rotation above joints is frozen."""
-        return self.up_axis is not None or not (self.scale or self.unit is not None or self.joints)
+        return self.up_axis is not None or not (self.scale or self.unit is not None or self.only == "joints")

@@ -36,7 +36,7 @@ def why_near(before: Rig, after: Rig, result: Comparison, tolerance: float) -> s
         names = ", ".join(f"'{before.title(node)}'" for node in rough[:4])
         return (
             f" A SkelAnimation holds scales as 16-bit numbers, which cannot say the new ones of {names} "
-            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale (freeze: --above), "
+            f"closely enough. Keep {'its' if len(rough) == 1 else 'their'} scale (freeze: --only above), "
             f"or {allow}"
         )
     if not result.largest_deviation < 10 * tolerance:
