@@ -87,11 +87,16 @@ def test_materials_lenses_and_extras_come_home(home: tuple[Path, Path]) -> None:
     assert change["scale"] == pytest.approx([2, 3])
     lens = next(c["perspective"] for c in back["cameras"] if c["type"] == "perspective")
     assert lens == pytest.approx(source["cameras"][0]["perspective"], rel=1e-6)
-    kinds = [
-        sorted(light["type"] for light in f["extensions"]["KHR_lights_punctual"]["lights"])
-        for f in (source, back)
+    lights = [
+        {light["type"]: light for light in file["extensions"]["KHR_lights_punctual"]["lights"]}
+        for file in (source, back)
     ]
-    assert kinds[0] == kinds[1]
+    assert lights[0].keys() == lights[1].keys()
+    for kind, light in lights[0].items():
+        assert lights[1][kind]["intensity"] == pytest.approx(light["intensity"], rel=1e-6)
+    torches = [file["spot"] for file in lights]
+    assert torches[1]["color"] == pytest.approx(torches[0]["color"], abs=1e-6)
+    assert torches[1]["spot"] == pytest.approx(torches[0]["spot"], rel=1e-6)
     extras = {node.get("name"): node["extras"] for node in back["nodes"] if "extras" in node}
     assert extras["root joint"] == {"tag": "hip", "list": [1, "two"]}
     assert extras["prop"] == {"mass": 2.5}

@@ -171,8 +171,9 @@ def test_cameras_and_lights_keep_their_lenses(stage: Any) -> None:
     flat = views[Gf.Camera.Orthographic]
     assert (flat.horizontalAperture / 10, flat.verticalAperture / 10) == pytest.approx((4, 2))
     assert UsdLux.DistantLight(by_type["DistantLight"]).GetIntensityAttr().Get() == 3
-    cone = UsdLux.ShapingAPI(by_type["SphereLight"]).GetShapingConeAngleAttr().Get()
-    assert cone == pytest.approx(np.degrees(0.6))
+    cone = UsdLux.ShapingAPI(by_type["SphereLight"])
+    assert cone.GetShapingConeAngleAttr().Get() == pytest.approx(np.degrees(0.6))
+    assert cone.GetShapingConeSoftnessAttr().Get() == pytest.approx(1.0 - 0.2 / 0.6)
 
 
 @pytest.mark.parametrize("name", first(["biped.usda", "biped.glb"]))
