@@ -63,16 +63,15 @@ def _swinging_0(swinging: Value, above: Sequence[int], found: Bindings) -> None:
 
 def _below(tops: set[int], above: Sequence[int]) -> set[int]:
     """The nodes ``tops`` and all below them."""
-    inside, outside = set(tops), {-1}
-    for node in range(len(above)):
-        fresh: list[int] = []
-        for step in line(node, above):
-            if step in inside or step in outside:
-                (inside if step in inside else outside).update(fresh)
-                break
-            fresh.append(step)
-        else:
-            outside.update(fresh)
+    below: list[list[int]] = [[] for _ in above]
+    for node, parent in enumerate(above):
+        if parent >= 0:
+            below[parent].append(node)
+    inside, waiting = set(tops), list(tops)
+    while waiting:
+        fresh = [node for node in below[waiting.pop()] if node not in inside]
+        inside.update(fresh)
+        waiting += fresh
     return inside
 
 
