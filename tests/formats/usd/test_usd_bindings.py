@@ -75,8 +75,10 @@ def test_a_clip_is_what_usdskel_plays(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", sorted(CASES.keys() - PLAYED))
 def test_what_is_not_played_is_reported(name: str, tmp_path: Path) -> None:
-    codes = {notice.code for notice in read(save(tmp_path, CASES[name])).warnings}
-    assert codes & {"animation-inactive", "animation-ignored", "binding-ignored"}
+    found = {notice.code: notice.text for notice in read(save(tmp_path, CASES[name])).warnings}
+    assert found.keys() & {"animation-inactive", "animation-ignored", "binding-ignored"}
+    if name == "without SkelBindingAPI":
+        assert "</Root/Skel> has no SkelBindingAPI" in found["binding-ignored"]
 
 
 def activated(path: Path) -> Path:

@@ -66,8 +66,6 @@ def why_unplayed(holder: Any, target: Any) -> str:
         if not kind and (found.HasAuthoredReferences() or found.HasAuthoredPayloads()):
             return ""  # what it refers to is missing, and would have given it its type
         return f"it is {f'of type {kind}' if kind else 'a prim without a type'} and no SkelAnimation"
-    if not found.IsActive():
-        return "it is not active"
     return "" if holder.HasAPI(UsdSkel.BindingAPI) else f"<{holder.GetPath()}> has no SkelBindingAPI"
 
 
