@@ -588,7 +588,6 @@ def _setup_in_words(plan: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
-@pytest.mark.ci
 def test_what_is_set_up_in_blender_is_what_a_rigger_has_read(golden: Any) -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), whole_character=True)
     text = _setup_in_words(exported(rig, gltf=True).plan)
@@ -607,6 +606,28 @@ def test_a_joint_follows_its_control_in_its_own_axes() -> None:
     follows = {each["name"]: each for each in plan["constraints"]}
     targets = [follows[f"Follow {name}_ctl"]["target"] for name in ("spine", "head")]
     assert [names[each[0]][int(each[1:])]["name"] for each in targets] == ["spine_ctl", "head drive"]
+
+
+def test_twist_joints_take_their_shares_of_the_turn_between_two_joints() -> None:
+    limb = ("upper_arm_L", "forearm_L", "hand_L")
+    rig = rigtri.add_controls(rigtri.read(SAMPLES / "biped.glb"), joints="upper_arm_L")
+    plan = exported(rigtri.add_twist(rig, limb=[limb]), gltf=True).plan
+
+    def name(reference: str) -> str:
+        return str(plan[{"n": "nodes", "s": "sockets"}[reference[0]]][int(reference[1:])]["name"])
+
+    held = {each["name"]: name(each["on"]) for each in plan["sockets"] if each["on"]}
+    found = {
+        name(each["on"]): (held[name(each["target"])], held[name(each["space"])], each["weight"])
+        for each in plan["constraints"]
+        if each["type"] == "TRANSFORM"
+    }
+    assert found == {
+        "upper_arm_L_twist_1 twist axis": ("upper_arm_L", "clavicle_L", pytest.approx(-2.0 / 3.0)),
+        "upper_arm_L_twist_2 twist axis": ("upper_arm_L", "clavicle_L", pytest.approx(-1.0 / 3.0)),
+        "forearm_L_twist_1 twist axis": ("hand_L", "forearm_L", pytest.approx(1.0 / 3.0)),
+        "forearm_L_twist_2 twist axis": ("hand_L", "forearm_L", pytest.approx(2.0 / 3.0)),
+    }
 
 
 def test_what_blender_cannot_do_is_a_warning_and_nothing_to_do_an_error(tmp_path: Path) -> None:

@@ -59,7 +59,6 @@ def moment(rig: Rig, clip: str, time: float, nodes: Iterable[int]) -> str:
     return "".join(f"{rig.names[k]:26} {placed(world[k])}\n" for k in nodes)
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("name", ["biped.glb", slow("biped.usda"), slow("tpose.glb")])
 def test_controls_of_a_whole_character(name: str, golden: Golden) -> None:
     rig = rigtri.add_controls(rigtri.read(SAMPLES / name), whole_character=True)
@@ -88,13 +87,11 @@ def test_controls_and_joints_of_a_bake_at_a_moment(golden: Golden) -> None:
     golden.check("bake_biped.glb.txt", text)
 
 
-@pytest.mark.ci
 def test_a_pose_that_is_the_rest_pose_from_now_on(golden: Golden) -> None:
     posed = rigtri.take_pose(with_keyed_controls(), at=AT)
     golden.check("pose_biped.glb.txt", standing(posed, np.flatnonzero(posed.is_joint).tolist()))
 
 
-@pytest.mark.ci
 def test_fk_controls_that_have_been_snapped_to_ik(golden: Golden) -> None:
     up = with_keyed_controls()
     arm = ("upper_arm_L", "forearm_L", "hand_L")

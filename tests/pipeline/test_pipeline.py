@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gltf_files import small
 from places import FEW, SAMPLES, sample_files, slow
 
 from rigtri.errors import DeviationError, FileError, GeometryError, UsageError
@@ -21,7 +22,9 @@ from rigtri.files.staged_output import StagedOutput
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
+from rigtri.operations.take_clips.take_clips import TakeClipsOptions
 from rigtri.pipeline.edit import Outcome, edit
+from rigtri.pipeline.steps import applied
 from rigtri.recognition.recognise import recognise
 from rigtri.report import Report
 
@@ -329,3 +332,11 @@ def test_a_report_travels_to_other_processes_and_a_batch_has_none_of_joints() ->
     assert pickle.loads(pickle.dumps(report)) == report
     assert bare.joints == []
     assert bare.warnings == report.warnings
+
+
+def test_what_is_noticed_in_a_file_that_an_option_names_is_reported(tmp_path: Path) -> None:
+    source, edited, report = small().glb(tmp_path / "a.glb"), small(), Report()
+    edited.gltf |= {"extensionsUsed": ["EXT_mine"], "extensionsRequired": ["EXT_mine"]}
+    options = TakeClipsOptions(from_=str(edited.glb(tmp_path / "b.glb")))
+    applied("take-clips", options, ReadOptions())(read(source).rig, report)
+    assert "extension-unknown" in {notice.code for notice in report.warnings}
