@@ -35,6 +35,11 @@ THUMB_APART = cosine_below(20)
 INTO_PALM = 0.9396926207859084, 0.3420201433256687
 # Fingers that all bend to one side by more than this (radians) say which side the palm is on.
 SHOWN = radians_below(2)
+# So far beyond a right angle (a cosine) is what points the other way: a square hand is no matter of rounding.
+BEYOND_SQUARE = 1e-4
+# How much the palm of a hanging hand, which is at the thigh, is turned back (a sine): squarely turned hands
+# close back, and those that are raised ahead, down.
+TURNED_BACK = 0.01
 # The rule of hands that show neither a thumb nor a bend: which way their fingers close is a guess.
 AS_HANDS_HANG = "palm of a hand hanging at the side"
 FOUR = ("index", "middle", "ring", "little")
@@ -165,7 +170,7 @@ class _PosedHand:
         known = across is not None and self.is_left is not None and (self._is_apart or not self.guessed)
         if curl.bend > CURLED and curl.agreement > AGREEMENT:
             # Knuckles may be bent back more than fingers are bent, and a hand closes all the same.
-            turned = known and not self.guessed and curl.closes < 0
+            turned = known and not self.guessed and curl.closes < -BEYOND_SQUARE
             return Hinge("plane of the bent fingers", -curl.hinge if turned else curl.hinge)
         if across is None:
             return None if natural is None else Hinge("arm, for hands hanging at the sides", natural)
@@ -175,10 +180,11 @@ class _PosedHand:
             if shown is not None:
                 towards = float(dot(shown, across))
             elif natural is not None:
-                rule, towards = AS_HANDS_HANG, float(dot(natural, across))
+                back = cross(-natural if self.is_left else natural, normalise(self.arm))
+                rule, towards = AS_HANDS_HANG, float(dot(natural + TURNED_BACK * back, across))
             else:
                 towards = self._side_of_thumb(across)
-            across = -across if towards < 0 else across
+            across = -across if towards < -BEYOND_SQUARE else across
         return Hinge(rule, across)
 
     def _side_of_thumb(self, across: Floats) -> float:
@@ -240,7 +246,7 @@ class _PosedHand:
 
     def thumb_hinge(self, palm: Floats, curl: _Curl) -> Hinge:
         """A thumb closes over the palm: by its own bend, else towards the root of the little finger."""
-        if curl.bend > THUMB_BENT and curl.closes > 0:
+        if curl.bend > THUMB_BENT and curl.closes > BEYOND_SQUARE:
             return Hinge("plane of the thumb", curl.hinge)
         closing = self._over_palm(palm)
         return Hinge("palm of the hand", closing if np.isfinite(closing).all() else palm)

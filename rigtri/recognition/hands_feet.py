@@ -28,6 +28,8 @@ _WORDS = {"Thumb": "thumb", "Little": "little finger"}
 _PARTS = {True: ("Metacarpal", "Proximal", "Distal"), False: PHALANGES}
 # Of what is below a hand, chains longer than this part of the lower arm are no fingers.
 _LONG = 1.2
+# Toes that reach less further ahead, as a part of the lower leg, reach as far.
+_AS_FAR = 1e-4
 # A further pair is a limb if it is at least so long a part of the legs, and so limb-like.
 _SIZE, _QUALITY = 0.35, 0.3
 # What no hand has, where names tell of it.
@@ -55,7 +57,8 @@ def _foot(draft: Draft, leg: Found) -> None:
         ahead = {k: (tree.at[k] - tree.at[ankle]).dot(draft.facing) for k in below}
         if not below or (max(ahead.values()) < 0.0 and not draft.four):  # a heel is no toe
             break
-        joints.append(max(below, key=lambda k: ahead[k]))
+        furthest = max(ahead.values()) - _AS_FAR * (tree.at[ankle] - tree.at[leg.joints[1]]).length
+        joints.append(next(k for k in below if ahead[k] >= furthest))
     toes = draft.known_bones.get(f"{leg.side}Toes", -1)
     joints = [*tree.way(ankle, toes)] if toes >= 0 and tree.is_below(toes, ankle) else joints
     if not draft.four and leg.side and len(joints) > 1:

@@ -310,7 +310,7 @@ def _assembled(
     scale[0] = (-1.0, 1.0, 1.0) if pose.flip else 1.0
     rig = rig_of(names, parents, np.zeros((n, 3)), rotation, scale=scale)
     places = places / pose.unit
-    rig = replace(rig, translation=_translations(rig, places @ whole))
+    rig = replace(rig, translation=translations(rig, places @ whole))
     joints = np.arange(1, n)
     sockets = [index[p] for p in parts if p.endswith("slot")]
     ends = [index[p] for p in parts if p.endswith(("end", " 4"))]
@@ -322,7 +322,7 @@ def _assembled(
     return PosedBody(replace(rig, skins=(skin,)), hinges, index, sockets)
 
 
-def _translations(rig: Rig, places: Floats) -> Floats:
+def translations(rig: Rig, places: Floats) -> Floats:
     """Translations, (n, 3), that put the joints at their places, (n - 1, 3); the root stays at the origin."""
     translation = np.zeros((len(rig), 3))
     world = rig.world.copy()
