@@ -116,7 +116,7 @@ class Solver:
             if joint not in taken and self._works(own.control):
                 found.append(Fk(self.reference, own))
                 taken.add(joint)
-        for own in self.reference.roots:
+        for own in self.reference.carried:
             if own.joint not in taken and self._works(own.control):
                 found.append(RootStep(self.reference, own))
                 taken.add(own.joint)

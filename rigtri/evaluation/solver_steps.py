@@ -33,7 +33,7 @@ class Step(Uses, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RootStep:
-    """The control over all, for a joint that has no control of its own: it is carried along."""
+    """The control over all, for a joint that no control of its own moves: it is carried along."""
 
     reference: ControlsAtZero
     own: FkControl

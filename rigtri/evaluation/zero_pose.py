@@ -121,6 +121,17 @@ class ControlsAtZero:
         return {own.control: joint for joint, own in self.fk.items()}
 
     @cached_property
+    def carried(self) -> list[FkControl]:
+        """The joints that a root control carries, each with that control: its own, and all whose FK controls
+        are right below it, as those of other arms or characters. What is below one of them follows that."""
+        rig, found = self.rig, list[FkControl]()
+        for root in self.roots:
+            tops = [own.joint for own in self.fk.values() if own.above == root.control]
+            others = (joint for joint in tops if not rig.is_below(joint, root.joint))
+            found += [root, *(replace(root, joint=joint) for joint in others)]
+        return found
+
+    @cached_property
     def world(self) -> Floats:
         """The world matrices of all nodes while controls are zero, (n, 4, 4)."""
         rig = self.rig

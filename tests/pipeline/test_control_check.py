@@ -83,6 +83,29 @@ def test_what_a_root_control_leaves_behind_is_named() -> None:
     assert found == {"hips_root_ctl": "'thigh_L', 'shin_L', 'foot_L', 'toe_L' do not follow it"}
 
 
+def test_a_root_control_that_alone_is_moved_carries_all_that_it_stands_above() -> None:
+    """Two arms without a common joint above: each is a root joint of its own."""
+    rig = replace(rigged("mirrored_pair.glb"), clips=())
+    (root,) = (node for node, record in rig.records(ControlRecord).items() if record.kind == "root")
+    rotation, translation = rig.rotation.copy(), rig.translation.copy()
+    rotation[root], translation[root] = (0.0, 0.6, 0.0, 0.8), (0.1, 0.2, 0.3)
+    moved = replace(rig, rotation=rotation, translation=translation)
+    motion = np.linalg.inv(rig.world[root]) @ moved.world[root]
+    baked, arms = rigtri.bake(moved), [rig.find(f"upper_arm_{side}") for side in "LR"]
+    assert baked.world[arms] == pytest.approx(rig.world[arms] @ motion, abs=1e-6)
+
+
+def test_what_a_root_control_leaves_behind_that_alone_is_moved_is_named() -> None:
+    """An arm whose controls are children of an offset group follows while they are at work, not else."""
+    rig = rigged("mirrored_pair.glb")
+    (root,) = (node for node, record in rig.records(ControlRecord).items() if record.kind == "root")
+    offset = rig.find("clavicle_R_ctl_offset")
+    parents = rig.parents.copy()
+    parents[offset] = rig.find("clavicle_L_ctl_offset")
+    rig = replace(rig, parents=parents)
+    assert "'clavicle_R', 'upper_arm_R'" in faults(rig)[rig.title(root)]
+
+
 def test_controls_that_do_nothing_are_refused_in_one_error() -> None:
     fine = CheckedControl("a_ctl", "fk", "a", 3, "")
     idle = CheckedControl("b_ik_ctl", "ik", "b", 0, "'b' does not follow it")

@@ -1,6 +1,6 @@
 """Whether the controls of a rig do what they are for: each is moved, and what follows it is measured.
 
-All are moved at once, each in a row of its own. What each has to move:
+Many are moved at once, each in a row of its own. What each has to move:
 
 * an FK control: its joint by the same rotation, and what is below that;
 * the root control: all joints with weight, rigidly; of several characters those of its own;
@@ -44,6 +44,8 @@ _NEARER, _ASIDE = 0.1, 0.5
 # How far off may be what follows: radians, and shares of the size. Scales that are not quite uniform, as
 # exporters write them, turn by 1e-4; soft limbs end short of their control. What does nothing is off by all.
 _ANGLE, _PLACE = 0.02, 0.01
+# What is tried while IK is on.
+_WITH_IK = ("root", "ik", "pole", *PIVOTS)
 # What moves less, as a share of the size and in the axes of a joint, stands still: float32, some nodes deep.
 _STILL, _STILL_AXES = 1e-5, 1e-4
 
@@ -76,13 +78,18 @@ def check_controls(rig: Rig, root: str | None = None) -> tuple[CheckedControl, .
     root: the node below which joints are, as `skeleton` has it. Raises ControlCycleError.
     """
     records = rig.records(ControlRecord)
-    fk = {node for node, record in records.items() if record.kind in ("fk", "root")}
+    roots = {node for node, record in records.items() if record.kind == "root"}
+    fk = roots.union(node for node, record in records.items() if record.kind == "fk")
     found: dict[int, CheckedControl] = {}
     reference, tree = ControlsAtZero(rig), skeleton(rig, root)
-    # FK controls while IK is off, all others while it is on.
-    for only_fk, solver in ((True, Solver(rig, fk, reference)), (False, Solver(rig, None, reference))):
-        run = _Run(solver, [each for each in _trials(solver) if (each.kind == "fk") is only_fk], tree)
-        found |= {each.control: run.checked(row + 1, each) for row, each in enumerate(run.trials)}
+    # As clips have them that key these alone: FK controls while IK is off, root controls while nothing else
+    # is on. And all others, and root controls, while IK is on.
+    for kinds, driven in ((("fk",), fk), (("root",), roots), (_WITH_IK, None)):
+        solver = Solver(rig, driven, reference)
+        run = _Run(solver, [each for each in _trials(solver) if each.kind in kinds], tree)
+        for row, each in enumerate(run.trials):
+            if not (each.control in found and found[each.control].fault):
+                found[each.control] = run.checked(row + 1, each)
     for node, record in sorted(records.items()):
         joint = rig.known(record.joint)
         if node not in found and not _is_ruled(solver, node, *(() if joint is None else (joint,))):
