@@ -71,18 +71,18 @@ def skeleton(
             joints = rig.below(rig.humanoid["hips"])
         elif not joints and plain:
             joints = [node for node in range(len(rig)) if rig.attachment[node] < 0]
-    joints = [joint for joint in joints if joint not in rig.holders]
+    joints = [joint for joint in joints if joint not in rig.holders and joint not in rig.rules.data_nodes]
     if not joints and root is not None:
         raise FileError(
             f"At and below '{root}' there is no joint: all nodes there show something themselves, a mesh, "
-            "camera or light. Name another top node with --root, or leave it out for the joints of the skins"
+            "camera or light, or hold values of an avatar. Name another top node with --root, or leave it "
+            "out for the joints of the skins"
         )
     if not joints:
         raise FileError(
             "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "
             "name its top node with --root NAME; list the nodes with: rigtri inspect FILE"
         )
-    joints = [joint for joint in joints if joint not in rig.rules.data_nodes]
     inside = set(joints)
     above: dict[int, int] = {}
     below: dict[int, list[int]] = {joint: [] for joint in joints}

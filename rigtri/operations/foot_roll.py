@@ -123,7 +123,9 @@ def _foot(
     ankle, ball = standing[limb.end, 3, :3], standing[toe, 3, :3]
     level = _level(rig, ball - ankle)
     way = float(length(level))
-    ahead, below = normalise(level), [joint for joint in rig.below(limb.end) if rig.is_joint[joint]]
+    # A clip library has no skin that lists joints, but it has feet.
+    below = [node for node in rig.below(limb.end) if rig.is_joint[node] or node in (limb.end, toe)]
+    ahead = normalise(level)
     moves = {joint: multiply(inverse(rest[joint]), standing[joint]) for joint in below}
     joints = standing[below, 3, :3]
     points = np.concatenate([transform_points(skin.points_of([k]), moves[k]) for k in below])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gltf_files import glb_bytes, glb_parts
 from places import SAMPLES, slow
 from program import cli
 from recognition_bodies.skeletons import HORSE, rig_with
@@ -202,6 +203,28 @@ def test_mirror_makes_the_pivots_of_the_other_side(rolling: Path) -> None:
     for kind in PIVOTS:
         here, there = (both.world[found[kind, side], 3, :3] for side in ("left", "right"))
         assert there * [-1, 1, 1] == pytest.approx(here, abs=0.02)
+
+
+def test_the_feet_of_a_clip_library_roll_though_no_skin_lists_its_joints(tmp_path: Path) -> None:
+    gltf, binary = glb_parts(SAMPLES / "biped.glb")
+    for name in ("meshes", "skins"):
+        del gltf[name]
+    for node in gltf["nodes"]:
+        for name in ("mesh", "skin", "camera"):
+            node.pop(name, None)
+    numbers = {node.get("name"): {"node": k} for k, node in enumerate(gltf["nodes"])}
+    bones = {"hips": "hips", "leftUpperLeg": "thigh_L", "leftLowerLeg": "shin_L", "leftFoot": "foot_L"}
+    human = {bone: numbers[name] for bone, name in {**bones, "leftToes": "toe_L"}.items()}
+    gltf["extensionsUsed"] = ["VRMC_vrm_animation"]
+    gltf["extensions"] = {"VRMC_vrm_animation": {"humanoid": {"humanBones": human}}}
+    source, out = tmp_path / "walk.vrma", tmp_path / "out.vrma"
+    source.write_bytes(glb_bytes(gltf, binary))
+    cli("add-controls", source, "-o", out, "--whole-character", "--foot-roll", code=0)
+    rig = read(out).rig
+    ankle, ball = (rig.world[rig.find(name), 3, :3] for name in ("foot_L", "toe_L"))
+    heel, tip = (rig.world[pivots(rig)[kind], 3, :3] for kind in ("heel", "tip"))
+    way = (ball - ankle) * [1, 0, 1]
+    assert (heel - ankle) @ way < 0 < (ball - ankle) @ way < (tip - ankle) @ way
 
 
 def test_feet_that_cannot_roll_are_named() -> None:

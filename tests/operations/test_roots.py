@@ -111,6 +111,9 @@ def test_a_root_in_usd_begins_the_paths_of_all_joints(tokens: str, tmp_path: Pat
 def test_a_root_is_above_joints_alone(tmp_path: Path) -> None:
     words = ("add-root", SAMPLES / "biped.glb", "-o", tmp_path / "out.glb", "--above", "staff")
     assert "staff: this is not a joint" in cli(*words, code=2).stderr
+    words = ("add-root", SAMPLES / "biped.usda", "-o", tmp_path / "out.usda", "--above")
+    for prim in ("/biped", "/biped/figure/skeleton"):
+        assert "Name a joint, such as 'hips'" in cli(*words, prim, code=2).stderr
 
 
 def test_a_root_comes_above_joints_whose_clip_moves_blend_shapes(tmp_path: Path) -> None:

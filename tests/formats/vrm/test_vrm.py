@@ -115,6 +115,8 @@ def test_vrma_data_nodes_are_left_alone_with_a_notice_whoever_names_them(tmp_pat
     assert orient_joints(rig, options=data, report=report) is rig
     (notice,) = report.warnings
     assert notice.text == "skipped: joint 5: its translation is the weight of the expression 'happy' (VRMA)"
+    with pytest.raises(FileError, match="At and below 'joint 5' there is no joint"):
+        orient_joints(rig, options=OrientJointsOptions(root="joint 5"))
     both = OrientJointsOptions(preset="blender", joints=("joint 5", "joint 1"))
     after = orient_joints(rig, options=both)
     changed = np.flatnonzero((after.rotation != rig.rotation).any(axis=1))

@@ -94,7 +94,13 @@ def _splits(source: Source, rig: Rig) -> dict[str, Split]:
                 raise UsageError(
                     f"--on-nonuniform-scale split: {what}. Choose --on-nonuniform-scale snap or skip."
                 )
-            raise UsageError(f"{what}. Put one there in the program that made the file.")
+            inner = next((rig.title(k) for k in rig.below(joint) if kind(rig.keys[k]) == "joint"), "")
+            instead = (
+                f"Name a joint, such as '{inner}'"
+                if inner
+                else "Put one there in the program that made the file"
+            )
+            raise UsageError(f"{what}. {instead}.")
         path, token = parts(key)[1], token_of[key]
         taken = {other.rpartition("/")[2] for other in source.skeletons[path].tokens}
         name = rig.names[holder]

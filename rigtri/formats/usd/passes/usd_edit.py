@@ -102,14 +102,10 @@ def sets_transform(before: Rig, rig: Rig, node: int) -> bool:
 
 
 def new_above(rig: Rig) -> dict[int, int]:
-    """Joints of the source, each with the new joint above it, which holds its axes or is a root."""
+    """Nodes of the source, each with the new node above it, which holds its axes or is a root."""
     found = {joint: holder for joint, holder in rig.frame_of.items() if rig.keys[holder] is None}
-    for skin in rig.skins:
-        for joint in skin.joints.tolist():
-            above = int(rig.parents[joint])
-            if rig.keys[joint] is not None and above in skin.joints and rig.keys[above] is None:
-                found[joint] = above
-    return found
+    above = enumerate(rig.parents.tolist())
+    return found | {k: n for k, n in above if n >= 0 and rig.keys[k] is not None and rig.keys[n] is None}
 
 
 def changed_besides(path: str) -> UsageError:
