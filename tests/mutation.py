@@ -208,7 +208,11 @@ def _covering(fault: Fault, contexts: Path) -> Iterator[list[str]]:
     by_line = data.contexts_by_lineno(file) if file else {}
     near = [name for line in range(fault.line - 2, fault.line + 3) for name in by_line.get(line, [])]
     found = by_line.get(fault.line) or near
-    tests = sorted({name.rpartition("|")[0] for name in found} & _collected())  # TEST|run, TEST|setup
+    ran = [name.rpartition("|") for name in found]  # TEST|run, TEST|setup
+    # A fixture of a module is set up by its first test, and others look at what it gives.
+    files = {name.partition("::")[0] for name, _, phase in ran if phase == "setup"}
+    alike = {name for name in _collected() if name.partition("::")[0] in files}
+    tests = sorted(alike | ({name for name, _, _ in ran} & _collected()))
     few = random.Random(0).sample(tests, min(12, len(tests)))
     if tests:
         yield few
