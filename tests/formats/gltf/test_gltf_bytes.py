@@ -16,7 +16,7 @@ from rigtri.formats.gltf.container import Piece, open_container
 from rigtri.formats.gltf.document import GltfDocument
 from rigtri.formats.gltf.float32_rounding import Singles, round_spline, round_tracks
 from rigtri.formats.gltf.json_style import Spelling, encode, parse
-from rigtri.formats.gltf.uris import escape, file_of, is_own
+from rigtri.formats.gltf.uris import escape, file_of, is_own, uris
 from rigtri.frames.reframe import reframe
 from rigtri.maths.quaternions import normalise_for_storage, unit
 from rigtri.model.animation import Track
@@ -134,6 +134,21 @@ def test_a_link_out_of_the_folder_is_outside(tmp_path: Path) -> None:
 def test_nothing_is_ever_fetched(uri: str, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="fetches nothing"):
         file_of(uri, tmp_path, "here", allow_external=True)
+
+
+def test_extensions_refer_to_files_and_extras_do_not() -> None:
+    sounds = {"audio": [{"uri": "c.mp3", "extras": {"uri": "note.txt"}}, {"bufferView": 0}]}
+    gltf = {
+        "buffers": [{"uri": "a.bin", "extras": {"uri": "note.txt"}}, {}],
+        "images": [{"extensions": {"ANY_other": {"uri": "b.dds"}}}],
+        "extensions": {"KHR_audio": sounds},
+        "extras": {"uri": "note.txt"},
+    }
+    assert list(uris(gltf)) == [
+        (("buffers", 0, "uri"), "a.bin"),
+        (("images", 0, "extensions", "ANY_other", "uri"), "b.dds"),
+        (("extensions", "KHR_audio", "audio", 0, "uri"), "c.mp3"),
+    ]
 
 
 def test_names_with_blanks_and_umlauts_survive_as_uris(tmp_path: Path) -> None:
