@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from crowds import alike, contents, instance, prototypes, shot
 from places import every_other
-from pxr import Usd
+from pxr import Usd, UsdSkel
 from usd_files import MESH, animation, at, moments, read, save, scene, skeleton, skinned, turned, write
 
 from rigtri.errors import FileError
@@ -149,6 +149,25 @@ def test_every_variant_looks_as_before(name: str, edit_target: str, arc: str, tm
         stages = [selecting(path, "/Root", {"clip": variant}) for path in (source, out)]
         one, other = (s.GetPrimAtPath(skel).GetAttribute("restTransforms").Get() for s in stages)
         assert one != other
+
+
+def test_a_binding_above_a_skeleton_whose_own_has_no_target_differs_by_variant(tmp_path: Path) -> None:
+    bindings = {"a": "rel skel:animationSource = </Root/Anim>", "b": "rel skel:animationSource = </Root/Run>"}
+    text = scene(
+        skeleton(source="rel skel:animationSource"),
+        animation(),
+        animation("Run", rotations=RUN),
+        MESH,
+        variant_set("clip", **bindings),
+    )
+    api = 'prepend apiSchemas = ["SkelBindingAPI"]\nprepend variantSets'
+    source = save(tmp_path, choosing(text, clip="a").replace("prepend variantSets", api))
+    out = edited(source, tmp_path)
+    for variant in "ab":
+        stage = selecting(source, "/Root", {"clip": variant})
+        played = UsdSkel.BindingAPI(stage.GetPrimAtPath("/Root/Skel")).GetInheritedAnimationSource()
+        assert played.GetName() == ("Anim" if variant == "a" else "Run")
+        assert apart(source, out, {"clip": variant}) < 1e-5
 
 
 def test_what_is_common_to_all_variants_is_written_once_outside_of_them(tmp_path: Path) -> None:
