@@ -148,12 +148,17 @@ def _feet(tree: Tree, body: Body, ahead: Vector, poses: Poses) -> float:
 
 
 def _soles(tree: Tree, legs: Limbs, ahead: Vector, poses: Poses) -> float:
-    """How much further ahead of ankles than behind them the points reach that feet move: −1 to 1."""
+    """How much further ahead of ankles than behind them the points reach that feet move: −1 to 1.
+
+    Square to the shin: a leg that ends in a stump, along it, has no foot that points anywhere.
+    """
     total = 0.0
     for path in legs.pair.paths:
         ankle = path[legs.at[-1]]
         ends = poses.box_of(tree.branch(ankle), tree.places)
-        along = [(point - tree.at[ankle]).dot(ahead) for point in ends]
+        shin = (tree.at[ankle] - tree.at[path[legs.at[-2]]]).unit
+        across = ahead - shin * shin.dot(ahead)
+        along = [(point - tree.at[ankle]).dot(across) for point in ends]
         if not along:
             return 0.0
         further = (max(along) + min(along)) / max(_SOLE * legs.size, 1e-30)

@@ -96,6 +96,21 @@ def test_bodies_without_toes_and_names_face_as_what_is_no_noise_says(evidence: s
         assert [chain.kind for chain in layout.chains if chain.is_sure].count("leg") == 2
 
 
+@pytest.mark.parametrize("yaw", [0.0, 180.0])
+def test_a_stump_that_goes_on_as_the_shin_does_is_no_foot(yaw: float) -> None:
+    """Behind bent knees shins slope back, and so does the skin of a leg that ends without a foot."""
+    body = posed_body(Pose("none", knee=40.0, toes=False, fingers=0, thumb=False, yaw=yaw))
+    ankles = np.array([[body.parts[f"{side} foot"]] for side in ("left", "right")])
+    places = body.rig.world[ankles[:, 0], 3, :3]
+    shins = places - body.rig.world[body.rig.parents[ankles[:, 0]], 3, :3]
+    points = np.concatenate([places, places + 0.3 * shins])
+    rows = ankles - body.rig.skins[0].joints[0]
+    mesh = Mesh("stumps", -1, points, 0, np.concatenate([rows, rows]), np.ones((4, 1)))
+    rig = replace(body.rig, content=Content(read_outlines=lambda: [mesh]))
+    (character,) = recognise(rig).characters
+    assert character.facing[2] * np.cos(np.radians(yaw)) > 0.9
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_noise_and_what_formats_say_of_front_make_no_side_sure(seed: int) -> None:
     assert not any(c.is_sure for c in recognise(nameless("", -1.0, seed)).chains if c.kind in ("arm", "leg"))
