@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gltf_files import glb_bytes, glb_json, glb_parts
+from gltf_files import glb_bytes, glb_json, glb_parts, small
 from places import SAMPLES, real_files
 from program import cli
 
@@ -38,6 +38,14 @@ def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path)
     assert not any(before.type_of(before.names.index(name)) for name in gone)
     for skin in after.skins:
         assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
+
+
+def test_a_mesh_without_a_name_is_found_behind_joints_that_go(tmp_path: Path) -> None:
+    out = tmp_path / "out.glb"
+    builder = small(3)
+    builder.gltf["nodes"][3].pop("name", None)
+    cli("prune-joints", builder.glb(tmp_path / "in.glb"), "-o", out, code=0)
+    assert [node.get("name") for node in glb_json(out)["nodes"]] == ["joint 0", "joint 1", None]
 
 
 def test_a_joint_of_a_physics_engine_keeps_its_node(tmp_path: Path) -> None:

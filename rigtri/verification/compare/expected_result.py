@@ -243,13 +243,21 @@ def _compare_remaining(expected: ExpectedResult, source: Source, written: Source
     result = verify(written, source)
     stay = labels
     lost = [f"node {name}" for name in (Counter(stay) - Counter(written.rig.names)).elements()]
-    shown = [mesh.name for mesh in source.meshes() if mesh.node not in removed]
-    lost += [
-        f"mesh {name}" for name in (Counter(shown) - Counter(m.name for m in written.meshes())).elements()
-    ]
+    # A mesh without a name is called by the number of its node, which is another one now.
+    there = Counter(_place(mesh, written.rig) for mesh in written.meshes())
+    for mesh in source.meshes():
+        place = _place(mesh, source.rig)
+        there[place] -= 1
+        if mesh.node not in removed and there[place] < 0:
+            lost.append(f"mesh {mesh.name}")
     different = (*result.different, *(f"{name} was removed, too" for name in lost))
     unit = lost_unit_rotations(denormalisation(source.rig), denormalisation(written.rig))
     return replace(result, different=different, lost=(*result.lost, *unit))
+
+
+def _place(mesh: Mesh, rig: Rig) -> tuple[str, str]:
+    """Where a mesh is: the name of its node, and which of the node's meshes it is."""
+    return rig.names[mesh.node], mesh.name.rpartition("/")[2]
 
 
 def _with_clips(source: Source, rig: Rig) -> Source:
