@@ -29,6 +29,8 @@ def check_plain(path: Path | str, what: str = "") -> Path:
             raise FileError(f"{name} is a folder, not a file")
         if path.exists():
             raise FileError(f"{name} is a device or a pipe; give a plain file")
+        if path.is_symlink():
+            raise FileError(f"{name} is a link that leads to no file")
     except (OSError, ValueError) as error:  # a name that no file can have
         raise FileError(f"{name} cannot be read: {getattr(error, 'strerror', error)}") from error
     if (scheme := path.parts[0] if path.parts else "").endswith(":") and len(scheme) > 2:  # no drive

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -35,3 +36,11 @@ def test_a_file_of_another_format_is_reported_the_way(
 def test_a_folder_and_nothing_are_called_what_they_are(tmp_path: Path) -> None:
     assert "is a folder, not a file" in check(tmp_path)[0].message
     assert "There is no file" in check(tmp_path / "nope.glb")[0].message
+
+
+@pytest.mark.skipif(os.name != "posix", reason="this system makes no links for everybody")
+def test_links_in_a_circle_and_to_nothing_are_called_links(tmp_path: Path) -> None:
+    for name, target in (("one.glb", "two.glb"), ("two.glb", "one.glb"), ("three.glb", "nope.glb")):
+        (tmp_path / name).symlink_to(target)
+    for name in ("one.glb", "three.glb"):
+        assert "is a link that leads to no file" in check(tmp_path / name)[0].message

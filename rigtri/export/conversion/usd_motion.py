@@ -17,6 +17,7 @@ from pxr import UsdGeom
 
 from rigtri.evaluation.adaptive_sampling import adaptive_key_times
 from rigtri.evaluation.sampling import sorted_unique
+from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.reading.xform_hierarchy import read_transform
 from rigtri.maths.arrays import Booleans
 from rigtri.maths.matrices import SKEW, compose, decompose, skew
@@ -125,4 +126,5 @@ def _in_a_step(seconds: Floats, keys: Floats) -> Booleans:
 def _locals(prim: Any, times: Floats) -> Floats:
     """The matrices of a prim, (f, 4, 4), at time codes."""
     place: Callable[[float], Any] = UsdGeom.Xformable(prim).GetLocalTransformation
-    return np.array([place(time) for time in times.tolist()], dtype=np.float64)
+    with quiet(f"<{prim.GetPath()}>: USD cannot read how it moves"):
+        return np.array([place(time) for time in times.tolist()], dtype=np.float64)

@@ -18,6 +18,7 @@ from rigtri.export.conversion.usd_surfaces import Faces, colour_of, materials_of
 from rigtri.export.conversion.usd_unread import Unread
 from rigtri.export.conversion.usd_values import json_value, rest_value
 from rigtri.formats.document import ReadOptions
+from rigtri.formats.usd.composition.stage import quiet
 from rigtri.formats.usd.document import UsdDocument
 from rigtri.formats.usd.reading.loose_animations import tracks_of
 from rigtri.formats.usd.reading.mesh_reader import at_start
@@ -48,7 +49,8 @@ def _without_instances(document: UsdDocument) -> UsdDocument:
 
 def read_scene(document: UsdDocument, name: str) -> Scene:
     """All of a stage that glTF can say; the rest is in `Scene.lost`. Its rig has clips in seconds."""
-    return _Reader(_without_instances(document), name, document.image).read()
+    with quiet(f"{document.source.path}: USD cannot read what it shows"):
+        return _Reader(_without_instances(document), name, document.image).read()
 
 
 class _Reader:

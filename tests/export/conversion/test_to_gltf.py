@@ -10,7 +10,7 @@ import pytest
 from convertible import write_everything
 from gltf_files import glb_bytes, glb_json
 from gltf_files import glb_parts as read_glb
-from places import asset_files, sample_files, slow
+from places import SAMPLES, asset_files, sample_files, slow
 from program import cli
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 from second_opinions import khronos_errors
@@ -32,6 +32,16 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     rigtri.convert(source, folder / "there.usdz", up_axis="z", meters_per_unit=0.01)
     rigtri.convert(folder / "there.usdz", folder / "home.glb")
     return source, folder / "home.glb"
+
+
+def test_openusd_prints_nothing_about_a_stage_that_lacks_what_it_names(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / "arm.usda"
+    text = (SAMPLES / "arm.usda").read_text("utf-8")
+    source.write_text(text.replace("double3 xformOp:translate = (20, 140, 0)", ""), "utf-8")
+    cli("convert", source, "-o", tmp_path / "out.glb", code=0)
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("path", sample_files(".usda", ".usdz"), ids=lambda path: path.name)
