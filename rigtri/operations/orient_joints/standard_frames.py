@@ -35,8 +35,8 @@ _ASIDE = cosine_below(5)
 class StandardFrames:
     """bones: where joints aim and about what they flex, unit directions of the world, (3,) each.
 
-    axes: the rows, (3, 3), that joints of a body have for those of the world: quarter turns of them about up,
-    where a body does not face as its format has it. turned: where such bodies face, and should, in words.
+    axes: the rows, (3, 3), that joints of a body have for those of the world: these turned about up as far as
+    the body is from facing as its format has it. turned: where bodies that face elsewhere do, and should.
     """
 
     bones: Mapping[int, tuple[Floats, Floats]] = field(default_factory=dict)
@@ -64,8 +64,9 @@ def standard_frames(
         bones |= {known[bone]: (aim, up) for bone, aim, up in table if bone in known}
         for chain in (k for k in character.chains if k.kind in ("spine", "neck") and k.is_sure):
             bones |= dict.fromkeys(chain.joints, (found.up, cross(found.up, found.ahead)))
-        rows = quarter_turn(rig, found)
-        axes |= {part.joint: rows for part in character.parts}
+        rows = _turned_axes(rig, found)
+        below = rig.below(character.hips) if character.hips >= 0 else []
+        axes |= dict.fromkeys([*(part.joint for part in character.parts), *below], rows)
         if dot(found.ahead, _usual(rig)) < _ASIDE:
             from rigtri.recognition.layout_output import direction_text
 
@@ -132,16 +133,13 @@ def godot_bones(body: Directions) -> Iterator[tuple[str, Floats, Floats]]:
             yield side + bone, aim, x
 
 
-def quarter_turn(rig: Rig, body: Directions) -> Floats:
-    """The world's axes, rows (3, 3), turned about up by quarters as the body is against its format."""
-    up = np.array(rig.rules.up)
-    usual = _usual(rig)
-    aside = cross(up, usual)
-    turns = ((usual, aside), (aside, -usual), (-usual, -aside), (-aside, usual))
-    # Of two that are as near, the first: a body between two axes faces as it should.
-    ahead, left = max(turns, key=lambda turn: round(float(dot(turn[0], body.ahead)), 6))
-    eye = np.eye(3)
-    rows = [dot(e, usual) * ahead + dot(e, aside) * left + dot(e, up) * up for e in eye]
+def _turned_axes(rig: Rig, body: Directions) -> Floats:
+    """The world's axes, rows (3, 3), turned about up as the body is against its format."""
+    up, usual = np.array(rig.rules.up), _usual(rig)
+    if rig.rules.orient_locked and dot(body.ahead, usual) >= _ASIDE:
+        return np.eye(3)  # which allows no other axes, and faces as it should
+    aside, left = cross(up, usual), cross(up, body.ahead)
+    rows = [dot(e, usual) * body.ahead + dot(e, aside) * left + dot(e, up) * up for e in np.eye(3)]
     return np.array(rows)
 
 
