@@ -77,7 +77,6 @@ def test_a_root_control_that_is_too_high_by_what_one_sees_is_noticed(golden: Gol
         golden.check("add-controls_biped.glb.txt", built(replace(rig, translation=translation)))
 
 
-@pytest.mark.ci
 def test_controls_and_joints_of_a_bake_at_a_moment(golden: Golden) -> None:
     up = with_keyed_controls()
     controls = up.nodes_of("control", "poleVector")

@@ -64,6 +64,12 @@ def test_only_what_changed_is_spelled_anew(change: Any, old: str, new: str) -> N
     assert result == ODD.replace(old, new)
 
 
+def test_a_key_that_stands_below_or_is_a_value_is_not_taken_for_the_member_that_changes() -> None:
+    for first in ('"extras":{"scale":[1]}', '"name":"scale"'):
+        text = f'{{"nodes":[{{{first},"scale":[1,1,1]}},{{"scale":[2,2,2]}}]}}'
+        assert spliced(text, put("nodes", 0, "scale", to=[3])) == text.replace("[1,1,1]", "[3]")
+
+
 def test_new_members_stand_like_those_before_them() -> None:
     text = json.dumps({"a": {"b": [1, 2]}}, indent=2) + "\n"
     wanted = json.dumps({"a": {"b": [1, 2], "c": {"d": [3]}}}, indent=2) + "\n"
