@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from places import SAMPLES, ci, slow
+from places import SAMPLES, ci, first, slow
 from taken_clips import notices, resting, rig_of, shown_at, turned_key, without_skin
 
 from rigtri.errors import GeometryError
@@ -22,6 +22,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Track
 from rigtri.model.rig import Rig
+from rigtri.operations.orient_joints.orient import orient_joints
 from rigtri.operations.take_clips.take_clips import take_clips
 from rigtri.report import Report
 
@@ -29,11 +30,12 @@ CLOSE = 1e-4
 NODES = LEAF, INNER = "fingers_L", "forearm_L"
 
 
-def rolled(rig: Rig, joint: str, degrees: float = 90.0) -> Rig:
-    """The same motion and skin with the axes of a joint turned about its bone, if it has one."""
+def rolled(rig: Rig, joint: str, degrees: float = 90.0, about: Any = None) -> Rig:
+    """The same motion and skin with the axes of a joint turned about its bone, if it has one, or an axis."""
     node = rig.find(joint)
     below = list(rig.children[node])
     along = rig.translation[below[0]] if below else np.array([1.0, 2.0, 3.0])
+    along = along if about is None else np.array(about)
     roll = from_axis_angle(normalise(along), np.radians(degrees))
     back = opposite(roll)
 
@@ -145,3 +147,82 @@ def test_a_frame_that_a_file_without_bind_matrices_rests_in_is_no_other_axes() -
     for name, moved in skinned(take_clips(rig, from_=unbound, report=report)).items():
         np.testing.assert_allclose(moved, wanted[name], atol=CLOSE)
     assert "unsure-axes" not in notices(report)
+
+
+def bound_without(rig: Rig, *joints: str) -> Rig:
+    """The rig whose skin does not hold some joints and all below them."""
+    (skin,) = rig.skins
+    left = {node for joint in joints for node in rig.below(rig.find(joint))}
+    rows = [row for row, node in enumerate(skin.joints.tolist()) if node not in left]
+    held = replace(skin, joints=skin.joints[rows], inverse_bind=skin.inverse_bind[rows], weigh=None)
+    return replace(rig, skins=(held,))
+
+
+ARMS = "clavicle_L", "clavicle_R"
+
+
+@pytest.mark.parametrize("theirs", [(), ARMS], ids=["held by EDITED", "held by neither"])
+def test_other_axes_of_nodes_outside_the_skin_are_refused(theirs: tuple[str, ...]) -> None:
+    """Before, they were turned as the joint above is, in silence: by up to 180°."""
+    rig = bound_without(rig_of(), *ARMS)
+    assert not rig.is_joint[rig.find("hand_L")]
+    with pytest.raises(GeometryError, match=r"another skeleton.*_[LR]: \d+°.*limit 5°"):
+        take_clips(rig, from_=bound_without(orient_joints(rig_of()), *theirs))
+
+
+@pytest.mark.parametrize(("joint", "new"), [(LEAF, False), ci(INNER, False), ci(LEAF, True), ci(INNER, True)])
+def test_rolled_axes_of_nodes_outside_the_skin_are_warned_of(joint: str, new: bool) -> None:
+    """Before, such a node was twisted in silence."""
+    rig = bound_without(rig_of(), *ARMS)
+    if new:
+        rig = replace(rig, clips=())
+    turned = rolled(rig_of(), joint)
+    for edited, told in (rig_of(), False), (turned, True), (bound_without(turned, *ARMS), True):
+        report = Report()
+        take_clips(rig, from_=turned_key(edited, "thigh_L"), report=report)
+        found = [notice for notice in report.warnings if notice.code == "unsure-axes"]
+        assert bool(found) is told
+        if told:
+            assert found[0].text.startswith("No skins of both files show which axes some nodes have")
+            assert joint in found[0].names
+
+
+def test_bones_outside_the_skin_that_point_a_little_elsewhere_are_warned_of() -> None:
+    rig, report = bound_without(rig_of(), *ARMS), Report()
+    take_clips(rig, from_=rolled(rig_of(), INNER, 3.0, about=[1.0, 0.0, 0.0]), report=report)
+    assert "'hand_L' point in other directions in EDITED, by up to 2.58°" in report.warnings[0].text
+
+
+def with_binds(rig: Rig, matrix: Floats) -> Rig:
+    """The rig with one inverse bind matrix, (4, 4), for all joints."""
+    (skin,) = rig.skins
+    alike = np.broadcast_to(matrix, skin.inverse_bind.shape).copy()
+    return replace(rig, skins=(replace(skin, inverse_bind=alike),))
+
+
+@pytest.mark.parametrize("whose", ["RIG", "EDITED"])
+@pytest.mark.parametrize("row", first([-1, 0]))
+def test_inverse_binds_that_are_all_alike_are_no_bind_pose(whose: str, row: int) -> None:
+    """Before, joints were 180° off, with warnings of a body that lies and of keys that were there."""
+    rig, edited = rig_of(), turned_key(rig_of(), "thigh_L")
+    matrix = np.eye(4) if row < 0 else rig.skins[0].inverse_bind[row]
+    wanted, report = skinned(edited), Report()
+    ours, theirs = (with_binds(rig, matrix), edited) if whose == "RIG" else (rig, with_binds(edited, matrix))
+    home = take_clips(ours, from_=theirs, report=report)
+    for name, moved in skinned(replace(home, skins=rig.skins)).items():
+        np.testing.assert_allclose(moved, wanted[name], atol=CLOSE)
+    assert not report.warnings
+    turned = orient_joints(edited)
+    with pytest.raises(GeometryError, match="another skeleton"):
+        take_clips(ours, from_=turned if whose == "RIG" else with_binds(turned, matrix))
+
+
+def test_axes_that_rest_shows_to_be_others_are_refused_where_both_files_bind_at_one_place() -> None:
+    """Before, joints were 177° off."""
+    rig, matrix = rig_of(), np.eye(4)
+    alike = with_binds(rig, matrix)
+    edited = turned_key(alike, "thigh_L")
+    for name, moved in skinned(take_clips(alike, from_=edited)).items():
+        np.testing.assert_allclose(moved, skinned(edited)[name], atol=CLOSE)
+    with pytest.raises(GeometryError, match="another skeleton"):
+        take_clips(alike, from_=with_binds(orient_joints(rig), matrix))

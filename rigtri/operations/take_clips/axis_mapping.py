@@ -66,10 +66,13 @@ class Counterparts:
         self.moving = {t.node for clip in other.clips for t in clip.tracks if t.path != "weights"}
         binds = BoundAxes(rig, other, self.of)
         self._bound, self.proportions, self.bind_turn = binds.turns, binds.apart, binds.turn
+        self.at_one_place = binds.at_one_place
         self._lines: dict[int, tuple[list[int], list[int], int]] = {}
         self._between: dict[int, Floats] = {}
         self.turns: dict[int, Floats] = {}
         self._rounded: dict[tuple[int, str], float] = {}
+        # Moved nodes outside RIG's skins, whose axes are taken to differ as those above do.
+        self.inherited: set[int] = set()
         for node in sorted(self.of):
             turn = self._turn(node)
             self.turns[node] = self.snapped(turn)
@@ -86,6 +89,28 @@ class Counterparts:
     def bound(self) -> frozenset[int]:
         """The joints whose C comes from the bind poses of both files."""
         return frozenset(self._bound)
+
+    @cached_property
+    def unbound(self) -> list[int]:
+        """The nodes of the body whose axes bind poses do not show: joints, and nodes outside RIG's skins.
+
+        Of the latter those that EDITED moves, if it binds them or they are below a joint or what moves.
+        What carries the whole body is none, nor is what rigtri made: programs keep the axes of such nodes.
+        """
+        rig, other = self.rig, self.other
+        above_joints = rig.with_ancestors(np.flatnonzero(rig.is_joint).tolist())
+
+        def counts(node: int) -> bool:
+            if rig.is_joint[node]:
+                return node not in self._bound
+            if node not in self.inherited or node in rig.own or self._looks(node):
+                return False
+            if any(rig.is_joint[k] for k in rig.path_to_root(node)):
+                return True
+            beside_body = bool(above_joints) and self.of.get(self.line(node)[2]) in self.moving
+            return node not in above_joints and (beside_body or bool(other.is_joint[self.of[node]]))
+
+        return [node for node in sorted(self.of) if counts(node)]
 
     @cached_property
     def space(self) -> Floats:
@@ -222,6 +247,7 @@ class Counterparts:
             return drawn
         turned, in_place = self._rests_alike(node)
         if not turned:
+            self.inherited.add(node)
             return self._inherited(node, between)
         if not in_place:
             drawn[3, :3] = 0.0

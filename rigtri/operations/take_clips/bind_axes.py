@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rigtri.maths.matrices import inverse, multiply, nearest_rotation
-from rigtri.maths.similarity_fit import OTHER_SHAPE, fit_similarity
+from rigtri.maths.similarity_fit import OTHER_SHAPE, SAME_PLACE, fit_similarity
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.rig import Rig
@@ -23,17 +23,26 @@ def median_ratio(ours: Floats, theirs: Floats) -> float | None:
     return float(np.median(ours[fit] / theirs[fit])) if fit.any() else None
 
 
+def _at_one_place(skin: Skin) -> bool:
+    """Whether all joints of a skin are bound at one place, as by matrices that are all alike."""
+    places = skin.bind[:, 3, :3]
+    places = places[np.isfinite(places).all(axis=1)]
+    return len(places) > 1 and bool(np.ptp(places, axis=0).max() <= SAME_PLACE * np.abs(places).max())
+
+
 class BoundAxes:
     """C of joints that a skin of each file holds. of: the nodes of ``other`` by those of ``rig``.
 
     turns: C by joint, (4, 4). apart: how far bind poses differ beside turn, size and place. turn: of those of
-    ``other`` to those of ``rig``, (3, 3); None without any.
+    ``other`` to those of ``rig``, (3, 3); None without any. at_one_place: the joints that both files bind at
+    one place, each in its own, so that bind poses show no bones.
     """
 
     def __init__(self, rig: Rig, other: Rig, of: Mapping[int, int]) -> None:
         self.rig, self.apart = rig, 0.0
         self.turn: Floats | None = None
         self.turns: dict[int, Floats] = {}
+        self.at_one_place: set[int] = set()
         for skin in rig.skins:
             for theirs in other.skins:
                 rows = {int(j): row for row, j in enumerate(theirs.joints)}
@@ -42,8 +51,13 @@ class BoundAxes:
                     for row, j in enumerate(skin.joints)
                     if of.get(int(j)) in rows and int(j) not in self.turns
                 ]
-                if both and skin.stored and theirs.stored:
-                    self.turns |= self._of_skins(skin, theirs, both)
+                if not (both and skin.stored and theirs.stored):
+                    continue
+                # Where only one file binds all joints at one place, that is no pose of the other's body.
+                if (alike := _at_one_place(skin)) == _at_one_place(theirs):
+                    found = self._of_skins(skin, theirs, both)
+                    self.turns |= found
+                    self.at_one_place.update(found if alike else ())
 
     def _of_skins(self, skin: Skin, theirs: Skin, both: list[tuple[int, int, int]]) -> dict[int, Floats]:
         mine, its = [row for row, _, _ in both], [row for _, _, row in both]

@@ -104,7 +104,7 @@ class MotionCheck:
         above = joint_above(self.both, joint)
         frames = self._frames(joint, above)
         theirs = self._seen_theirs(joint, above)[frames]
-        ours = seen_ours(self.both, joint, self.ours).reshape(-1, len(self.times), 4, 4)[:, frames]
+        ours = seen_ours(joint, above, self.ours).reshape(-1, len(self.times), 4, 4)[:, frames]
         unit = float(length(self.rig.world[above, 0, :3])) if above >= 0 else 1.0
         if not len(theirs) or not (np.isfinite(theirs).all() and np.isfinite(ours).all()):
             return []
@@ -132,7 +132,7 @@ class MotionCheck:
 
     def _seen_theirs(self, joint: int, above: int) -> Floats:
         """What EDITED shows of a joint, in RIG's axes and with RIG's lengths, (f, 4, 4)."""
-        seen = np.array(seen_theirs(self.both, joint, self.theirs))
+        seen = np.array(seen_theirs(self.both, joint, above, self.theirs))
         if above < 0:
             seen[..., 3, :3] = self._placed(joint, seen[..., 3, :3])
         elif self.both.line(joint)[2] == above and (place := self.bodies.place(joint)) is not None:

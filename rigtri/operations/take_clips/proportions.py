@@ -52,6 +52,16 @@ class Bone:
     bound: bool
     slides: bool
 
+    @property
+    def sizes(self) -> tuple[float, float]:
+        """How long it is in RIG and in EDITED, in the world."""
+        return float(length(self.ours)) * self.unit, float(length(self.theirs)) * self.unit
+
+    @property
+    def holds(self) -> bool:
+        """Whether its length and direction stay while it moves, or are those of the bind poses."""
+        return self.bound or not self.slides
+
 
 class Proportions:
     """The bones of two rigs, and how translations of nodes are to be scaled."""
@@ -59,6 +69,23 @@ class Proportions:
     def __init__(self, both: Counterparts) -> None:
         self.both = both
         self.bones = bones_of(both, both.rig.is_joint)
+
+    @cached_property
+    def at_rest(self) -> dict[int, Bone]:
+        """At rest, the bones that bind poses do not show: of skins that bind all at one place, and of nodes
+        outside RIG's skins; of a RIG without skins, all.
+        """
+        both, rig = self.both, self.both.rig
+        counts = rig.is_joint | np.full(len(rig), not rig.is_joint.any())
+        counts[both.unbound] = True
+        found = bones_of(both, counts, at_rest=True)
+
+        above = {node: both.line(node)[2] for node in found}
+        return {
+            node: bone
+            for node, bone in found.items()
+            if not rig.is_joint[above[node]] or {node, above[node]} <= both.at_one_place
+        }
 
     def place(self, node: int) -> Floats | None:
         """What EDITED's place of a node in the axes of the node above becomes, (4, 4); None: it stays."""
@@ -86,35 +113,34 @@ class Proportions:
     @property
     def other_lengths(self) -> list[int]:
         """The joints whose bones are longer or shorter by more than rounding."""
-        return [n for n, (longer, _) in self._differences.items() if longer > OTHER_SHAPE * self.both.size]
+        most = OTHER_SHAPE * self.both.size
+        return [
+            n for n, bone in self.bones.items() if bone.holds and abs(bone.sizes[0] - bone.sizes[1]) > most
+        ]
 
     @property
     def other_directions(self) -> dict[int, float]:
-        """The joints whose bones point elsewhere by more than rounding, and by how many degrees."""
-        return {
-            node: float(np.degrees(angle(self.bones[node].ours, self.bones[node].theirs)))
-            for node, (_, aside) in self._differences.items()
-            if aside > OTHER_SHAPE * self.both.size
-        }
+        """The joints whose bones point elsewhere by more than rounding, and by how many degrees.
 
-    @cached_property
-    def _differences(self) -> dict[int, tuple[float, float]]:
-        """By how much each bone is longer or shorter, and how far its end is aside at the same length."""
-        found = {}
-        for node, bone in self.bones.items():
-            if bone.bound or not bone.slides:
-                ours, theirs = (float(length(offset)) * bone.unit for offset in (bone.ours, bone.theirs))
-                aside = float(angle(bone.ours, bone.theirs)) * min(ours, theirs)
-                found[node] = abs(ours - theirs), aside
-        return found
+        And those of nodes outside RIG's skins, where it has any.
+        """
+        outside = self.at_rest if self.both.rig.is_joint.any() else {}
+        found = {
+            node: (bone, float(angle(bone.ours, bone.theirs)))
+            for node, bone in (outside | self.bones).items()
+        }
+        most = OTHER_SHAPE * self.both.size
+        return {
+            node: float(np.degrees(apart))
+            for node, (bone, apart) in found.items()
+            if bone.holds and apart * min(bone.sizes) > most
+        }
 
     @cached_property
     def body(self) -> float:
         """How long RIG's legs, from the lowest joint up to the highest above it, are for one in EDITED."""
         leg = [self.bones[n] for n in self._leg[0]]
-        leg = [bone for bone in leg if bone.bound or not bone.slides]
-        ours = sum(float(length(bone.ours)) * bone.unit for bone in leg)
-        theirs = sum(float(length(bone.theirs)) * bone.unit for bone in leg)
+        ours, theirs = (sum(bone.sizes[k] for bone in leg if bone.holds) for k in range(2))
         if min(ours, theirs) <= SHORT * self.both.size or abs(ours / theirs - 1.0) <= SAME_SIZE:
             return 1.0
         return ours / theirs
@@ -264,8 +290,8 @@ def _names(both: Counterparts, nodes: Iterable[int]) -> str:
     return list_names(both.rig.names[node] for node in nodes)
 
 
-def bones_of(both: Counterparts, counts: Booleans) -> dict[int, Bone]:
-    """The bones whose both ends are nodes of RIG that count, (n,)."""
+def bones_of(both: Counterparts, counts: Booleans, *, at_rest: bool = False) -> dict[int, Bone]:
+    """The bones whose both ends are nodes of RIG that count, (n,); at_rest: none in the bind poses."""
     rig, held = both.rig, keys(both.other, "translation")
     other = _as_keyed(both.other, held)
     ours, theirs = bind_poses(rig), bind_poses(other)
@@ -276,7 +302,7 @@ def bones_of(both: Counterparts, counts: Booleans) -> dict[int, Bone]:
         if above < 0 or not (counts[node] and counts[above]):
             continue
         here, there = both.of[node], both.of[above]
-        bound = {node, above} <= both.bound
+        bound = not at_rest and {node, above} <= both.bound
         mine = _offset(rig, ours if bound else {}, node, above)
         seen = transform_points(
             _offset(other, theirs if bound else {}, here, there), inverse(both.turns[above])

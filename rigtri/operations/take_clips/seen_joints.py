@@ -1,4 +1,4 @@
-"""Joints of two files seen from the joint above each, in RIG's axes; worlds are (f, n, 4, 4)."""
+"""Joints of two files seen from a node above each, in RIG's axes; worlds are (f, n, 4, 4)."""
 
 from __future__ import annotations
 
@@ -15,16 +15,14 @@ def joint_above(both: Counterparts, joint: int) -> int:
     return above
 
 
-def seen_ours(both: Counterparts, joint: int, worlds: Floats) -> Floats:
-    """A joint of RIG seen from the joint above, or from the world, (f, 4, 4)."""
-    above = joint_above(both, joint)
+def seen_ours(joint: int, above: int, worlds: Floats) -> Floats:
+    """A joint of RIG seen from one above, or from the world where that is −1, (f, 4, 4)."""
     world: Floats = worlds[:, joint]
     return world if above < 0 else multiply(world, inverse(worlds[:, above]))
 
 
-def seen_theirs(both: Counterparts, joint: int, worlds: Floats) -> Floats:
+def seen_theirs(both: Counterparts, joint: int, above: int, worlds: Floats) -> Floats:
     """The same of EDITED."""
-    above = joint_above(both, joint)
     world = multiply(both.turns[joint], worlds[:, both.of[joint]])
     if above < 0:
         return multiply(world, both.space)

@@ -26,7 +26,6 @@ from rigtri.operations.take_clips.messages import list_names, warn_differences, 
 from rigtri.operations.take_clips.proportions import (
     Bone,
     Proportions,
-    bones_of,
     keys,
     varying,
     warn_lengths,
@@ -88,7 +87,7 @@ def _refuse_other_nodes(both: Counterparts, every: Sequence[Taken]) -> None:
 def _refuse_other_skeleton(both: Counterparts, bodies: Proportions, moved: Collection[int]) -> None:
     """GeometryError where bones or bind poses differ by more than the bounds; ``moved``: nodes of RIG."""
     rig = both.rig
-    found = _measured(both, bodies.bones, moved) if rig.is_joint.any() else _other_axes(both, moved)
+    found = _measured(both, bodies.bones, moved) + _other_axes(both, bodies.at_rest, moved)
     turned = sorted((bone for bone in found if bone.degrees > MOST_DEGREES), key=lambda b: -b.degrees)
     long = sorted((bone for bone in found if bone.stretch > MOST_STRETCH), key=lambda b: -b.stretch)
     why = ""
@@ -115,8 +114,7 @@ def _measured(both: Counterparts, bones: Mapping[int, Bone], moved: Collection[i
     steady = scales.keys() - varying(scales)
     found = []
     for node, bone in bones.items():
-        lengths = [float(length(offset)) * bone.unit for offset in (bone.ours, bone.theirs)]
-        if bone.slides or both.line(node)[2] not in moved or min(lengths) <= SHORT * both.size:
+        if bone.slides or both.line(node)[2] not in moved or min(bone.sizes) <= SHORT * both.size:
             continue
         here, far = both.of[node], 1.0
         if not bone.bound:
@@ -128,9 +126,9 @@ def _measured(both: Counterparts, bones: Mapping[int, Bone], moved: Collection[i
     return found
 
 
-def _other_axes(both: Counterparts, moved: Collection[int]) -> list[_Off]:
-    """What is off of plain nodes, where most are: anybody may put one elsewhere in its parent."""
-    found = _measured(both, bones_of(both, ~both.rig.is_joint), moved)
+def _other_axes(both: Counterparts, bones: Mapping[int, Bone], moved: Collection[int]) -> list[_Off]:
+    """What is off of bones at rest, where most are: anybody may put one node elsewhere in its parent."""
+    found = _measured(both, bones, moved)
     off = [replace(each, stretch=1.0) for each in found if each.degrees > MOST_DEGREES]
     return off if 2 * len(off) > len(found) > 1 else []
 

@@ -1,8 +1,9 @@
-"""Whether anything shows that joints of a file without bind poses have RIG's axes.
+"""Whether anything shows that joints without bind poses have the axes that were taken to be theirs.
 
-Of a joint that is turned about its own bone, or that has no bone, places show nothing. Its axes are RIG's
+Of a joint that is turned about its own bone, or that has no bone, places show nothing. Its axes are as taken
 where two of its bones point as in RIG, and else where it is turned against the joint above as in RIG: while
-EDITED rests and RIG rests or is bound, or at any key of a clip. Joints that neither shows are warned of.
+both files rest or are bound, or at any key of a clip. Joints that neither shows are warned of. So are nodes
+of the body outside RIG's skins.
 
 Source: docs/take-clips.md.
 """
@@ -10,6 +11,7 @@ Source: docs/take-clips.md.
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import product
 
 import numpy as np
 
@@ -37,13 +39,12 @@ class AxesEvidence:
 
     def __init__(self, bodies: Proportions) -> None:
         self.both = both = bodies.both
-        unbound = [n for n in sorted(both.of) if both.rig.is_joint[n] and n not in both.bound]
-        shown = _shown_by_bones(bodies) if unbound else set()
-        self._unshown = [joint for joint in unbound if joint not in shown]
+        shown = _shown_by_bones(bodies) if both.unbound else set()
+        self._unshown = [joint for joint in both.unbound if joint not in shown]
         self.off = dict.fromkeys(self._unshown, 180.0)
         if self.off:
-            for pose in both.rig.world, _bound(both.rig):
-                self._compare(both.other.world[np.newaxis], pose[np.newaxis], MOST_DEGREES)
+            for theirs, ours in product(*((rig.world, _bound(rig)) for rig in (both.other, both.rig))):
+                self._compare(theirs[np.newaxis], ours[np.newaxis], MOST_DEGREES)
 
     def look(self, theirs: Floats, clip: Clip, times: Floats) -> None:
         """Compare EDITED's worlds, (f, n, 4, 4), with what RIG had at times, (f,), of a clip."""
@@ -53,9 +54,8 @@ class AxesEvidence:
 
     def _compare(self, theirs: Floats, ours: Floats, limit: float) -> None:
         for joint in list(self.off):
-            pair = (
-                seen(self.both, joint, world) for seen, world in ((seen_ours, ours), (seen_theirs, theirs))
-            )
+            above = self._above(joint)
+            pair = seen_ours(joint, above, ours), seen_theirs(self.both, joint, above, theirs)
             off = np.degrees(angle(*(each[..., :3, :3] for each in pair))).max(axis=-1)
             least = float(np.nan_to_num(off, nan=180.0).min())
             if least <= limit:
@@ -63,22 +63,31 @@ class AxesEvidence:
             elif limit == MOST_DEGREES:
                 self.off[joint] = min(least, self.off[joint])
 
+    def _above(self, node: int) -> int:
+        """The nearest joint above a joint, and what is next above another node, in both files, or −1."""
+        return joint_above(self.both, node) if self.both.rig.is_joint[node] else self.both.line(node)[2]
+
     def warn(self, taken: Collection[int], report: Report) -> None:
         """Warn of the joints that decide what tracks of nodes of RIG, ``taken``, have become."""
         both, deciding, found = self.both, dict[int, set[int]](), set[int]()
-        for joint in (n for n in sorted(both.of) if both.rig.is_joint[n]):
-            own = {joint} & self.off.keys() | deciding.get(joint_above(both, joint), set())
+        plain = [n for n in both.unbound if not both.rig.is_joint[n]]
+        for joint in sorted({*plain, *(n for n in both.of if both.rig.is_joint[n])}):
+            own = {joint} & self.off.keys() | deciding.get(self._above(joint), set())
             found |= own if joint in taken else set()
             deciding[joint] = own if joint in self._unshown else set()
         if found:
             joints = sorted(found)
             names = list_names(f"{both.rig.title(n)}: {self.off[n]:.3g}°" for n in joints)
+            who, what, export = "No skin of EDITED shows", "joints", "EDITED with its skin"
+            how = "RIG's were assumed"
+            if not found.isdisjoint(plain):
+                who, what, export = "No skins of both files show", "nodes", "both files with these in a skin"
+                how = "They were assumed to differ from RIG's as those of the nodes above do"
             report.warn(
                 "unsure-axes",
-                "No skin of EDITED shows which axes some joints have. RIG's were assumed, though their "
-                f"rotation differs from RIG's rest and bind pose at every key ({names}). If EDITED has "
-                "other axes there, and not another pose, these joints and their children are twisted: export "
-                "EDITED with its skin",
+                f"{who} which axes some {what} have. {how}, though their rotation differs from RIG's rest "
+                f"and bind pose at every key ({names}). If EDITED has other axes there, and not another "
+                f"pose, these {what} and their children are twisted: export {export}",
                 names=[both.rig.title(n) for n in joints],
             )
 
@@ -86,10 +95,9 @@ class AxesEvidence:
 def _shown_by_bones(bodies: Proportions) -> set[int]:
     """The joints with two bones that point as in RIG, and not along one line."""
     both, found = bodies.both, dict[int, list[Floats]]()
-    for node, bone in bodies.bones.items():
-        lengths = [float(length(offset)) * bone.unit for offset in (bone.ours, bone.theirs)]
+    for node, bone in (*bodies.bones.items(), *bodies.at_rest.items()):
         alike = float(np.degrees(angle(bone.ours, bone.theirs))) <= MOST_DEGREES
-        if alike and not bone.slides and min(lengths) > SHORT * both.size:
+        if alike and not bone.slides and min(bone.sizes) > SHORT * both.size:
             found.setdefault(both.line(node)[2], []).append(normalise(bone.ours))
     return {
         joint
