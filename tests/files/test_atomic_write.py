@@ -21,7 +21,7 @@ from places import ci, slow
 
 from rigtri.errors import DeviationError, FileError, UsageError
 from rigtri.files import atomic_write
-from rigtri.files.staged_output import write_text
+from rigtri.files.staged_output import as_file_error, write_text
 from rigtri.formats import ReadOptions, read
 from rigtri.model.rig import Rig
 from rigtri.operations.orient_joints.orient import orient_joints
@@ -312,6 +312,13 @@ def tiny(tmp_path: Path) -> Iterator[Path]:
         pytest.skip("no file system can be mounted here")
     yield folder
     subprocess.run(["umount", str(folder)], check=True)
+
+
+@pytest.mark.parametrize("error", [OSError(5, "broken", "part"), OSError("broken")])
+def test_an_error_of_the_system_is_reported_with_its_reason_alone(error: OSError) -> None:
+    with pytest.raises(FileError) as found, as_file_error(Path("out.glb")):
+        raise error
+    assert str(found.value) == "out.glb cannot be written: broken"
 
 
 @pytest.mark.parametrize("name", ["biped.glb", "biped.usda", "biped.usdz", "biped.gltf"])
