@@ -79,6 +79,11 @@ def _converted(rig: Rig, options: FreezeOptions) -> Rig:
         raise UsageError(
             "--up-axis and --unit: glTF has the up axis y and the unit 1 m, by its specification"
         )
+    if metres <= 0.0 and new_metres != metres:
+        raise GeometryError(
+            f"--unit: the unit of this file is {metres:g} m (metersPerUnit), from which no size follows. "
+            "Set it above 0"
+        )
     quarter = 0.0 if new_up == up else HALF if new_up == "z" else -HALF
     for rule in constraints_of(rig).values():
         if quarter and rule.skip and rig.parents[rule.child] < 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -38,6 +39,14 @@ def test_joints_without_weight_go_and_nothing_moves(suffix: str, tmp_path: Path)
     assert not any(before.type_of(before.names.index(name)) for name in gone)
     for skin in after.skins:
         assert skin.weighted.sum() + len(after.nodes_of("twist")) >= len(skin.joints)
+
+
+def test_a_file_may_lose_all_its_nodes(tmp_path: Path) -> None:
+    source, out = tmp_path / "in.gltf", tmp_path / "out.gltf"
+    nodes = [{"name": "a", "children": [1]}, {"name": "b", "translation": [0, 1, 0]}]
+    source.write_text(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": nodes}))
+    cli("merge-joints", source, "-o", out, "--root", "a", "--joints", "*", code=0)
+    assert "nodes" not in glb_json(out)
 
 
 def test_a_mesh_without_a_name_is_found_behind_joints_that_go(tmp_path: Path) -> None:

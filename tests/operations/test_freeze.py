@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -221,6 +222,14 @@ def test_channels_along_the_axes_of_the_world_are_not_turned(tmp_path: Path) -> 
     ran = cli("freeze", built, "-o", out, "--up-axis", "z", code=5)
     assert "'prop' has channels that its constraint skips" in ran.stderr
     cli("freeze", built, "-o", out, "--unit", "0.01", code=0)
+
+
+@pytest.mark.parametrize("unit", ["0", "-5"])
+def test_a_unit_of_no_size_is_not_converted(unit: str, tmp_path: Path) -> None:
+    source = tmp_path / "in.usda"
+    text = (SAMPLES / "biped.usda").read_text("utf-8")
+    source.write_text(re.sub("metersPerUnit = .*", f"metersPerUnit = {unit}", text), "utf-8")
+    assert "Set it above 0" in cli("freeze", source, "-o", tmp_path / "o.usda", "--unit", "1", code=5).stderr
 
 
 def test_gltf_has_one_unit_and_one_up_axis(tmp_path: Path) -> None:

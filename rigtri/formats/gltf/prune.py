@@ -54,7 +54,7 @@ def prune(draft: CopyOnWrite, storage: Storage, nodes: Collection[int]) -> None:
     _detach(draft, nodes)
     _drop(draft, "nodes", nodes)
     _drop_empty_skins(draft)
-    meshes = _unneeded(gltf, "meshes", meshes, {node.get("mesh") for node in gltf["nodes"]})
+    meshes = _unneeded(gltf, "meshes", meshes, {node.get("mesh") for node in gltf.get("nodes", ())})
     materials = {p.get("material") for mesh in meshes for p in gltf["meshes"][mesh]["primitives"]} - {None}
     dropped = _drop(draft, "meshes", meshes)
     rest = {p.get("material") for mesh in gltf.get("meshes", []) for p in mesh.get("primitives", ())}
