@@ -160,7 +160,8 @@ def _judge(found: Found, path: Path, place: Path, random: Random) -> None:
         _judge_output(found, path, place, random, before, after)
     else:
         _judge_error(found, result, before, after)
-        if found.kind == "refused with 6" and not _explained(found, path):
+        measured = found.command[0] in commands.MEASURING
+        if found.kind == "refused with 6" and not measured and not _explained(found, path):
             found.kind = "finding: refused its own result"
 
 
@@ -186,6 +187,8 @@ def _contents(place: Path) -> dict[str, bytes]:
 
 
 def _judge_error(found: Found, result: Result, before: dict[str, bytes], after: dict[str, bytes]) -> None:
+    # auto leaves its spec for looking, and says where.
+    after = {name: content for name, content in after.items() if not _is_named_spec(name, found, result)}
     lines = [line for line in result.stderr.split("\n") if line and not line.startswith("warning: ")]
     compared = result.exit_code == 6 and found.command[0] == "verify"
     if (
@@ -208,6 +211,10 @@ def _judge_error(found: Found, result: Result, before: dict[str, bytes], after: 
         found.kind, found.detail = "finding: differs from itself", lines[0]
     else:
         found.kind, found.detail = f"refused with {result.exit_code}", lines[0]
+
+
+def _is_named_spec(name: str, found: Found, result: Result) -> bool:
+    return found.command[0] == "auto" and name.endswith(".rig.yaml") and Path(name).name in result.stderr
 
 
 def _judge_output(
@@ -258,7 +265,7 @@ def _options(found: Found) -> ReadOptions:
 
 def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
     """Compare every point of both files, and make the output once more."""
-    changing = found.command[0] in commands.CHANGING or "--split-weights" in found.command
+    changing = found.command[0] in commands.CHANGING or {"--split-weights", "--unit"} & set(found.command)
     options = _options(found)
     try:
         with np.errstate(all="ignore"):  # as the program does

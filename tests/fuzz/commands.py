@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass
 from pathlib import Path
 from random import Random
 
 from rigtri.formats import GLTF_SUFFIXES
+from rigtri.model.options import options_of
 from rigtri.operations.axis_presets import PRESETS
+from rigtri.operations.registry import OPERATIONS, options_class
 
 # Commands whose output need not look as the source: a case does not compare the two. auto shares weights
 # among twist joints, and constrain replaces what it has put there before.
 CHANGING = frozenset(
-    ["add-posereader", "auto", "bake", "constrain", "make-limb", "pose", "snap", "strip", "take-clips"]
+    [
+        *("add-posereader", "auto", "bake", "build", "conform", "constrain", "limit-weights", "make-limb"),
+        *("merge-joints", "pose", "rename-joints", "root-motion", "set-rest", "snap", "strip", "take-clips"),
+    ]
 )
+# Commands that refuse, with 6, what would move the vertices of any file too far.
+MEASURING = frozenset(["build", "limit-weights", "merge-joints"])
 # Commands whose output is no rig.
-PICTURES = {"draw": ".svg", "view": ".html", "export-blender": ".py", "explain": ".svg"}
+PICTURES = {"draw": ".svg", "view": ".html", "export-blender": ".py", "explain": ".svg", "spec-init": ".yaml"}
+SPECS = (
+    "steps: [{do: orient-joints, preset: maya}, {do: add-twist, limbs: auto}, "
+    "{do: add-controls, whole-character: true}, {do: bake, to: controls}]",
+    "steps: [{do: limit-weights}, {do: set-rest, pose: tpose}, {do: mirror}]",
+    "steps: [{do: prune-joints, ends: true}, {do: merge-joints, still: true}, "
+    "{do: rename-joints, to: unreal}]",
+)
 
 
 @dataclass
@@ -121,19 +135,88 @@ Arguments = Callable[[Names, Random], list[str]]
 
 
 def _of_all(path: Path, place: Path, r: Random, names: Names, reading: list[str]) -> list[str]:
-    """One of all other commands, each as often as any other."""
-    name = r.choice(sorted(EVERY))
-    arguments = EVERY[name](names, r)
-    if name in ("take-clips", "bake") and "SAME" in arguments:
-        arguments = [str(path) if word == "SAME" else word for word in arguments]
+    """One of all other commands, each as often as any other; operations without an entry, too."""
+    name = r.choice(sorted({*EVERY, *OPERATIONS} - {"orient-joints", "add-polevector"}))
+    arguments = EVERY[name](names, r) if name in EVERY else _drawn(name, names, r)
+    arguments = [str(path) if word == "SAME" else word for word in arguments]
+    if name == "build":
+        spec = place / "in" / "rig.yaml"
+        spec.write_text(r.choice(SPECS), "utf-8")
+        arguments += ["--spec", str(spec)]
     if name == "recognise" or "--check" in arguments or (name == "pose" and r.random() < 0.3):
         return [name, str(path), *arguments, *reading]
-    target = place / "out" / f"out{PICTURES.get(name, path.suffix)}"
+    suffix = PICTURES.get(name, path.suffix)
+    if name == "convert":
+        suffix = r.choice([".usda", ".usdc", ".usdz"] if path.suffix in GLTF_SUFFIXES else [".glb", ".gltf"])
+    target = place / "out" / f"out{suffix}"
     target.parent.mkdir()
     return [name, str(path), "-o", str(target), *arguments, *reading]
 
 
+def _drawn(name: str, n: Names, r: Random) -> list[str]:
+    """Options of an operation by what they take: all that must be given, and some of the others."""
+    found: list[str] = []
+    for one in options_of(options_class(name)).values():
+        if one.default is not MISSING and r.random() < 0.8:
+            continue
+        if one.hint is bool:
+            found.append(one.flag)
+        elif one.words:
+            found += [one.flag, r.choice(one.words)]
+        elif one.kind is not None and one.kind.low is not None:
+            found += [one.flag, str(r.choice([one.kind.low, one.kind.low + 1]))]
+        elif one.default is MISSING or (one.kind is not None and "node" in one.kind.name):
+            found += [one.flag, n.node(r)]
+    return found
+
+
 EVERY: dict[str, Arguments] = {
+    "freeze": lambda n, r: r.choice(
+        [[], ["--scale"], ["--up-axis", "y"], ["--up-axis", "z"], ["--unit", "0.01"]]
+    ),
+    "rename-joints": lambda n, r: r.choice(
+        [
+            *(["--to", scheme] for scheme in ("mixamo", "unreal", "unity", "vrm", "godot", "rigify")),
+            ["--name", f"{n.node(r)}=other"],
+            ["--to", "unreal", "--prefix", "p:"],
+        ]
+    ),
+    "set-rest": lambda n, r: r.choice(
+        [*(["--pose", pose] for pose in ("tpose", "apose", "bind", n.moment(r))), ["--like", "SAME"]]
+    ),
+    "conform": lambda n, r: ["--to", r.choice(["unreal", "unity", "godot", "vrm", "mixamo"])],
+    "add-root": lambda n, r: r.choice(
+        [[], ["--name", "Base"], ["--above", n.node(r)], ["--profile", "unreal"]]
+    ),
+    "add-socket": lambda n, r: [
+        *("--name", "socket", "--on", n.node(r)),
+        *r.choice([[], ["--at", "0,1,0"], ["--aim", "+y", "--up", "+z"]]),
+    ],
+    "root-motion": lambda n, r: r.choice(
+        [
+            [],
+            ["--mode", "remove"],
+            ["--yaw"],
+            ["--hips", n.chain[0]],
+            ["--hips", n.chain[1], "--to", n.chain[0]],
+            ["--mode", "remove", "--hips", n.chain[0]],
+        ]
+    ),
+    "prune-joints": lambda n, r: r.choice([[], ["--ends"], ["--sockets"], ["--sockets", "--ends"]]),
+    "merge-joints": lambda n, r: r.choice(
+        [
+            ["--still"],
+            ["--max-joints", "3", "--tolerance", "1"],
+            ["--joints", n.chain[2]],
+            ["--joints", "*", "--tolerance", "1"],
+        ]
+    ),
+    "limit-weights": lambda n, r: r.choice(
+        [[], ["--tolerance", "1"], ["--max-influences", "1", "--tolerance", "1"], ["--normalise"]]
+    ),
+    "convert": lambda n, r: r.choice([[], [], ["--fps", "30"], ["--clip", "*"]]),
+    "build": lambda n, r: [],
+    "spec-init": lambda n, r: [],
     "add-controls": lambda n, r: r.choice(
         [
             ["--whole-character"],
@@ -190,7 +273,7 @@ EVERY: dict[str, Arguments] = {
         ),
         *r.choice([[], ["--side", "left"], ["--no-skin"], ["--as", "joint"]]),
     ],
-    "auto": lambda n, r: ["--no-spec"],
+    "auto": lambda n, r: r.choice([[], ["--no-spec"]]),
     "draw": lambda n, r: r.choice([[], ["--view", "front"], ["--at", n.moment(r)]]),
     "view": lambda n, r: [],
     "export-blender": lambda n, r: [],

@@ -8,11 +8,12 @@ from random import Random
 
 import pytest
 from fuzz import __main__ as program
-from fuzz import cases, floor, gltf
+from fuzz import cases, commands, floor, gltf
 from gltf_files import character
 from places import SAMPLES
 
 from rigtri.formats import read
+from rigtri.operations.registry import OPERATIONS
 
 
 @pytest.fixture
@@ -83,6 +84,18 @@ def test_a_plan_is_what_a_run_does(tmp_path: Path) -> None:
         assert planned.command[0] == ran.command[0]
         assert planned.done == ran.done
         assert ran.kind != ""
+
+
+def test_every_operation_is_run_also_one_without_an_entry(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delitem(commands.EVERY, "set-rest")
+    path, names = tmp_path / "in" / "a.glb", commands.Names(["a", "b", "c"], ["a"], [], [], is_rigged=True)
+    drawn = set()
+    for seed in range(1000):
+        (tmp_path / str(seed) / "in").mkdir(parents=True)
+        drawn.add(commands.command(path, tmp_path / str(seed), Random(seed), names, "")[0])
+    assert drawn >= {*OPERATIONS, "auto", "build", "convert", "spec-init"}
 
 
 def test_only_shows_a_case_that_is_no_finding(
