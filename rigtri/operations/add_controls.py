@@ -236,10 +236,10 @@ class _Builder:
         if control is None or self.rig.is_joint[control]:
             return
         style = self.options.style or AxisStyle()
-        for kind, joint, place in foot.pivots:
+        for kind, joint, place, size in foot.pivots:
             about = {"joint": self.rig.address(joint), "chain": chain}
             self.axes.styles[joint, kind], self.axes.frames[joint, kind] = style, foot.axes
-            drawing = self._drawing(kind, joint, foot.size, foot.normal)
+            drawing = self._drawing(kind, joint, size, foot.normal)
             control = self._control(joint, kind, self._find(kind, about), about, (control, place, drawing))
         self._add()
 

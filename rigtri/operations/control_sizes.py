@@ -50,7 +50,7 @@ class ControlSizes:
         self.tree, self.aims, self.world = tree, aims, tree.rig.world
         bones = [aim.length for aim in aims.values() if aim.length > 0]
         self.typical = float(np.median(bones)) if bones else extent or 1.0
-        self.sections = SkinSections(tree.rig)
+        self.sections = SkinSections(tree)
 
     def of(self, joint: int, axes: Floats | None = None) -> tuple[float, Floats]:
         """The radius of a joint's shape, and which axis of its control lies along the bone, (3,).
@@ -86,15 +86,18 @@ class ControlSizes:
 class SkinSections:
     """The meshes of a rig at rest, which planes through joints cut."""
 
-    def __init__(self, rig: Rig) -> None:
-        self.rig = rig
+    def __init__(self, tree: Skeleton) -> None:
+        rig = self.rig = tree.rig
         self._by_skin: dict[int, list[_Skinned]] = {}
-        self._by_node: dict[int, list[_Skinned]] = {}
+        # By the joint that a mesh is, or is below.
+        self._by_joint: dict[int, list[_Skinned]] = {}
+        joints = set(tree.joints)
         for mesh in rig.meshes:
-            rigid = mesh.skin is None or not mesh.joints.shape[1]
-            found = self._by_node if rigid else self._by_skin
-            key = mesh.node if rigid or mesh.skin is None else mesh.skin
-            found.setdefault(key, []).append(_Skinned(rig, mesh))
+            if mesh.skin is not None and mesh.joints.shape[1]:
+                self._by_skin.setdefault(mesh.skin, []).append(_Skinned(rig, mesh))
+            else:
+                above = (node for node in rig.path_to_root(mesh.node) if node in joints)
+                self._by_joint.setdefault(next(above, -1), []).append(_Skinned(rig, mesh))
 
     def radius(self, joint: int, place: Floats, normal: Floats) -> float:
         """How wide a ring around a place, (3,), must be in the plane square to ``normal``, (3,) unit.
@@ -126,17 +129,19 @@ class SkinSections:
         return np.concatenate([*found, np.zeros((0, 3))])
 
     def _near(self, joint: int) -> list[tuple[_Skinned, Integers]]:
-        """As `_of` a joint, or its neighbours where it has none."""
-        return self._of([joint]) or self._of([int(self.rig.parents[joint]), *self.rig.children[joint]])
+        """As `_of` a joint, or where it has none its neighbours, or the nearest joint above that has some."""
+        above = self.rig.path_to_root(joint)[1:]
+        tries = ([joint], [*above[:1], *self.rig.children[joint]], *([node] for node in above[1:]))
+        return next(filter(None, map(self._of, tries)), [])
 
     def _of(self, joints: list[int]) -> list[tuple[_Skinned, Integers]]:
         """The meshes that have skin of joints, and which vertices of each, (v,).
 
-        Meshes that are children of joints are the body where there is no skin; else they are held or worn.
+        Meshes that are below joints are the body where there is no skin; else they are held or worn.
         """
         found = list(self._skin_of(joints))
         if not found:
-            rigid = (mesh for node in joints for mesh in self._by_node.get(node, ()))
+            rigid = (mesh for node in joints for mesh in self._by_joint.get(node, ()))
             found = [(mesh, np.arange(len(mesh.points))) for mesh in rigid if mesh.usable]
         return found
 
@@ -151,7 +156,7 @@ class SkinSections:
     @cached_property
     def _body(self) -> list[_Skinned]:
         """The meshes that a body consists of: those with a skin, else all."""
-        found = [skinned for meshes in (self._by_skin or self._by_node).values() for skinned in meshes]
+        found = [skinned for meshes in (self._by_skin or self._by_joint).values() for skinned in meshes]
         return [skinned for skinned in found if skinned.usable]
 
     @cached_property

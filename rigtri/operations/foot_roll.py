@@ -15,7 +15,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from rigtri.frames.skeleton import Skeleton, reference
-from rigtri.maths.matrices import from_frame, inverse, multiply, orthonormal_axes, transform_points
+from rigtri.maths.matrices import (
+    from_frame,
+    inverse,
+    multiply,
+    orthonormal_axes,
+    transform_directions,
+    transform_points,
+)
 from rigtri.maths.triangle import frame
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
@@ -23,7 +30,7 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import PIVOTS, ControlKind, ControlRecord
 from rigtri.model.rig import Rig
 from rigtri.operations.axis_presets import AxisStyle
-from rigtri.operations.control_sizes import SkinSections
+from rigtri.operations.control_sizes import MARGIN, SkinSections
 from rigtri.operations.options.add_controls import AddControlsOptions
 from rigtri.recognition.limbs import Limb
 from rigtri.recognition.recognise import recognise
@@ -36,7 +43,8 @@ _LIES = 0.5
 _SOLE = 0.5
 # Of feet without skin: how far heel and tip are from ankle and ball, as parts of the way between these.
 _HEEL, _TIP = 0.35, 0.5
-# How large a pivot is drawn, as a part of the foot.
+# How large a pivot is drawn, as a part of the foot, at least; that of the ball stands in the foot, and is as
+# large as that is thick.
 _DRAWN = 0.15
 
 
@@ -44,7 +52,7 @@ _DRAWN = 0.15
 class Foot:
     """A foot of a limb. toe: its joint. heel, tip, ball: places, (3,). axes: rows, (3, 3).
 
-    size: to draw. normal: the lateral axis as its pivots see it, (3,).
+    size, ball_size: to draw. normal: the lateral axis as its pivots see it, (3,).
     """
 
     limb: Limb
@@ -54,13 +62,18 @@ class Foot:
     ball: Floats
     axes: Floats
     size: float
+    ball_size: float
     normal: Floats
 
     @property
-    def pivots(self) -> tuple[tuple[ControlKind, int, Floats], ...]:
-        """Each pivot with the joint that it is for, and its place, from the ground up."""
-        end = self.limb.end
-        return ("heel", end, self.heel), ("tip", end, self.tip), ("ball", self.toe, self.ball)
+    def pivots(self) -> tuple[tuple[ControlKind, int, Floats, float], ...]:
+        """Each pivot with the joint that it is for, its place and its size, from the ground up."""
+        end, size = self.limb.end, self.size
+        return (
+            ("heel", end, self.heel, size),
+            ("tip", end, self.tip, size),
+            ("ball", self.toe, self.ball, self.ball_size),
+        )
 
 
 def rolling_toes(tree: Skeleton, limbs: Iterable[Limb]) -> dict[Limb, int | str]:
@@ -139,6 +152,8 @@ def _foot(
     above = left if style.up_from == "plane" else up
     axes = np.eye(3) if style.world else frame(ahead, above, aim_axis=style.aim, up_axis=style.up)
     back, there = inverse(moves[limb.end]), inverse(moves[toe])
+    size, aside = _DRAWN * (tip - heel), normalise(transform_directions(left, back))
+    thick = skin.thickness([limb.middle, *below], rest[toe, 3, :3], aside)
     return Foot(
         limb,
         toe,
@@ -146,6 +161,7 @@ def _foot(
         transform_points(foot + ahead * tip, there),
         rest[toe, 3, :3],
         axes if style.world else orthonormal_axes(multiply(from_frame(axes, np.zeros(3)), back)),
-        _DRAWN * (tip - heel),
+        size,
+        max(size, MARGIN * thick),
         np.round(dot(axes, left)),
     )
