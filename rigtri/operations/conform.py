@@ -14,8 +14,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
-from rigtri.maths.quaternions import rotation_angle
+from rigtri.maths.matrices import orthonormal_axes
+from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.vectors import cross, dot
 from rigtri.model.rig import Rig
 from rigtri.operations.add_root import root_above
@@ -23,16 +26,19 @@ from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
 from rigtri.operations.ik_bones import IK_BONES
 from rigtri.operations.operation import operation
+from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.conform import ConformOptions as ConformOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.operations.orient_joints.joint_frames import MOST_NOISE
 from rigtri.operations.orient_joints.orient import plan_frames
+from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
 from rigtri.operations.registry import operation as function_of
 from rigtri.operations.rename_joints import set_aside
-from rigtri.recognition.humanoid_order import misplaced
+from rigtri.recognition.humanoid_order import ABOVE, misplaced
 from rigtri.recognition.layout import Character
 from rigtri.recognition.naming_schemes import own_table
 from rigtri.recognition.recognise import recognise
+from rigtri.recognition.written_names import written_names
 from rigtri.report import Report
 from rigtri.text import listed
 
@@ -45,7 +51,7 @@ class Skeleton(NamedTuple):
     profile: of which engine it has the IK bones, "" for none.
     """
 
-    pose: str = "tpose"
+    pose: StandardPose = "tpose"
     axes: str = "blender"
     root: str = ""
     profile: str = ""
@@ -60,6 +66,8 @@ _SKELETONS: Mapping[str, Skeleton] = {
 }
 # The skeletons whose joints have the axes of the world.
 _ALONG_WORLD = ("unity", "vrm")
+# Axes of a missing bone that are this near to those of the bone above (5°) turn nobody visibly.
+_FAR_OFF = float(np.radians(5.0))
 _POSES, _AXES = ("tpose", "apose"), ("godot", *PRESETS)
 
 
@@ -148,6 +156,7 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
         del report.joints[known:]
         report.added.append({"type": "step", "do": name, "node": "", "new": False, **_shown(values)})
     _warn_misplaced(rig, report)
+    _warn_missing(rig, options, skeleton, report)
     _warn_other_axes(rig, dict(steps)["orient-joints"], report)
     return rig
 
@@ -197,6 +206,36 @@ def _warn_misplaced(rig: Rig, report: Report) -> None:
             pairs = [f"{rig.title(node)} (below {rig.title(above)})" for node, above in found]
             text = f"Not below the joints that a standard skeleton has above them: {listed(pairs, 6)}"
             report.warn("hierarchy", f"{text}. Clips of others do not fit these: parent them in a DCC")
+
+
+def _warn_missing(rig: Rig, options: ConformOptions, skeleton: Skeleton, report: Report) -> None:
+    """Say which bones are not there whose axes the rotations of the bones below them count from."""
+    names, ways = written_names(options.to), " or ".join(_ALONG_WORLD)
+    for body in recognise(rig).characters if skeleton.axes != "vrm" else ():
+        off = _off_without(rig, body, skeleton, options.facing)
+        if missing := sorted(names.get(bone, bone) for bone, angle in off.items() if angle > _FAR_OFF):
+            far = f"{np.degrees(max(off.values())):.0f} degrees"
+            text = f"The standard skeleton has bones that are not here: {listed(missing, 6)}. Clips of "
+            text += f"characters that have them turn what is below {far} off: add these joints in a DCC"
+            report.warn("bones-missing", f"{text}, or take --to {ways}")
+
+
+def _off_without(
+    rig: Rig, body: Character, skeleton: Skeleton, facing: tuple[float, float, float] | None
+) -> dict[str, float]:
+    """How far the axes of missing bones are from those that bones below count from instead, in radians."""
+    found, bones, off = directions(rig, rig.world, body, facing), sure_bones(body), dict[str, float]()
+    if found is None:
+        return off
+    table = godot_bones(found) if skeleton.axes == "godot" else standard_bones(found, skeleton.pose)
+    standard = {bone: from_axes(np.array([aim, up, cross(aim, up)])) for bone, aim, up in table}
+    for bone, node in bones.items():
+        lacks, above = ABOVE.get(bone, ""), int(rig.parents[node])
+        if bone in standard and lacks in standard and lacks not in bones and above >= 0:
+            axes, over = from_axes(orthonormal_axes(rig.world[[node, above]]))
+            its = multiply(multiply(standard[lacks], conjugate(standard[bone])), axes)
+            off[lacks] = float(rotation_angle(multiply(conjugate(over), its)))
+    return off
 
 
 def has_axes_of(rig: Rig, to: str) -> bool:

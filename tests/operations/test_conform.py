@@ -265,6 +265,29 @@ def test_a_leg_below_another_joint_is_reported() -> None:
     assert np.allclose(out.world[out.find("LeftFoot"), :3, :3], np.eye(3), atol=1e-5)
 
 
+def test_a_body_without_clavicles_is_told_how_far_off_clips_are() -> None:
+    """Those of others turn its arms about the axes of the chest instead of the clavicle's."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    parents, translation = rig.parents.copy(), rig.translation.copy()
+    names = [name.replace("clavicle", "pauldron") for name in rig.names]
+    for arm in (rig.find("upper_arm_L"), rig.find("upper_arm_R")):
+        parents[arm] = chest = rig.parents[parents[arm]]
+        translation[arm] = multiply(rig.world[arm], inverse(rig.world[chest]))[3, :3]
+    flat = replace(rig, names=tuple(names), parents=parents, translation=translation, clips=(), source=None)
+    told = {}
+    for target in TARGETS:
+        report = Report()
+        rigtri.conform(flat, to=target, report=report)
+        told[target] = [item.text for item in report.warnings if item.code == "bones-missing"]
+    assert told["unity"] == told["vrm"] == []
+    assert "not here: clavicle_l, clavicle_r. Clips" in told["unreal"][0]
+    assert "90 degrees off" in told["mixamo"][0]
+    assert "120 degrees off" in told["godot"][0]
+    report = Report()
+    rigtri.conform(rig, to="godot", report=report)
+    assert "bones-missing" not in {item.code for item in report.warnings}
+
+
 def test_what_stands_against_the_axes_of_the_skeleton_is_reported() -> None:
     """A scale that is not uniform, and names that call left what is on the right."""
     rig = rigtri.read(SAMPLES / "biped.glb")
