@@ -69,6 +69,11 @@ def test_scales_names_influences_and_bones_are_found() -> None:
     content = replace(rig.content, read_meshes=lambda: [crowded])
     assert "profile.influences" in of_rig(replace(rig, content=content), "three")
     assert "profile.influences" not in of_rig(replace(rig, content=content), "unreal")
+    # Two joints, one of them in JOINTS_1, which GLTFLoader does not read.
+    crowded = replace(crowded, weights=wide * [3, 0, 0, 0, 3, 0])
+    content = replace(rig.content, read_meshes=lambda: [crowded])
+    assert "profile.influences" in of_rig(replace(rig, content=content), "three")
+    assert "profile.influences" not in of_rig(replace(rig, content=content), "unity")
 
 
 @pytest.mark.parametrize("profile", PROFILES)

@@ -36,7 +36,10 @@ _AHEAD = cosine_below(45)
 
 @dataclass(frozen=True)
 class _Engine:
-    """What one engine asks for. influences: joints of a point, joints: of a skin; 0 for any number."""
+    """What one engine asks for. influences: joints of a point, joints: of a skin; 0 for any number.
+
+    first: it reads the first so many influences of a point, wherever others are 0.
+    """
 
     title: str
     humanoid: bool = False
@@ -44,6 +47,7 @@ class _Engine:
     root: bool = False
     scale: bool = False
     influences: int = 0
+    first: bool = False
     joints: int = 0
     odd_names: str = ""
 
@@ -56,7 +60,7 @@ _ENGINES: Mapping[str, _Engine] = {
     "unreal": _Engine("Unreal", root=True, scale=True, influences=8),
     "godot": _Engine("Godot", t_pose=True, scale=True, influences=8),
     "vrm": _Engine("VRM", humanoid=True, t_pose=True, scale=True, influences=4),
-    "three": _Engine("three.js", influences=4, odd_names=r"[\[\].:/\s]"),
+    "three": _Engine("three.js", influences=4, first=True, odd_names=r"[\[\].:/\s]"),
     "webgl": _Engine("WebGL", influences=4, joints=64),
 }
 _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
@@ -237,6 +241,11 @@ def _limits(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
             most = int(np.count_nonzero(mesh.weights, axis=1).max(initial=0))
             if most > engine.influences:
                 text = f"points follow up to {most} joints, and {engine.title} shows {engine.influences}"
+                yield "influences", mesh.node, text
+            elif engine.first and (
+                lost := np.count_nonzero(mesh.weights[:, engine.influences :].any(axis=1))
+            ):
+                text = f"{lost} points have weights in a second set, and {engine.title} reads JOINTS_0 alone"
                 yield "influences", mesh.node, text
     for skin in rig.skins if engine.joints else ():
         if len(skin.joints) > engine.joints:
