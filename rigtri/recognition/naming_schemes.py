@@ -17,7 +17,7 @@ import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from rigtri.errors import FileError, did_you_mean
 from rigtri.model.dataclass import dataclass
@@ -229,10 +229,10 @@ def _read(part: str, word: str) -> tuple[bool, str]:
 def _scheme(table: Mapping[str, Any], source: str) -> Scheme:
     base = _tables()[table["like"]] if "like" in table else {}
     parts = {part: {**base.get(part, {}), **table.get(part, {})} for part in ("middle", "sides", "chains")}
+    parts["middle"].setdefault("jaw", _tables()["bones"]["middle"]["jaw"])  # which makers leave out
     middle, sides, chains = (_turned(parts[part]) for part in ("middle", "sides", "chains"))
     marks = frozenset(table.get("marks", "").split())
-    which: tuple[Side, Side] = ("left", "right")
-    own = {word: each for each in which for word in table.get(each, "").split()}
+    own: dict[str, Side] = {word: each for each in get_args(Side) for word in table.get(each, "").split()}
     return Scheme(table["title"], marks, middle, sides, chains, source, own)
 
 

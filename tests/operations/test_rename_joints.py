@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 from gltf_files import glb_json, small
 from places import SAMPLES, every_other, real_files, slow
@@ -15,7 +16,9 @@ from program import cli
 import rigtri
 from rigtri.errors import GeometryError, UsageError
 from rigtri.formats import read
+from rigtri.maths.matrices import inverse
 from rigtri.model.joint_names import SideStyle
+from rigtri.operations.add_socket import with_joint
 from rigtri.operations.rename_joints import names_json
 from rigtri.recognition.layout import MIDDLE, SIDED
 from rigtri.recognition.naming_schemes import parse_name, schemes
@@ -72,6 +75,20 @@ def test_a_trunk_that_is_counted_from_none_keeps_its_bones() -> None:
     there = rigtri.rename_joints(named, to="unreal")
     assert {"spine_01", "spine_02"} <= set(there.names)
     assert rigtri.rename_joints(there, to="hik").names == named.names
+
+
+def test_a_jaw_under_a_scheme_that_has_none_is_renamed_by_the_first_run() -> None:
+    """The next run reads the names of another scheme, which has one."""
+    rig = rigtri.rename_joints(rigtri.read(SAMPLES / "biped.glb"), to="mixamo")
+    jaw, (skin,) = rig.find("head_end"), rig.skins
+    binds = np.concatenate([skin.inverse_bind, inverse(rig.world[[jaw]])])
+    names = tuple("mixamorig:Jaw" if node == jaw else name for node, name in enumerate(rig.names))
+    rig = replace(rig, names=names, skins=(with_joint(skin, jaw, binds),))
+    for scheme, name in (("vrm", "jaw"), ("daz", "lowerJaw"), ("hik", "mixamorig:Jaw")):
+        once = rigtri.rename_joints(rig, to=scheme)
+        assert once.names[jaw] == name
+        assert rigtri.rename_joints(once, to=scheme).names == once.names
+        assert rigtri.rename_joints(once, to="mixamo").names == rig.names
 
 
 @pytest.mark.parametrize("suffix", [".glb", ".usda"])
