@@ -169,7 +169,13 @@ def _remarks(rig: Rig, drafts: Sequence[Draft]) -> list[str]:
     if not known:
         remarks.append("not a character: " + why_none(drafts[0]))
     if len(known) > 1:
-        remarks.append(f"{len(known)} characters: separate hierarchies, and no skin has joints of two")
+        bodies, skins = (
+            [set(draft.tree.nodes) for draft in known],
+            [skin.joints.tolist() for skin in rig.skins],
+        )
+        shared = any(sum(not body.isdisjoint(joints) for body in bodies) > 1 for joints in skins)
+        words = "that one skin moves" if shared else "and no skin has joints of two"
+        remarks.append(f"{len(known)} characters: separate hierarchies, {words}")
     for draft in known:
         remarks += draft.remarks
         remarks += _missing(draft)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from rigtri.maths.angle_limits import radians_below
+from rigtri.maths.triangle import bend_angle
 from rigtri.recognition.arms_legs import TIE, Found, find_limbs
 from rigtri.recognition.candidates import Draft
 from rigtri.recognition.evidence_against import doubted, unsure
@@ -12,6 +14,9 @@ from rigtri.recognition.layout import CONFIDENT
 from rigtri.recognition.limb_words import NO_WORDS
 from rigtri.recognition.shape_analysis import shape_of
 from rigtri.text import a
+
+# A joint within a bone bends by less than this (radians).
+_BENDS = radians_below(6)
 
 
 def agreed(draft: Draft, found: Sequence[Found]) -> list[Found]:
@@ -63,9 +68,23 @@ def _surely(draft: Draft, bare: Draft, each: Found, alone: Sequence[Found]) -> s
             and len({*draft.tree.rig.parents[[end, ends]].tolist()}) == 1
         ):
             continue
+        if _parts_a_bone(draft, bare, other.joints[1]):
+            continue
         if other.joints != each.joints or (other.kind != each.kind and not called_arm):
             return f"{_titles(draft, other.joints)} is {a(other.kind)}"
     return ""
+
+
+def _parts_a_bone(draft: Draft, bare: Draft, node: int) -> bool:
+    """Whether names call a joint a part of the bone above, and it bends in no pose.
+
+    Along a straight limb no shape tells elbows from such joints.
+    """
+    tree, moving = bare.tree, draft.poses.moving
+    if node not in draft.segments or not tree.below[node]:
+        return False
+    before, at, after = (moving[:, k] for k in (tree.above[node], node, tree.below[node][0]))
+    return bool((bend_angle(before, at, after) < _BENDS).all())
 
 
 def _clearly(draft: Draft, bare: Draft, each: Found, found: Sequence[Found]) -> str:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from recognition_bodies.cases import Case
 from recognition_bodies.population import population
-from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, Joint, both, rig_with
+from recognition_bodies.skeletons import FINGERS, HORSE, LEG, MAN, TRUNK, Joint, both, line, rig_with
 from recognition_bodies.truth import nameless
 
 from rigtri.model.rig import Rig
@@ -116,3 +116,22 @@ def test_a_limb_that_forks_at_its_end_is_sure_by_its_names_whichever_branch_its_
         for named, chains in arms.items()
     }
     assert ends == {True: ["hand.L", "hand.R"], False: ["palm.L", "palm.R"]}
+
+
+def test_arms_of_parted_straight_bones_are_what_their_names_say() -> None:
+    """As MakeHuman's are in T-pose: by shape any joint along them may be the elbow."""
+    places = [(x, 1.45, 0.0) for x in (0.02, 0.115, 0.247, 0.411, 0.576, 0.73, 0.884)]
+    bones = "clavicle.L shoulder01.L upperarm01.L upperarm02.L lowerarm01.L lowerarm02.L wrist.L"
+    arm = line(bones, "chest", *places)
+    for k, z in enumerate((0.03, 0.02, 0.0, -0.02, -0.03)):
+        far = [0.884 + step + 0.03 * (k > 0) for step in (0.05, 0.085, 0.11)]
+        names = " ".join(f"finger{k + 1}-{joint}.L" for joint in (1, 2, 3))
+        arm += line(names, "wrist.L", *((x, 1.45, z) for x in far))
+    rig = rig_with([*TRUNK, *both([*arm, *LEG])])
+    arms = [limb for limb in recognise(rig).chains if limb.kind == "arm"]
+    assert [limb.is_sure for limb in arms] == [True, True]
+    for limb in arms:
+        side = rig.names[limb.bend[0]][-2:]
+        assert [rig.names[k] for k in limb.bend] == [
+            f"{k}{side}" for k in ("upperarm01", "lowerarm01", "wrist")
+        ]

@@ -298,3 +298,18 @@ def test_a_trunk_that_is_named_in_another_language_is_that_of_a_body() -> None:
         names |= {bare: word, f"{bare}.L": f"{word}_G", f"{bare}.R": f"{word}_D"}
     sure = [chain.name for chain in renamed(MAN, names).chains if chain.is_sure and chain.bend]
     assert sorted(sure) == ["left arm", "left leg", "right arm", "right leg"]
+
+
+@pytest.mark.parametrize("one_skin", [True, False])
+def test_a_remark_says_whether_one_skin_moves_several_characters(one_skin: bool) -> None:
+    other = [(f"{name}.001", above and f"{above}.001", (x + 2.5, y, z)) for name, above, (x, y, z) in MAN]
+    rig = rig_with([*MAN, *other])
+    if not one_skin:
+        (skin,) = rig.skins
+        half = len(MAN)
+        rows = slice(0, half), slice(half, 2 * half)
+        skins = (replace(skin, joints=skin.joints[k], inverse_bind=skin.inverse_bind[k]) for k in rows)
+        rig = replace(rig, skins=tuple(skins))
+    (remark,) = (remark for remark in recognise(rig).remarks if "characters" in remark)
+    words = "that one skin moves" if one_skin else "and no skin has joints of two"
+    assert remark == f"2 characters: separate hierarchies, {words}"
