@@ -1,4 +1,8 @@
-"""Active controls: in a clip those with keys, at rest those whose channels are not zero."""
+"""Active controls: at rest those whose channels are not zero; in a clip those with keys.
+
+And those posed at rest that have no keys in a clip, of joints that have none there either: these stay as
+they are posed.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
 from rigtri.maths.quaternions import rotation_angle
 from rigtri.maths.vectors import length
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
 # Channels of controls that differ from zero by less are zero: float32 readers see no difference.
@@ -30,8 +35,15 @@ def controls_and_poles(rig: Rig) -> frozenset[int]:
 
 
 def controls_with_keys(rig: Rig, timeline: Timeline) -> frozenset[int]:
-    """The controls and poles with keys in a timeline."""
-    return frozenset(track.node for track in timeline.clip.tracks) & controls_and_poles(rig)
+    """The controls and poles with keys in a timeline, and those posed at rest whose joints have none in it."""
+    keyed = frozenset(track.node for track in timeline.clip.tracks)
+    found = keyed & controls_and_poles(rig)
+    for node in moved_at_rest(rig, skeleton_size(rig)) - found:
+        record = rig.records(ControlRecord).get(node)
+        names = (record.joint, *record.chain) if record else ()
+        if keyed.isdisjoint(joint for joint in map(rig.known, names) if joint is not None):
+            found |= {node}
+    return found
 
 
 def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:

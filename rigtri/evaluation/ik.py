@@ -31,6 +31,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import cross, dot, length, normalise
 from rigtri.model.constraints import Constraint
 from rigtri.model.dataclass import dataclass
+from rigtri.model.metadata import ControlRecord
 from rigtri.model.rig import Rig
 
 # Sines of the bend from which on, and up to which, a pole is placed by the bend and by the bone.
@@ -160,8 +161,15 @@ class Ik:
 
     @cached_property
     def lean(self) -> float:
-        """By how much it is bent beside its pole while controls are zero, in radians."""
-        return lean_at_rest(*self._aside, self._line, self._size) if self.limb.pole >= 0 else 0.0
+        """By how much it is bent beside its pole while controls are zero, in radians.
+
+        A limb that is bent against its pole turns to it one way round, one on the right side the other way.
+        """
+        if self.limb.pole < 0:
+            return 0.0
+        lean = lean_at_rest(*self._aside, self._line, self._size)
+        right = self.rig.records(ControlRecord)[self.limb.control].side == "right"
+        return -lean if right and lean > np.pi - SAME_SIDE else lean
 
     @cached_property
     def _pole(self) -> Floats:

@@ -99,6 +99,18 @@ def test_a_control_that_was_rotated_at_rest_rotates_its_joint_once_however_often
     np.testing.assert_allclose(bake(stored(once), options=BakeOptions()).world, once.world, atol=1e-6)
 
 
+def test_a_control_that_is_posed_at_rest_is_at_work_in_clips_where_nothing_of_it_has_keys() -> None:
+    """An arm reaches for its keyed control from a chest that is turned at rest, before the bake and after."""
+    rig = rigged()
+    hand, chest = control(rig, "hand_L", "ik"), control(rig, "spine", "fk")
+    rotation = rig.rotation.copy()
+    rotation[chest] = from_axis_angle([0.0, 1.0, 0.0], 0.3)
+    posed = replace(animated(rig, hand, "translation", [[0, 0, 0], [0.0, 0.01, 0.0]]), rotation=rotation)
+    baked = bake(posed, options=BakeOptions(clip=("new",)))
+    world = sampling.worlds(baked, sampling.locals_at(baked, baked.clip("new"), [1.0]))[0]
+    np.testing.assert_allclose(world[rig.find("hand_L"), 3, :3], world[hand, 3, :3], atol=1e-6)
+
+
 def test_an_ik_end_takes_the_end_of_the_limb_along() -> None:
     rig = rigged()
     hand = control(rig, "hand_L", "ik")
