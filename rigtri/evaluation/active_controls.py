@@ -35,7 +35,7 @@ def controls_and_poles(rig: Rig) -> frozenset[int]:
 
 
 def controls_with_keys(rig: Rig, timeline: Timeline) -> frozenset[int]:
-    """The controls and poles with keys in a timeline, and those posed at rest whose joints have none in it."""
+    """The controls and poles with keys in a timeline, and those posed at rest of joints without any there."""
     keyed = frozenset(track.node for track in timeline.clip.tracks)
     found = keyed & controls_and_poles(rig)
     for node in moved_at_rest(rig, skeleton_size(rig)) - found:
