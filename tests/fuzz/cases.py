@@ -265,7 +265,9 @@ def _options(found: Found) -> ReadOptions:
 
 def _judge_closely(found: Found, source: Path, target: Path, place: Path, content: bytes) -> None:
     """Compare every point of both files, and make the output once more."""
-    changing = found.command[0] in commands.CHANGING or {"--split-weights", "--unit"} & set(found.command)
+    changing = found.command[0] in commands.CHANGING or {"--split-weights", "--unit", "--up-axis"} & set(
+        found.command
+    )
     options = _options(found)
     try:
         with np.errstate(all="ignore"):  # as the program does

@@ -17,11 +17,12 @@ from rigtri.operations.registry import OPERATIONS, options_class
 CHANGING = frozenset(
     [
         *("add-posereader", "auto", "bake", "build", "conform", "constrain", "limit-weights", "make-limb"),
-        *("merge-joints", "pose", "rename-joints", "root-motion", "set-rest", "snap", "strip", "take-clips"),
+        *("merge-joints", "pose", "prune-joints", "rename-joints", "root-motion", "set-rest", "snap"),
+        *("strip", "take-clips"),
     ]
 )
-# Commands that refuse, with 6, what would move the vertices of any file too far.
-MEASURING = frozenset(["build", "limit-weights", "merge-joints"])
+# Commands that refuse, with 6, what would move the vertices of any file too far: they drop weights or shear.
+MEASURING = frozenset(["build", "convert", "limit-weights", "merge-joints"])
 # Commands whose output is no rig.
 PICTURES = {"draw": ".svg", "view": ".html", "export-blender": ".py", "explain": ".svg", "spec-init": ".yaml"}
 SPECS = (
