@@ -13,6 +13,7 @@ from usd_files import deviation
 
 import rigtri
 from rigtri.errors import FileError, GeometryError
+from rigtri.evaluation.sampling import locals_at
 from rigtri.maths.matrices import compose, decompose, inverse, multiply
 from rigtri.maths.quaternions import angle_between, from_axis_angle, normalise
 from rigtri.maths.vectors import cross, dot, length
@@ -344,6 +345,23 @@ def test_a_body_that_is_bound_facing_aside_is_reported() -> None:
     bound = replace(skin, inverse_bind=inverse(multiply(rig.world, aside)[skin.joints]))
     rigtri.conform(replace(turned, skins=(bound,)), to="unreal", report=report)
     assert [warning.code for warning in report.warnings].count("facing") == 1
+
+
+@pytest.mark.ci
+def test_a_clip_library_follows_by_names_then_axes_then_rest_pose() -> None:
+    """As docs/one-skeleton.md says: its clips rotate joints as the character's own do after conform."""
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    body = rigtri.conform(rig, to="unreal")
+    named = replace(rigtri.rename_joints(rigtri.freeze(rig), to="unreal"), skins=(), source=None)
+    clips = rigtri.set_rest(rigtri.orient_joints(named, like=body), like=body)
+    (found,) = recognise(body).characters
+    for mine, theirs in zip(body.clips, clips.clips, strict=True):
+        for node in found.bones.values():
+            a, b = (
+                locals_at(each, clip, [0.0, 0.3, 0.5])[:, each.find(body.names[node]), :3, :3]
+                for each, clip in ((body, mine), (clips, theirs))
+            )
+            assert node == found.hips or np.allclose(a, b, atol=1e-5), body.names[node]
 
 
 def test_without_a_skeleton_nothing_is_conformed() -> None:
