@@ -142,8 +142,9 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
         try:
             if name == "rename-joints" and (aside := _aside(rig, options.to, skeleton.root)):
                 values = {**values, "name": aside}
-            if name == "orient-joints" and "preset" in values and (ours := _ik_bones(rig, skeleton.profile)):
-                values = {**values, "exclude": ours}
+            if name == "orient-joints" and "preset" in values:
+                # IK bones have the axes of what they follow, joints above the hips those of the world.
+                values = {**values, "exclude": [*_ik_bones(rig, skeleton.profile), *_above_hips(rig)]}
             if name == "orient-joints" and "world" in values:
                 if not (above := _above_hips(rig)):
                     continue

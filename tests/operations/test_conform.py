@@ -334,6 +334,22 @@ def test_a_root_of_another_name_is_the_root(suffix: str) -> None:
 
 
 @pytest.mark.ci
+def test_a_joint_between_root_and_hips_keeps_the_axes_of_the_world() -> None:
+    """One too high to be the root, that moves no point: the step of the bones aimed it at what it holds."""
+    rig = rigtri.add_root(rigtri.read(SAMPLES / "biped.glb"), name="old")
+    translation, old = rig.translation.copy(), rig.find("old")
+    translation[old, 1] += 1.0
+    translation[np.flatnonzero(rig.parents == old), 1] -= 1.0
+    world = replace(rig, translation=translation, clips=(), source=None).world
+    skins = tuple(replace(skin, inverse_bind=inverse(world[skin.joints])) for skin in rig.skins)
+    out = rigtri.conform(
+        replace(rig, translation=translation, skins=skins, clips=(), source=None), to="godot"
+    )
+    assert out.names[out.parents[out.find("old")]] == "Root"
+    assert np.allclose(out.world[out.find("old"), :3, :3], np.eye(3), atol=1e-6)
+
+
+@pytest.mark.ci
 def test_a_body_that_is_bound_facing_aside_is_reported() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, report = int(rig.levels[0][0]), Report()
