@@ -43,7 +43,13 @@ def named(rig: Rig, name: str) -> Nodes:
         inside = [group for group in groups if group & below]
         if inside:
             return frozenset[int]().union(*inside)
-    raise NameNotFoundError("character", name, [_title(rig, group, groups) for group in groups])
+    raise NameNotFoundError("character", name, titles(rig))
+
+
+def titles(rig: Rig) -> list[str]:
+    """What the characters of a rig are called, as `named` takes them."""
+    groups = [frozenset(nodes) for nodes in characters(rig)]
+    return [_title(rig, group, groups) for group in groups]
 
 
 def _title(rig: Rig, group: Nodes, groups: Collection[Nodes]) -> str:
