@@ -122,8 +122,8 @@ def _start(rig: Rig) -> int:
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
     if not joints:
         raise GeometryError(
-            "There is no skeleton in this file: no skin lists joints. "
-            "Name the node below the root with --above"
+            "There is no skeleton in this file: no skin lists joints. Add the root to the character that "
+            "its clips are for: these need no root of their own"
         )
     return body.hips if body.hips >= 0 else min(joints)
 

@@ -461,7 +461,8 @@ def test_a_file_without_a_skin_has_no_body_to_put_a_root_below() -> None:
     """Before, it ended in a traceback."""
     reason = cli("add-root", SAMPLES / "arm.gltf", "-n", code=5).stderr
     assert "There is no skeleton in this file" in reason
-    assert "--above" in reason
+    assert "Add the root to the character" in reason
+    assert "--above" not in reason, "which is refused as no joint"
 
 
 def test_a_second_root_is_not_added_where_no_hips_are_known(tmp_path: Path) -> None:
