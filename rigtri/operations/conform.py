@@ -144,9 +144,10 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
         try:
             if name == "rename-joints" and (aside := _aside(rig, options.to, skeleton.root)):
                 values = {**values, "name": aside}
-            if name == "orient-joints" and "preset" in values:
-                # IK bones have the axes of what they follow, joints above the hips those of the world.
-                values = {**values, "exclude": [*_ik_bones(rig, skeleton.profile), *_above_hips(rig)]}
+            # IK bones have the axes of what they follow, joints above the hips those of the world.
+            known_axes = [*_ik_bones(rig, skeleton.profile), *_above_hips(rig)]
+            if name == "orient-joints" and "preset" in values and known_axes:
+                values = {**values, "exclude": known_axes}
             if name == "orient-joints" and "world" in values:
                 if not (above := _above_hips(rig)):
                     continue
