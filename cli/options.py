@@ -1,7 +1,6 @@
 """Options that several commands share.
 
 source_argument     every command
-facing_option       what asks where a straight limb bends
 output_option       what writes a file; target_option: of edits
 reading_options     edits, inspect, verify, diff: --lenient, --allow-external-paths, --root
 edit_options        edits: --overwrite, --dry-run, --report, --strict, --verify, --tolerance …

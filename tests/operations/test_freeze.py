@@ -27,6 +27,7 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
+from rigtri.operations.options.freeze import FreezeOptions
 from rigtri.report import Report
 from rigtri.verification.compare.compare import verify
 
@@ -285,3 +286,8 @@ def test_a_clip_library_without_a_skin_is_frozen_as_its_character() -> None:
     joints = frozen.is_joint
     assert np.allclose(clips.local[joints], frozen.local[joints], atol=1e-12)
     assert np.allclose(clips.local[top], frozen.local[top], atol=1e-12)
+
+
+def test_a_rotation_above_joints_does_not_go_with_joints_alone() -> None:
+    with pytest.raises(UsageError, match=r"--up-axis .* does not go with --only joints"):
+        FreezeOptions(up_axis="y", only="joints").check(())

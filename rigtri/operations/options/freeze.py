@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Literal
 
+from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
 from rigtri.operations.option_kinds import Above, UpAxis
@@ -30,8 +32,15 @@ class FreezeOptions:
         group="what",
     )
     only: Literal["above", "joints"] | None = option(
-        None, help="Freeze only the scale of nodes above joints, or only the joints' own."
+        None, help="Freeze only scale and rotation of nodes above joints, or only the scale of joints."
     )
+
+    def check(self, given: Collection[str]) -> None:
+        """UsageError for a rotation of nodes that are left out."""
+        if self.up_axis is not None and self.only == "joints":
+            raise UsageError(
+                "--up-axis freezes a rotation above joints, so it does not go with --only joints"
+            )
 
     @property
     def scales(self) -> bool:
