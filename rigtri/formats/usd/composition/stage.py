@@ -139,7 +139,8 @@ def _refuse_nan_times(layer: Any) -> None:
         if path.IsPropertyPath() and any(map(isnan, layer.ListTimeSamplesForPath(path))):
             wrong.append(str(path))
 
-    layer.Traverse(Sdf.Path.absoluteRootPath, visit)
+    with quiet(f"{layer.identifier}: USD cannot read it"):
+        layer.Traverse(Sdf.Path.absoluteRootPath, visit)
     if wrong:
         raise FileError(
             f"{layer.identifier}: {listed(wrong)} has a sample at time nan. "
