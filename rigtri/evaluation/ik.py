@@ -161,13 +161,8 @@ class Ik:
 
     @cached_property
     def lean(self) -> float:
-        """By how much it is bent beside its pole while controls are zero, in radians.
-
-        A limb that is bent against its pole turns to it one way round, one on the right side the other way.
-        """
-        if self.limb.pole < 0:
-            return 0.0
-        lean = lean_at_rest(*self._aside, self._line, self._size)
+        """By how much it is bent beside its pole while controls are zero, in radians; if opposed, by side."""
+        lean = lean_at_rest(*self._aside, self._line, self._size) if self.limb.pole >= 0 else 0.0
         right = self.rig.records(ControlRecord)[self.limb.control].side == "right"
         return -lean if right and lean > np.pi - SAME_SIDE else lean
 
