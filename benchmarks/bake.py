@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import controls_with_keys
+from rigtri.evaluation.active_controls import controls_at_work
 from rigtri.evaluation.key_reduction import reduce_keys
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
@@ -94,7 +94,7 @@ def measured(joints: int, frames: int, bound: float = 1e-6) -> Took:
     """What a rig takes, in memory."""
     up = bake(animated(character(joints), frames), options=BakeOptions(to="controls", fps=30.0))
     timeline = timelines(up)[0]
-    solver = Solver(up, controls_with_keys(up, timeline))
+    solver = Solver(up, controls_at_work(up, timeline))
     kinds = {type(step).__name__ for step in solver.steps}
     if len(solver.limbs) != 4 or not {"Ik", "Fk", "TwistStep", "ConstraintStep"} <= kinds:
         raise SystemExit(f"this is not the rig that is to be measured: {len(solver.limbs)} limbs, {kinds}")

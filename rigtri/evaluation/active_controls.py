@@ -34,32 +34,29 @@ def controls_and_poles(rig: Rig) -> frozenset[int]:
     return frozenset(rig.nodes_of(*kinds))
 
 
-def controls_with_keys(rig: Rig, timeline: Timeline) -> frozenset[int]:
+def controls_at_work(rig: Rig, timeline: Timeline) -> frozenset[int]:
     """The controls and poles with keys in a timeline, and those posed at rest of joints without any there."""
     keyed = frozenset(track.node for track in timeline.clip.tracks)
-    found = keyed & controls_and_poles(rig)
+    found = set(keyed & controls_and_poles(rig))
+    records = rig.records(ControlRecord)
     for node in moved_at_rest(rig, skeleton_size(rig)) - found:
-        record = rig.records(ControlRecord).get(node)
+        record = records.get(node)
         names = (record.joint, *record.chain) if record else ()
         if keyed.isdisjoint(joint for joint in map(rig.known, names) if joint is not None):
-            found |= {node}
-    return found
+            found.add(node)
+    return frozenset(found)
 
 
 def moved_at_rest(rig: Rig, size: float) -> frozenset[int]:
     """The controls whose channels are not zero at rest. size: of the rig, in file units."""
-    still, found = PoseCache(rig), set[int]()
-    for node in controls_and_poles(rig):
-        if rig.type_of(node) != "control" or rig.is_joint[node]:
-            continue
-        own = still.part(node)
-        if (
-            np.abs(own.translation).max() > NOTHING * size
-            or float(rotation_angle(own.rotation)[0]) > NOTHING
-            or np.abs(own.scale - 1.0).max() > NOTHING
-        ):
-            found.add(node)
-    return frozenset(found)
+    nodes = [node for node in rig.nodes_of("control") if not rig.is_joint[node]]
+    if not nodes:
+        return frozenset()
+    still = PoseCache(rig)
+    translation, rotation, scale = map(np.concatenate, zip(*map(still.part, nodes), strict=True))
+    moved = np.abs(translation).max(axis=1) > NOTHING * size
+    moved |= (rotation_angle(rotation) > NOTHING) | (np.abs(scale - 1.0).max(axis=1) > NOTHING)
+    return frozenset(node for node, each in zip(nodes, moved, strict=True) if each)
 
 
 def pose_at(
@@ -69,5 +66,5 @@ def pose_at(
     parts = {} if timeline is None else sample_parts(rig, timeline.clip, np.array([time]))
     if not evaluate:
         return PoseCache(rig, parts)
-    at_work = moved_at_rest(rig, size) if timeline is None else controls_with_keys(rig, timeline)
+    at_work = moved_at_rest(rig, size) if timeline is None else controls_at_work(rig, timeline)
     return Solver(rig, at_work).run(parts)

@@ -11,7 +11,7 @@ import numpy as np
 from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import (
     NOTHING,
-    controls_with_keys,
+    controls_at_work,
     moved_at_rest,
     pose_at,
     skeleton_size,
@@ -47,7 +47,7 @@ def pose_of(rig: Rig, options: PoseOptions, report: Report | None = None) -> Pos
         warn_outside_clip(timeline, time, report)
     if not options.evaluate:
         return pose_at(rig, timeline, time, size=skeleton_size(rig), evaluate=False)
-    at_work = controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
+    at_work = controls_at_work(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
     solver = Solver(rig, at_work)
     posed = solver.run({} if timeline is None else sample_parts(rig, timeline.clip, np.array([time])))
     if report is not None:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import NOTHING, controls_with_keys, moved_at_rest, skeleton_size
+from rigtri.evaluation.active_controls import NOTHING, controls_at_work, moved_at_rest, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.fk import Fk
 from rigtri.evaluation.ik import Ik
@@ -156,7 +156,7 @@ class _Limb:
 
     def _at_work(self, rig: Rig) -> frozenset[int]:
         timeline = self._now(rig)
-        return controls_with_keys(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
+        return controls_at_work(rig, timeline) if timeline else moved_at_rest(rig, skeleton_size(rig))
 
     def _now(self, rig: Rig) -> Timeline | None:
         """The timeline, with the tracks that a later state of the rig has in it."""

@@ -18,7 +18,7 @@ from places import NO_ASSETS, ROOT, SAMPLES, asset_files, slow
 from program import cli
 
 import rigtri
-from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
+from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
@@ -285,7 +285,7 @@ def test_one_edit_in_blender_comes_home_by_the_documented_commands(
         tracks = tuple(moves.get(track, track) for track in clip.tracks)
         start, end = (edge(track.times[k] for track in tracks) for edge, k in ((min, 0), (max, -1)))
         times = np.linspace(float(start), float(end), 97)
-        posed = Solver(rig, controls_with_keys(rig, timeline)).run(
+        posed = Solver(rig, controls_at_work(rig, timeline)).run(
             sample_parts(rig, replace(clip, tracks=tracks), times)
         )
         for name in ("game.glb", "final-game.glb"):

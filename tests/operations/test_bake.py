@@ -27,7 +27,7 @@ from second_opinions import validator
 
 from rigtri.errors import FileError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation import sampling
-from rigtri.evaluation.active_controls import controls_with_keys
+from rigtri.evaluation.active_controls import controls_at_work
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
@@ -401,7 +401,7 @@ def test_blocks_of_frames_change_no_bit(block: int) -> None:
     rule = ConstrainOptions(type="parent", child="staff", driver=(("hand_L", 1.0),))
     up = bake(constrain(rig, options=rule), options=BakeOptions(to="controls", fps=120.0))
     for timeline in timelines(up):
-        solver = Solver(up, controls_with_keys(up, timeline))
+        solver = Solver(up, controls_at_work(up, timeline))
         times = np.linspace(0.0, 1.0, 100)
         parts = sample_parts(up, timeline.clip, times)
         whole, some = solver.solved(parts), solver.solved(parts, block)

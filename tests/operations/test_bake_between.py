@@ -11,7 +11,7 @@ from baked_rigs import animated, apart, control, rigged, size
 from places import slow
 
 from rigtri.evaluation import curve_refinement, sampling
-from rigtri.evaluation.active_controls import controls_with_keys
+from rigtri.evaluation.active_controls import controls_at_work
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import timelines
@@ -56,7 +56,7 @@ def test_joints_follow_ik_between_keys(name: str) -> None:
     baked = bake(rig, options=BakeOptions(between=5e-6), report=report)
     times = np.linspace(0.0, rig.rules.per_second, 500)
     timeline = timelines(rig)[0]
-    there = Solver(rig, controls_with_keys(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
+    there = Solver(rig, controls_at_work(rig, timeline)).run(sample_parts(rig, timeline.clip, times))
     world = sampling.worlds(baked, sampling.locals_at(baked, baked.clips[0], times))
     for joint in ("forearm_L", "hand_L"):
         node = rig.find(joint)

@@ -12,7 +12,7 @@ from engines import blender_limbs
 from places import SAMPLES, asset_files
 
 from rigtri.evaluation import sampling
-from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
+from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.ik import Ik
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
@@ -52,7 +52,7 @@ def test_limbs_come_to_where_blender_puts_them(path: Path, tmp_path: Path) -> No
     rig = stored(add_controls(read(path, ReadOptions(allow_external_paths=True)).rig, options=WHOLE))
     up = bake(rig, options=BakeOptions(to="controls"))
     timeline = timelines(up)[0]
-    solver = Solver(up, controls_with_keys(up, timeline))
+    solver = Solver(up, controls_at_work(up, timeline))
     times = sampling.key_times(timeline.clip)
     moving = sample_parts(up, timeline.clip, np.linspace(times[0], times[-1], MOMENTS))
     # What FK controls hold below IK is no matter of the solver.

@@ -16,7 +16,7 @@ from rigtri.errors import GeometryError
 from rigtri.evaluation.active_controls import (
     NOTHING,
     controls_and_poles,
-    controls_with_keys,
+    controls_at_work,
     moved_at_rest,
     skeleton_size,
 )
@@ -247,7 +247,7 @@ class _Baker:
     # --- to joints
 
     def _to_joints(self, timeline: Timeline) -> None:
-        solver = self._solver(controls_with_keys(self.rig, timeline))
+        solver = self._solver(controls_at_work(self.rig, timeline))
         nodes = [node for node in solver.sets if self.rig.type_of(node) != "twist"]
         if not solver.steps or not nodes:
             return
@@ -316,7 +316,7 @@ class _Baker:
         carrying = {own.control for own in reference.roots if own.joint not in reference.fk}
         # What an animator has put on pivots of feet stays there, and the IK control counts from it.
         pivots = frozenset(node for limb in reference.limbs for node in limb.pivots)
-        moved = controls_with_keys(self.rig, timeline) | moved_at_rest(self.rig, self.size)
+        moved = controls_at_work(self.rig, timeline) | moved_at_rest(self.rig, self.size)
         solver = self._solver(self.movers - carrying - (pivots - moved))
         # So does what is on a root control: what is below it counts from that, unless it makes all of it
         # flat.

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_with_keys, moved_at_rest, skeleton_size
+from rigtri.evaluation.active_controls import controls_at_work, moved_at_rest, skeleton_size
 from rigtri.evaluation.constraint_solver import Parts
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.sampling import key_times
@@ -37,7 +37,7 @@ def unbaked(rig: Rig) -> str:
     posed = moved_at_rest(rig, size)
     found = _difference(Solver(rig, posed), {}, PoseCache(rig, {}), "at rest", size) if posed else ""
     for timeline in timelines(rig):
-        driven = controls_with_keys(rig, timeline)
+        driven = controls_at_work(rig, timeline)
         if driven and not found:
             sampled = sample_parts(rig, timeline.clip, _times(rig, timeline.clip))
             where = f"in clip '{timeline.name}'"
@@ -50,13 +50,13 @@ def refuse_replaced(before: Rig, after: Rig, timeline: Timeline, size: float, bo
 
     bound: by how much, as a share of the size. What constraints make of joints is in both.
     """
-    driven = controls_with_keys(before, timeline)
+    driven = controls_at_work(before, timeline)
     if not driven:
         return
     (now,) = (each for each in timelines(after) if each.members == timeline.members)
     times = key_times(timeline.clip)
     sampled = sample_parts(after, now.clip, times)
-    posed = Solver(after, driven | controls_with_keys(after, now)).run(sampled)
+    posed = Solver(after, driven | controls_at_work(after, now)).run(sampled)
     old = sample_parts(before, timeline.clip, times)
     _refuse(_difference(Solver(before, driven), old, posed, f"in clip '{timeline.name}'", size, bound))
 

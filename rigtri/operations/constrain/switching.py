@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.evaluation.active_controls import controls_with_keys
+from rigtri.evaluation.active_controls import controls_at_work
 from rigtri.evaluation.constraint_solver import evaluate_constraint
 from rigtri.evaluation.pose_cache import PoseCache, sample_parts
 from rigtri.evaluation.solver import Solver
@@ -75,7 +75,7 @@ def _matched(rig: Rig, found: Switching, number: int) -> Switching:
     """With offsets by which the child stays where it is when a driver takes over in one of the clips."""
     keys = found.keys[number]
     timeline, count = keys.timeline, keys.weights.shape[1]
-    posed = Solver(rig, controls_with_keys(rig, timeline)).run(sample_parts(rig, timeline.clip, keys.times))
+    posed = Solver(rig, controls_at_work(rig, timeline)).run(sample_parts(rig, timeline.clip, keys.times))
     rule, clips = found.rule, list(found.clips)
     columns = [keys.weights[:, k].copy() for k in range(count)]
     now = list(range(count))  # which of the rule's drivers each column goes to

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
+from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.pose_cache import sample_parts
 from rigtri.evaluation.sampling import key_times
 from rigtri.evaluation.solver import Solver
@@ -39,7 +39,7 @@ def refuse_other_motion(rig: Rig, after: Rig, delta: Floats, scales: ScaleTable,
     limbs = [(limb, above) for limb, above in limbs if above]
     joints = sorted({joint for limb, _ in limbs for joint in limb.chain})
     for was, now in zip(timelines(rig), timelines(after), strict=True):
-        if controls_with_keys(rig, was).isdisjoint(limb.control for limb, _ in limbs):
+        if controls_at_work(rig, was).isdisjoint(limb.control for limb, _ in limbs):
             continue
         far, joint, time = _apart((rig, was), (after, now), joints)
         if far > tolerance:
@@ -61,7 +61,7 @@ def _apart(
     """How far joints that controls move are apart in two rigs, as a share of the size; which, and when."""
     times = key_times(one[1].clip)
     posed = [
-        Solver(rig, controls_with_keys(rig, line)).run(sample_parts(rig, line.clip, times))
+        Solver(rig, controls_at_work(rig, line)).run(sample_parts(rig, line.clip, times))
         for rig, line in (one, other)
     ]
     worst = (0.0, -1, 0.0)

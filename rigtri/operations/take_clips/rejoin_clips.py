@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from rigtri.errors import GeometryError
-from rigtri.evaluation.active_controls import controls_with_keys, skeleton_size
+from rigtri.evaluation.active_controls import controls_at_work, skeleton_size
 from rigtri.evaluation.pose_cache import blocks, sample_parts
 from rigtri.evaluation.solver import Solver
 from rigtri.evaluation.timelines import Timeline
@@ -172,7 +172,7 @@ def warn_lost_motion(seen: Comparison, restored: Set[tuple[int, Path]], most: fl
 
 def _apart(rig: Rig, a: Timeline, b: Timeline, times: Floats) -> tuple[float, int, float]:
     """How far joints are apart at some times in two states of a clip, at most, in file units; which, when."""
-    solver, joints = Solver(rig, controls_with_keys(rig, a)), np.flatnonzero(rig.is_joint).tolist()
+    solver, joints = Solver(rig, controls_at_work(rig, a)), np.flatnonzero(rig.is_joint).tolist()
     worst = (0.0, -1, 0.0)
     for rows in blocks(len(times)):
         one, other = (solver.run(sample_parts(rig, t.clip, times[rows])) for t in (a, b))
