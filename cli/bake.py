@@ -19,7 +19,6 @@ from rigtri.operations.options.bake import BakeOptions
 from rigtri.report import Report
 
 from .edit_command import edit_command
-from .options import extend_help
 from .terminal_text import counted, grown
 
 _HINT = " (the clips of the joints go onto the controls with --to controls)"
@@ -76,6 +75,4 @@ def _beside(report: Report) -> list[str]:
     return lines
 
 
-command = extend_help(
-    "tolerance", "Also the largest error of all removed keys together, as a share of the rig's size."
-)(edit_command("bake", BakeOptions, summary, __doc__))
+command = edit_command("bake", BakeOptions, summary, __doc__)

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from rigtri.errors import NameNotFoundError
-from rigtri.model.options import made
+from rigtri.model.options import made, options_of
 from rigtri.report import Report
 
 from .editing import copy_ahead, run_edit
@@ -89,11 +89,22 @@ def command_of(
 
 
 def declared_options(declared: type) -> Callable[[Any], Any]:
-    """A decorator with the options that an operation declares."""
+    """A decorator with the options that an operation declares.
+
+    What it says of an option that all edits have, too, is added to that one's help.
+    """
 
     def decorated(command: Any) -> Any:
         for option in reversed(click_options(declared)):
             add_option(command, option)
+        own = {
+            one.name: one.help
+            for one in options_of(declared).values()
+            if one.where == "shared" and one.kind is not None and one.help != one.kind.help
+        }
+        for option in command.__click_params__:
+            if option.name in own:
+                option.help += f" Also the {own[option.name][0].lower()}{own[option.name][1:]}"
         return command
 
     return decorated

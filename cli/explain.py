@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
+from rigtri.operations.option_kinds import MOMENT
 from rigtri.report import Report
 
 from . import output_file
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
 @option(
     "--at",
     metavar="CLIP@TIME",
-    help="Of a file: the moment, in seconds (USD: time codes). [rest]",
+    help=f"Of a file. {MOMENT} [rest]",
     group="what",
 )
 @output_option(

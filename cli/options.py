@@ -142,18 +142,6 @@ def output_options(command: F) -> F:
     return command
 
 
-def extend_help(name: str, text: str) -> Callable[[click.Command], click.Command]:
-    """Extend the help of a shared option for one command."""
-
-    def extended(command: click.Command) -> click.Command:
-        for each in command.params:
-            if isinstance(each, click.Option) and each.name == name:
-                each.help = f"{each.help} {text}"
-        return command
-
-    return extended
-
-
 def edit_options(command: F) -> F:
     """What every edit of a file has in common."""
     for add in (

@@ -20,6 +20,7 @@ from typing import Any
 
 import click
 
+from rigtri.operations.axis_presets import AXES
 from rigtri.operations.options.orient_joints import OrientJointsOptions
 from rigtri.report import Report
 
@@ -28,15 +29,13 @@ from .help_format import Command, Option
 from .options import shared_option
 from .terminal_text import counted
 
-_STYLED = ("aim", "up", "up_from")
-
 
 class InOrder(Command):
     """A command that knows in which order its options were given: styles follow their chain."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         values, _, order = self.make_parser(ctx).parse_args(args=list(args))
-        waiting = {p.name: list(values[p.name]) for p in order if p.name in (*_STYLED, "chain")}
+        waiting = {p.name: list(values[p.name]) for p in order if p.name in (*AXES, "chain")}
         rest = super().parse_args(ctx, args)
         ctx.params |= _styles([(str(p.name), waiting[p.name].pop(0)) for p in order if p.name in waiting])
         return rest
@@ -51,7 +50,7 @@ def _styles(order: list[tuple[str, Any]]) -> dict[str, Any]:
             chains.append({"start": value[0], "end": value[1]})
         else:
             (chains[-1] if chains else base)[name] = value
-    return {**dict.fromkeys(_STYLED), **base, "chain": tuple(chains)}
+    return {**dict.fromkeys(AXES), **base, "chain": tuple(chains)}
 
 
 def _frames(report: Report) -> str:
@@ -96,7 +95,7 @@ _MORE = [
 ]
 command = edit_command("orient-joints", OrientJointsOptions, summary, __doc__, more=_MORE, cls=InOrder)
 for _option in command.params:
-    if _option.name in _STYLED:  # each as often as there are chains
+    if _option.name in AXES:  # each as often as there are chains
         _option.multiple = True
     if isinstance(_option, Option) and _option.name == "chain":
         _option.help = (

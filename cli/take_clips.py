@@ -25,15 +25,11 @@ from .edit_command import declared_options, step_of
 from .editing import run_edit
 from .help_format import Command
 from .option_types import FilePath
-from .options import edit_options, extend_help, output_options, reading_options, target_option
+from .options import edit_options, output_options, reading_options, target_option
 from .parameters import check_streams, given_options
 from .terminal_text import grown
 
 
-@extend_help(
-    "tolerance",
-    "Also the largest difference that counts as unchanged, and the largest error of removed keys.",
-)
 @click.command("take-clips", cls=Command, help=__doc__)
 @click.argument("source", metavar="RIG", type=FilePath(allow_dash=True))
 @target_option

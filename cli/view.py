@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rigtri.errors import UsageError
+from rigtri.operations.option_kinds import MOMENT
 from rigtri.report import Report
 
 from . import output_file
@@ -58,7 +59,7 @@ if TYPE_CHECKING:
 @option(
     "--at",
     metavar="CLIP@TIME",
-    help="Start paused at this moment, in seconds (USD: time codes).",
+    help=f"Start paused. {MOMENT}",
     group="what",
 )
 @option(

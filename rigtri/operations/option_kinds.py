@@ -155,6 +155,9 @@ Nodes = Annotated[tuple[str, ...], Kind("nodes", "GLOB", group="joints")]
 Chains = Annotated[tuple[tuple[str, str], ...], Kind("chains", "START END", group="joints")]
 LimbNames = Annotated[tuple[str, str, str], Kind("limb", "ROOT MIDDLE END", group="joints")]
 Limbs = Annotated[tuple[Limb | tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
+Below = Annotated[tuple[str, ...], Kind("nodes", "NAME", group="joints")]
+Excluded = Annotated[tuple[str, ...], Kind("nodes", "GLOB", help="Leave out these joints.", group="joints")]
+Skin = Annotated[str, Kind("skin", "NAME", help="Only joints of this skin.", group="joints")]
 # Any other names.
 Name = Annotated[str, Kind("name", "NAME")]
 Names = Annotated[tuple[str, ...], Kind("names", "NAME")]
@@ -162,7 +165,23 @@ Clips = Annotated[
     tuple[str, ...], Kind("names", "GLOB", help="Only these clips; repeatable. [all]", group="what")
 ]
 Auto = Literal["auto"]
+# A pose that is read, and what one that is shown or made is called.
+ReadPose = Annotated[str, Kind("pose", "bind|nodes|CLIP@TIME")]
+MOMENT = "The moment, in seconds (USD: time codes), or rest."
+Moment = Annotated[str, Kind("moment", "CLIP@TIME|rest", help=MOMENT, group="what")]
+Moments = Annotated[
+    tuple[str, ...], Kind("names", "CLIP@TIME|rest", help=f"{MOMENT} Repeatable.", group="what")
+]
 EndKind = Literal["locator", "joint"]
+EndNode = Annotated[
+    EndKind,
+    Kind(
+        "choice",
+        help="Make pole vectors and IK ends plain nodes, or joints of the limb's skin, which engines import. "
+        "[locator]",
+        group="what",
+    ),
+]
 BodySide = Literal["left", "right"]
 StandardPose = Literal["tpose", "apose", "godot"]
 CoordinateAxis = Literal["x", "y", "z"]
@@ -173,6 +192,11 @@ ConstraintPolicy = Literal["freeze", "error"]
 Axis = Annotated[str, Kind("axis", "AXIS")]
 Number = Annotated[float, Kind("number")]
 Above = Annotated[float, Kind("number", low=0, low_open=True)]
+Reach = Annotated[
+    float,
+    Kind("number", low=0, low_open=True, help="Distance of pole vectors as a multiple of the limb's length."),
+]
+ExtraFps = Annotated[float, Kind("number", low=0, low_open=True, help="Additional keys per second.")]
 SoftIk = Annotated[
     float,
     Kind(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 from collections.abc import Collection
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import click
@@ -135,3 +137,17 @@ def test_options_of_all_edits_are_declared_once() -> None:
             assert one.help in str(spec[one.key]), one.flag
     reading = {field.name: field.default for field in keywords}
     assert reading.items() >= {name: one.default for name, one in options_of(FileOptions).items()}.items()
+
+
+def test_a_sentence_of_help_is_declared_once() -> None:
+    root = Path(__file__).parents[2]
+    found: dict[str, list[str]] = {}
+    for path in [
+        *root.glob("rigtri/operations/**/*.py"),
+        *root.glob("rigtri/model/*.py"),
+        *root.glob("cli/*.py"),
+    ]:
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.keyword) and node.arg == "help" and isinstance(node.value, ast.Constant):
+                found.setdefault(str(node.value.value), []).append(f"{path.name}:{node.value.lineno}")
+    assert {text: places for text, places in found.items() if len(places) > 1} == {}

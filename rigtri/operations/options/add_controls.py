@@ -12,20 +12,24 @@ from typing import Annotated, Any, Literal
 from rigtri.errors import UsageError, did_you_mean
 from rigtri.model.control_shapes import KINDS
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import Root
 from rigtri.model.options import Kind, option, refuse
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.option_kinds import (
     Above,
     Auto,
     Axis,
+    Below,
     Bends,
     Chains,
-    EndKind,
+    EndNode,
     Facing,
     Limbs,
     Nodes,
     OneCharacter,
+    Reach,
     Selection,
+    Skin,
     SoftIk,
     Stretch,
     Vector,
@@ -121,10 +125,8 @@ class AddControlsOptions(OneCharacter):
     )
     joints: Nodes = option((), help="An FK control for these joints. Repeatable.")
     chain: Chains = option((), help="FK controls along a chain.")
-    below: Nodes = option((), metavar="NAME", help="FK controls for this joint and all below it.")
-    skin: str | None = option(
-        None, metavar="NAME", help="Only joints of this skin.", group="joints", rare=True
-    )
+    below: Below = option((), help="FK controls for this joint and all below it.")
+    skin: Skin | None = option(None, rare=True)
     exclude: Nodes = option((), help="No controls for these joints.")
     root_control: bool = option(
         False, help="A root control, parent of all others, on the ground.", group="joints"
@@ -174,18 +176,12 @@ class AddControlsOptions(OneCharacter):
         "[{joint}_{kind}]",
         group="what",
     )
-    reach: Above = option(0.5, help="Distance of pole vectors as a multiple of the limb's length.", rare=True)
-    as_: EndKind | None = option(
-        None,
-        help="Make IK ends and pole vectors plain nodes, or joints of the skin, which engines import. "
-        "[locator]",
-        group="what",
-        rare=True,
-    )
+    reach: Reach = option(0.5, rare=True)
+    as_: EndNode | None = option(None, rare=True)
     soft: SoftIk | None = option(None, rare=True)
     stretch: Stretch | None = option(None, rare=True)
     facing: Facing | None = option(None)
-    root: str | None = option(None, where="shared", help="The node that with all below it is the rig.")
+    root: Root | None = option(None, where="shared")
     bend: Bends = option({}, where="python", help="Bend directions by joints, as pole vectors have them.")
     axes: Any = option({}, where="python", help="By joints, the axes that controls mirror, (3, 3).")
 

@@ -14,11 +14,13 @@ from rigtri.operations.option_kinds import (
     Auto,
     Bends,
     Chains,
-    EndKind,
+    EndNode,
     Facing,
     Limbs,
     Node,
     OneCharacter,
+    Reach,
+    ReadPose,
 )
 
 
@@ -46,9 +48,7 @@ class PlacementOptions(OneCharacter):
         },
         rare=True,
     )
-    reach: Above = option(
-        0.5, help="Distance of the pole vector, as a multiple of the limb's length.", excludes=["distance"]
-    )
+    reach: Reach = option(0.5, excludes=["distance"])
     distance: Above | None = option(None, help="Distance of the pole vector, in the file's units.")
     reach_of: ReachOf = option(
         "limb",
@@ -97,15 +97,8 @@ class AddPolevectorOptions(PlacementOptions):
     )
     facing: Facing | None = option(None)
     name: str | None = option(None, help="Name of the locator. [MIDDLE_pole]", group="what")
-    as_: EndKind | None = option(
-        None,
-        help="A plain node, or a joint of the limb's skin, which engines import. [locator]",
-        group="what",
-        rare=True,
-    )
-    pose: str = option(
-        "nodes", metavar="nodes|bind|CLIP@TIME", help="The pose that positions are read from.", rare=True
-    )
+    as_: EndNode | None = option(None, rare=True)
+    pose: ReadPose = option("nodes", help="The pose that positions are read from.", rare=True)
     check_clips: bool = option(
         False,
         help="List the times of every clip at which the limb is straight or its pole flips side.",

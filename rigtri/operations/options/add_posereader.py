@@ -9,7 +9,7 @@ from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import Kernel, ReaderKind, ReaderMode
 from rigtri.model.options import Kind, option, refuse
-from rigtri.operations.option_kinds import Above, Direction, Node, Number, OneCharacter, Vector
+from rigtri.operations.option_kinds import Above, Direction, ExtraFps, Node, Number, OneCharacter, Vector
 
 # Options that only one kind of reader has.
 ONLY_OF = {"dot": ("signed",), "cone": ("inner", "outer"), "rbf": ("kernel", "mode")}
@@ -93,7 +93,7 @@ class AddPosereaderOptions(OneCharacter):
         "", help="Name of the reader, by which it is found again. [JOINT_reader]", group="what"
     )
     between: Above = option(1e-4, help="Largest error of a weight between keys.", rare=True)
-    fps: Above | None = option(None, help="Additional keys per second.", rare=True)
+    fps: ExtraFps | None = option(None, rare=True)
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for options that are incomplete or contradict each other, as far as no rig is needed."""

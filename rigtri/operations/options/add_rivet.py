@@ -7,7 +7,7 @@ from collections.abc import Collection
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Above, Integers, Name, Names, OneCharacter, Points
+from rigtri.operations.option_kinds import Above, ExtraFps, Integers, Name, Names, OneCharacter, Points
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class AddRivetOptions(OneCharacter):
         help="Largest error between keys of what is attached to a rivet, as a share of the mesh's size.",
         rare=True,
     )
-    fps: Above | None = option(None, help="Additional keys per second.", rare=True)
+    fps: ExtraFps | None = option(None, rare=True)
 
     @property
     def count(self) -> int:

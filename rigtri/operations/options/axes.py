@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from rigtri.model.options import option
@@ -36,21 +37,21 @@ def up() -> Any:
     return option(None, help="Axis that goes up. [y]", group="what")
 
 
-def up_from() -> Any:
-    return option(
-        None,
-        metavar="SOURCE",
-        group="what",
-        help="Where up comes from. [plane]",
-        values={
-            "plane": "the hinge: the normal of the plane that the limb bends in",
-            "pole": "towards the bend, as a pole vector",
-            "world:+y": "an axis of the world: +x, -x, +y …",
-            "vector:x,y,z": "a direction of the world",
-            "node:NAME": "towards the position of a node",
-            "noderot:y:NAME": "an axis of a node",
-            "parent": "the up axis of the joint above",
-            "child": "the up axis of the child that continues the chain",
-            "keep": "the joint's present up axis, made perpendicular to the bone",
-        },
-    )
+# Where up comes from without joints or nodes.
+WITHOUT_JOINTS = {
+    "plane": "the hinge: the normal of the plane that the limb bends in",
+    "pole": "towards the bend, as a pole vector",
+    "world:+y": "an axis of the world: +x, -x, +y …",
+    "vector:x,y,z": "a direction of the world",
+}
+_SOURCES = WITHOUT_JOINTS | {
+    "node:NAME": "towards the position of a node",
+    "noderot:y:NAME": "an axis of a node",
+    "parent": "the up axis of the joint above",
+    "child": "the up axis of the child that continues the chain",
+    "keep": "the joint's present up axis, made perpendicular to the bone",
+}
+
+
+def up_from(sources: Mapping[str, str] = _SOURCES) -> Any:
+    return option(None, metavar="SOURCE", group="what", help="Where up comes from. [plane]", values=sources)

@@ -64,7 +64,11 @@ class BakeOptions(OneCharacter):
         group="what",
         rare=True,
     )
-    tolerance: Tolerance = option(TOLERANCE, where="shared")
+    tolerance: Tolerance = option(
+        TOLERANCE,
+        where="shared",
+        help="Largest error of all removed keys together, as a share of the rig's size.",
+    )
 
     def check(self, given: Collection[str]) -> None:
         """UsageError for what cannot be."""

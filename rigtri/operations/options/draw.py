@@ -8,7 +8,7 @@ from typing import Annotated, Literal, get_args
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
-from rigtri.operations.option_kinds import Chains, Nodes, Selection
+from rigtri.operations.option_kinds import MOMENT, Below, Chains, Excluded, Moment, Nodes, Selection, Skin
 from rigtri.text import is_number
 
 ViewName = Literal["front", "back", "side", "top", "three-quarter"]
@@ -39,19 +39,12 @@ class DrawOptions:
         help="View direction; front looks at the character's face, side at its left.",
         group="what",
     )
-    at: str = option(
-        "rest",
-        metavar="CLIP@TIME",
-        help="The moment, in seconds (USD: time codes), or rest. Active controls move their joints.",
-        group="what",
-    )
+    at: Moment = option("rest", help=f"{MOMENT} Active controls move their joints.")
     joints: Nodes = option((), help="Draw only these joints, larger. Repeatable.")
     chain: Chains = option((), help="Draw only this chain. Repeatable.")
-    below: Nodes = option((), metavar="NAME", help="Draw this joint and all below it. Repeatable.")
-    skin: str | None = option(
-        None, metavar="NAME", help="Only joints of this skin.", group="joints", rare=True
-    )
-    exclude: Nodes = option((), help="Leave these joints out.")
+    below: Below = option((), help="Draw this joint and all below it. Repeatable.")
+    skin: Skin | None = option(None, rare=True)
+    exclude: Excluded = option(())
     names: bool = option(True, help="Write the joints' names.")
     axes: Share = option(0.35, help="Length of the axes' arrows as a share of the bone; 0 for none.")
     mesh: bool = option(True, help="Draw the outline of the meshes.")

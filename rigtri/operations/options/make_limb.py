@@ -13,13 +13,14 @@ from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.option_kinds import (
     Axis,
     BodySide,
-    EndKind,
+    EndNode,
     JsonFile,
     MetersPerUnit,
     Names,
     Node,
     Nodes,
     Point,
+    ReadPose,
     StageUpAxis,
     Vector,
     three,
@@ -87,14 +88,9 @@ class MakeLimbOptions(PlacementOptions):
         rare=True,
     )
     preset: str | None = axes.preset()
-    aim: Axis | None = option(None, help="Axis that aims at the next joint. [x]", group="what")
-    up: Axis | None = option(None, help="Axis that goes up. [y]", group="what")
-    up_from: str | None = option(
-        None,
-        metavar="SOURCE",
-        help="plane (the hinge), pole (the bend direction), world:AXIS or vector:X,Y,Z. [plane]",
-        group="what",
-    )
+    aim: Axis | None = axes.aim()
+    up: Axis | None = axes.up()
+    up_from: str | None = axes.up_from(axes.WITHOUT_JOINTS)
     end_aim: Annotated[str | Vector, Kind("node or point", "NODE|X,Y,Z", read=_node_or_point)] | None = (
         option(None, help="What the end joint aims at. [it has the axes of the joint before]", group="what")
     )
@@ -113,15 +109,9 @@ class MakeLimbOptions(PlacementOptions):
     pole: bool | None = option(
         None, help="Add the pole vector. [of limbs, not of chains]", rare=True, group="what"
     )
-    as_: EndKind | None = option(
-        None,
-        help="Make the pole vector a plain node, or a joint of the limb's skin, which engines import. "
-        "[locator]",
-        rare=True,
-    )
-    pose: str = option(
+    as_: EndNode | None = option(None, rare=True)
+    pose: ReadPose = option(
         "nodes",
-        metavar="nodes|bind|CLIP@TIME",
         help="The pose in which the locators are read; nodes is the rest pose.",
         rare=True,
     )

@@ -8,7 +8,7 @@ from typing import Annotated
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
-from rigtri.operations.option_kinds import Nodes
+from rigtri.operations.option_kinds import Excluded, Nodes
 
 Count = Annotated[int, Kind("number", "N", low=1)]
 
@@ -28,7 +28,7 @@ class MergeJointsOptions:
         help="Merge until at most N joints are left; those that move vertices least go first.",
         group="what",
     )
-    exclude: Nodes = option((), help="Leave out these joints.")
+    exclude: Excluded = option(())
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where nothing says what is to be merged."""

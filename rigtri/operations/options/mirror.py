@@ -13,12 +13,15 @@ from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Root, Tolerance
 from rigtri.model.options import option
 from rigtri.operations.option_kinds import (
+    Below,
     BodySide,
+    Excluded,
     Nodes,
     Number,
     OnConstraint,
     OneCharacter,
     OnNonuniformScale,
+    ReadPose,
     Selection,
     WorldPlane,
 )
@@ -53,11 +56,10 @@ class MirrorOptions(OneCharacter):
     )
     what: tuple[What, ...] = option((), help="Mirror only these; repeatable. [all]", group="what")
     joints: Nodes = option((), help="Only these joints and their counterparts.")
-    below: Nodes = option((), metavar="NAME", help="Only this joint, all below, and their counterparts.")
-    exclude: Nodes = option((), help="Leave out these joints.")
-    pose: str | None = option(
+    below: Below = option((), help="Only this joint, all below, and their counterparts.")
+    exclude: Excluded = option(())
+    pose: ReadPose | None = option(
         None,
-        metavar="bind|nodes|CLIP@TIME",
         help="The pose that axes are read from. [bind]",
         rare=True,
     )

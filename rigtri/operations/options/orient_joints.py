@@ -17,6 +17,7 @@ from rigtri.model.options import Kind, option, refuse
 from rigtri.operations.axis_presets import AXES, AxisStyle, preset_style
 from rigtri.operations.option_kinds import (
     Axis,
+    Below,
     BodySide,
     Facing,
     JsonFile,
@@ -27,9 +28,11 @@ from rigtri.operations.option_kinds import (
     OnConstraint,
     OneCharacter,
     OnNonuniformScale,
+    ReadPose,
     RigFile,
     Selection,
     SignedAxis,
+    Skin,
     StandardPose,
     Vector,
     WorldPlane,
@@ -102,10 +105,8 @@ class OrientJointsOptions(OneCharacter):
         help="Re-orient this chain: its start and end, or a mapping with these and --aim, --up or --up-from "
         "for it alone. Repeatable.",
     )
-    below: Nodes = option((), metavar="NAME", help="Re-orient this joint and all below it.")
-    skin: str | None = option(
-        None, metavar="NAME", help="Only joints of this skin.", group="joints", rare=True
-    )
+    below: Below = option((), help="Re-orient this joint and all below it.")
+    skin: Skin | None = option(None, rare=True)
     exclude: Nodes = option((), help="Leave these joints as they are.")
     aim_at: Annotated[tuple[tuple[str, str] | str, ...], Kind("node to node", "JOINT=NODE")] = option(
         (),
@@ -143,9 +144,8 @@ class OrientJointsOptions(OneCharacter):
     )
     per_joint_plane: bool = option(False, help="Give each joint its own bend plane, for S-bends.", rare=True)
     facing: Facing | None = option(None)
-    pose: str | None = option(
+    pose: ReadPose | None = option(
         None,
-        metavar="bind|nodes|CLIP@TIME",
         help="The pose that positions are read from. [bind where one skin holds the chain, else nodes]",
         rare=True,
     )

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
+from rigtri.operations.option_kinds import Moment
 
 
 @dataclass(frozen=True)
 class PoseOptions:
     """Options of pose."""
 
-    at: str = option(
-        "rest", metavar="CLIP@TIME", help="The moment, in seconds (USD: time codes), or rest.", group="what"
-    )
+    at: Moment = option("rest")
     evaluate: bool = option(
         True, help="Evaluate the active controls and constraints, or take the joints' own keys."
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import Nodes
+from rigtri.operations.option_kinds import Excluded, Nodes
 
 
 @dataclass(frozen=True)
@@ -22,4 +22,4 @@ class PruneJointsOptions:
         group="what",
     )
     joints: Nodes = option((), help="Only these joints.")
-    exclude: Nodes = option((), help="Leave out these joints.")
+    exclude: Excluded = option(())

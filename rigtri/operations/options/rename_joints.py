@@ -8,7 +8,7 @@ from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.joint_names import SideStyle
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import JointNames, JsonFile, Node, Nodes, OneCharacter
+from rigtri.operations.option_kinds import Excluded, JointNames, JsonFile, Node, OneCharacter
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class RenameJointsOptions(OneCharacter):
         None, help="How new names show their side, instead of the scheme's own style."
     )
     below: Node | None = option(None, help="Only this joint and all below it, such as one of two characters.")
-    exclude: Nodes = option((), help="Leave out these joints.")
+    exclude: Excluded = option(())
 
     def check(self, given: Collection[str]) -> None:
         """UsageError where nothing says what the names are to be."""

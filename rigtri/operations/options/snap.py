@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from rigtri.errors import UsageError
 from rigtri.model.dataclass import dataclass
 from rigtri.model.options import Kind, option
-from rigtri.operations.option_kinds import Auto, Names, OneCharacter
+from rigtri.operations.option_kinds import Auto, Moments, OneCharacter
 
 # By name alone: limbs with an IK end, whose joints need not be below each other.
 Limbs = Annotated[tuple[tuple[str, str, str], ...], Kind("limbs", "ROOT MIDDLE END", group="joints")]
@@ -21,11 +21,7 @@ class SnapOptions(OneCharacter):
     """Options of snap."""
 
     to: IkOrFk = option(help="What drives the limbs afterwards, IK or FK.", group="what")
-    at: Names = option(
-        metavar="CLIP@TIME",
-        help="The moment, in seconds (USD: time codes), or rest. Repeatable.",
-        group="what",
-    )
+    at: Moments = option()
     limb: Limbs = option((), help="The three joints of a limb with an IK end. Repeatable.")
     limbs: Auto | None = option(None, help="Every limb with an IK end.", group="joints")
 

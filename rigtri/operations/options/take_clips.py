@@ -29,4 +29,9 @@ class TakeClipsOptions:
         "NAME= means the clip without a name. Repeatable.",
         group="what",
     )
-    tolerance: Tolerance = option(TOLERANCE, where="shared")
+    tolerance: Tolerance = option(
+        TOLERANCE,
+        where="shared",
+        help="Largest difference that counts as unchanged, and largest error of removed keys, as a share of "
+        "the rig's size.",
+    )
