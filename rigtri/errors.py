@@ -8,8 +8,7 @@ programmer's mistake.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 
@@ -110,30 +109,6 @@ class DeviationError(RigtriError):
     """The result would look different from the source; nothing was written."""
 
     exit_code = 6
-
-
-@contextmanager
-def in_keywords(keywords: Mapping[str, str]) -> Iterator[None]:
-    """Errors within name keywords of Python where they name options of a command; by the option its keyword.
-
-    >>> with in_keywords({"up-from": "up_from=", "no-pole": "pole=False"}):
-    ...     raise UsageError("give --up-from 'y' or --no-pole")
-    Traceback (most recent call last):
-    rigtri.errors.UsageError: give up_from='y' or pole=False
-    """
-
-    def keyword(found: re.Match[str]) -> str:
-        known = keywords.get(found[1])
-        return found[0] if known is None else known + found[2] * (not known.endswith("="))
-
-    try:
-        yield
-    except RigtriError as error:
-        if error.args and isinstance(error.args[0], str):
-            # A value, a name in capitals or a number belongs to the keyword before it.
-            text = re.sub(r"--([a-z][a-z-]*)((?: (?=['A-Z0-9]))?)", keyword, error.args[0])
-            error.args = (text, *error.args[1:])
-        raise
 
 
 def kind_name(error: type[RigtriError]) -> str:

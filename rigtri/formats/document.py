@@ -10,9 +10,10 @@ from rigtri.files.staged_output import Companion as Companion
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import FileOptions
 from rigtri.model.mesh import Mesh
-from rigtri.model.options import described, options_of
+from rigtri.model.options import options_of
 from rigtri.model.rig import Rig
 from rigtri.model.scene_facts import SceneFacts
+from rigtri.model.spelling import described
 from rigtri.report import Notice
 
 GLTF_SUFFIXES = (".glb", ".gltf", ".vrm", ".vrma")

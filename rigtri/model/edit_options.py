@@ -123,3 +123,7 @@ class EditOptions(RunOptions, FileOptions):
         group="output",
         rare=True,
     )
+
+
+# Whether anything is written is for who builds a rig spec, not for the spec.
+OF_BUILDS = ("verify", "dry_run", "overwrite")

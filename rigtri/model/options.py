@@ -217,16 +217,6 @@ def _options(cls: Any) -> dict[str, Option]:
     return {one.name: _option(one, hints_of(cls)[one.name]) for one in ordered}
 
 
-def keywords_of(cls: Any) -> dict[str, str]:
-    """By the option of a command, without the dashes in front, what Python says for it."""
-    found: dict[str, str] = {}
-    for name, one in options_of(cls).items():
-        flag = one.hint is bool
-        found[one.key] = f"{name}=True" if flag else f"{name}="
-        found |= {f"no-{one.key}": f"{name}=False"} if flag else {}
-    return found
-
-
 def _option(one: Any, hint: Any) -> Option:
     optional, hint = _without_none(hint)
     kind = None
@@ -245,17 +235,6 @@ def _literals(hint: Any) -> tuple[str, ...]:
     if typing.get_origin(hint) is Literal:
         return inner
     return tuple(word for each in inner for word in _literals(each))
-
-
-def described(cls: Any) -> str:
-    """The options of an operation with their help, a line for each, as Python's help shows them."""
-    words = keywords_of(cls)
-
-    def keyword(flag: re.Match[str]) -> str:
-        return words.get(flag[1], flag[0]).removesuffix("=")
-
-    lines = (f"    {name}: {one.described('        ')}" for name, one in options_of(cls).items() if one.help)
-    return re.sub("--([a-z][a-z-]*[a-z])", keyword, "\n".join(lines))
 
 
 def _without_none(hint: Any) -> tuple[bool, Any]:

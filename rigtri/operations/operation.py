@@ -13,18 +13,19 @@ import re
 import types
 import typing
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
 from numbers import Integral
 from typing import Annotated, Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
-from rigtri.errors import UsageError, in_keywords
+from rigtri.errors import UsageError
 from rigtri.limits import LARGEST, fits
 from rigtri.model.limb import Limb
-from rigtri.model.options import Kind, Option, check, default_of, described, hints_of, keywords_of, options_of
+from rigtri.model.options import Kind, Option, check, default_of, hints_of, options_of
 from rigtri.model.rig import Rig
+from rigtri.model.spelling import AS_FLAGS, Spelling, described, python_spelling, spelled
 from rigtri.operations.option_kinds import assigned, is_one
 from rigtri.report import Report
 
@@ -86,14 +87,15 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
             report = report if report is not None else Report()
             if kind is None:
                 return _run(function, rig, others, report, keywords)
-            with in_keywords(keywords_of(kind)) if options is None else nullcontext():
+            spelling = python_spelling(kind) if options is None else AS_FLAGS
+            with spelled(spelling):
                 given = None if options is not None else tuple(keywords)
                 if options is None:
                     options = from_keywords(kind, keywords, function.__name__)
                 _check_rigs(options)
                 options = _with_words(rig, options)
                 check(options, given)
-                return _run(function, rig, others, report, {"options": options})
+                return _run(function, rig, others, report, {"options": options}, spelling)
 
         return called if kind is None else _shown(called, function, kind)
 
@@ -101,16 +103,22 @@ def operation(kind: type[O_contra] | None) -> Callable[[Callable[..., Rig]], Ope
 
 
 def _run(
-    function: Callable[..., Rig], rig: Rig, others: Sequence[Rig], report: Report, words: Mapping[str, Any]
+    function: Callable[..., Rig],
+    rig: Rig,
+    others: Sequence[Rig],
+    report: Report,
+    words: Mapping[str, Any],
+    spelling: Spelling = AS_FLAGS,
 ) -> Rig:
     """What an operation makes of a rig; one that knows its file keeps what was reported."""
     run = _of_character(function, getattr(words.get("options"), "character", None))
     if rig.source is None:
-        return run(rig, *others, report=report, **words)
+        with spelled(spelling, report):
+            return run(rig, *others, report=report, **words)
     own = Report()
     try:
         # What leaves float64 becomes inf or NaN; writing sees it.
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), spelled(spelling, own):
             made = run(replace(rig, source=None), *others, report=own, **words)
     finally:
         report.merge(own)
@@ -128,7 +136,7 @@ def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]
             chosen = {word: keywords.pop(word) for word in [*keywords] if word not in own}
             if options is not None and chosen:
                 raise TypeError(f"{function.__name__}: give options or {', '.join(chosen)}, not both")
-            with in_keywords(keywords_of(kind)) if options is None else nullcontext():
+            with spelled(python_spelling(kind) if options is None else AS_FLAGS):
                 options = options or from_keywords(kind, chosen, function.__name__)
                 return function(*values, options=options, **keywords)
 
@@ -139,12 +147,11 @@ def takes_keywords(kind: type) -> Callable[[Callable[..., T]], Callable[..., T]]
 
 def with_keywords(*kinds: type) -> Callable[[F], F]:
     """Let help and editors show the fields of ``kinds``, which a function takes as keywords among others."""
-    known = {flag: word for kind in kinds for flag, word in keywords_of(kind).items()}
 
     def decorated(function: F) -> F:
         @functools.wraps(function)
         def called(*values: Any, **keywords: Any) -> Any:
-            with in_keywords(known):
+            with spelled(python_spelling(*kinds), keywords.get("report")):
                 return function(*values, **keywords)
 
         return typing.cast(F, _shown(called, function, *kinds))

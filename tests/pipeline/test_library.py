@@ -572,7 +572,7 @@ def test_a_wrong_keyword_of_a_function_of_files_is_reported_as_of_operations(tmp
         rigtri.convert(BIPED, tmp_path / "out.usda", overwrit=True)
     with pytest.raises(TypeError, match=r"convert\(\) has no option 'clips'; did you mean 'clip'"):
         rigtri.convert(BIPED, tmp_path / "out.usda", clips=["walk"])
-    with pytest.raises(UsageError, match="fps= -1: give a number above 0"):
+    with pytest.raises(UsageError, match="fps=-1: give a number above 0"):
         rigtri.convert(BIPED, tmp_path / "out.usda", fps=-1)
     with pytest.raises(UsageError, match="dry_run='yes': give True or False"):
         rigtri.edit(BIPED, tmp_path / "out.glb", lambda rig, _: rig, dry_run="yes")

@@ -23,10 +23,11 @@ from rigtri.files.staged_output import check_not_an_input
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import RunOptions
 from rigtri.model.rig import Rig
+from rigtri.model.spelling import AS_FLAGS, Spelling, spelled
 from rigtri.operations.operation import with_keywords
 from rigtri.pipeline.edit import EditRequest, Outcome, Step, check_target, edit_file, requested
 from rigtri.pipeline.rigspec.errors import Fault, SpecError
-from rigtri.pipeline.rigspec.load import PlannedStep, Spec, load
+from rigtri.pipeline.rigspec.load import PlannedStep, Spec, keys_of, load
 from rigtri.pipeline.rigspec.missing_names import fault_of, named
 from rigtri.pipeline.rigspec.positions import Tree
 from rigtri.pipeline.rigspec.validation import where_of
@@ -113,7 +114,8 @@ def _of_root(tree: Tree, error: RigtriError) -> Fault:
 @dataclass
 class _Work:
     """A build as it goes on: where the character is, what was done, what it has not. spared: what the
-    build will write, which must be no file that the source refers to. source: the file as it came.
+    build will write, which must be no file that the source refers to. source: the file as it came. keys: how
+    the spec writes the options of the step.
 
     Each step goes through a file, as its command does: it finds numbers as they are stored, so that a
     second build finds the same, and is measured against what was there before it.
@@ -129,6 +131,7 @@ class _Work:
     done: list[Done] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
     lost: list[tuple[list[Fault], RigtriError]] = field(default_factory=list)
+    keys: Spelling = AS_FLAGS
 
     def do(self, one: PlannedStep, place: Path | None) -> bool:
         """Do a step; whether there is anything of it at ``place``, or of the last one at the target."""
@@ -143,6 +146,7 @@ class _Work:
 
         try:
             with as_part(f"step {one.number} of {len(self.spec.steps)}, {one.do}"):
+                self.keys = keys_of(self.spec.tree, one.do)
                 report = self.edit(looking_on, place)
         except NameNotFoundError as error:
             if not one.optional:
@@ -190,7 +194,7 @@ class _Work:
         if place is not None:
             names[str(place)] = f"a file for {self.request.target} in the temporary folder {gettempdir()}"
         try:
-            with called(names):
+            with called(names), spelled(self.keys):
                 outcome = edit_file(self._request(place), step, report)
         finally:
             self._call(report)
@@ -221,10 +225,11 @@ class _Work:
         )
 
     def _call(self, report: Report) -> None:
-        """Let warnings speak of the user's file, not of the one that a step before has written."""
-        if self.at != self.source:
-            at, source = str(self.at), str(self.source)
-            report.warnings[:] = [replace(n, text=n.text.replace(at, source)) for n in report.warnings]
+        """Let warnings speak of the spec's keys and the user's file, not of one that a step has written."""
+        at, source = str(self.at), str(self.source)
+        report.warnings[:] = [
+            replace(n, text=self.keys.text(n.text).replace(at, source)) for n in report.warnings
+        ]
 
     def raise_lost(self) -> None:
         """SpecError where steps could not be done; all of them, for names that are not there."""

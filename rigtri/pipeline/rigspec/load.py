@@ -9,12 +9,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigtri.errors import FileError, RigtriError, UsageError, in_keywords
+from rigtri.errors import FileError, RigtriError, UsageError
 from rigtri.files.input_stream import path_of
 from rigtri.files.text_files import check_plain
 from rigtri.formats import ReadOptions
 from rigtri.model.dataclass import dataclass
+from rigtri.model.edit_options import OF_BUILDS, EditOptions, RunOptions
 from rigtri.model.options import options_of
+from rigtri.model.spelling import Spelling, spec_spelling, spelled
 from rigtri.operations.registry import options_class
 from rigtri.pipeline.rigspec.errors import Fault, Place, SpecError
 from rigtri.pipeline.rigspec.missing_names import unnamed
@@ -183,10 +185,18 @@ def _files_of(do: str) -> list[str]:
     return [name for name, one in options_of(declared).items() if one.is_file]
 
 
-def _keys_of(do: str) -> dict[str, str]:
-    """By the option of a command, without the dashes in front, the key that a step has for it."""
-    keys = [one.key for one in options_of(options_class(do)).values()]
-    return {key: f"'{key}'" for key in keys} | {f"no-{key}": f"'{key}: false'" for key in keys}
+def keys_of(tree: Tree, do: str) -> Spelling:
+    """How a spec writes the options of a step, and those of the whole file.
+
+    Whoever builds can also give some of those, and has, where they are not in the spec.
+    """
+    whole = [
+        one
+        for name, one in options_of(EditOptions).items()
+        if name not in OF_BUILDS and (one.key in tree.values or name not in options_of(RunOptions))
+    ]
+    own = [one for one in options_of(options_class(do)).values() if one.where == "all"]
+    return spec_spelling([*whole, *own])
 
 
 def need_libraries() -> None:
@@ -213,7 +223,7 @@ def _planned(
         keys: Keys = ("steps", number)
         place, label = tree.place(keys), tree.labels[number]
         try:
-            with in_keywords(_keys_of(one.do)):
+            with spelled(keys_of(tree, one.do)):
                 options = one.options(shared)
                 applied(one.do, options, reading)
         except RigtriError as error:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from rigtri.formats import ReadOptions
-from rigtri.model.edit_options import EditOptions, FileOptions
+from rigtri.model.edit_options import OF_BUILDS, EditOptions, FileOptions
 from rigtri.operations.registry import OPERATIONS
 from rigtri.pipeline.rigspec.models.steps import StepModel, fields_of, step_model
 from rigtri.pipeline.rigspec.models.values import File, OneOrMany, Scalar, VariableName
@@ -39,9 +39,9 @@ class _Head(BaseModel):
     )
 
 
-# Those options of all edits that a spec can give; whether anything is written is for who builds.
+# Those options of all edits that a spec can give.
 _OF_EDITS = fields_of(EditOptions)
-for _name in ("verify", "dry_run", "overwrite"):
+for _name in OF_BUILDS:
     del _OF_EDITS[_name]
 if TYPE_CHECKING:
 

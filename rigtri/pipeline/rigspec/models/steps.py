@@ -20,7 +20,9 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
+from rigtri.model.edit_options import EditOptions
 from rigtri.model.options import Kind, Option, made, options_of
+from rigtri.model.spelling import spec_spelling
 from rigtri.operations.options.orient_joints import StyledChain
 from rigtri.operations.registry import OPERATIONS, options_class
 from rigtri.pipeline.rigspec.models import values
@@ -97,13 +99,15 @@ def _model_name(operation: str) -> str:
 
 def fields_of(declared: Any) -> dict[str, Any]:
     """What pydantic makes fields of, by their names."""
-    found = {}
-    for option in options_of(declared).values():
+    own, found = options_of(declared).values(), {}
+    keys = spec_spelling([*options_of(EditOptions).values(), *own])
+    for option in own:
         if option.where == "all":
             kind = spec_type(option)
             if option.words:
                 kind = Annotated[kind, BeforeValidator(option.cased)]
-            about = Field(_default(option), alias=option.key, description=option.described() or None)
+            text = keys.text(option.described())
+            about = Field(_default(option), alias=option.key, description=text or None)
             found[option.name] = (kind | None if option.optional or option.one_word else kind, about)
     return found
 
