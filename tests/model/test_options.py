@@ -22,6 +22,7 @@ from rigtri.formats import ReadOptions
 from rigtri.model.edit_options import EditOptions, FileOptions
 from rigtri.model.options import Kind, made, option, options_of, refuse
 from rigtri.model.rig import Rig
+from rigtri.model.spelling import spec_spelling
 from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import Direction, Limbs, Node
 from rigtri.operations.registry import OPERATIONS, Registered
@@ -128,13 +129,14 @@ def test_options_of_all_edits_are_declared_once() -> None:
     """Commands, specs and `ReadOptions` have their names, defaults and help from one place."""
     flags = {flag: option for option in orient_joints.command.params for flag in option.opts}
     spec, keywords = SpecModel.model_json_schema(by_alias=True)["properties"], fields(ReadOptions)
+    keys = spec_spelling(options_of(EditOptions).values())
     for one in options_of(EditOptions).values():
         option = flags[one.flag]
         assert isinstance(option, click.Option)
         assert option.help == one.help
         if one.key in spec:
             assert spec[one.key].get("default") == one.default
-            assert one.help in str(spec[one.key]), one.flag
+            assert keys.text(one.help) in spec[one.key]["description"], one.flag
     reading = {field.name: field.default for field in keywords}
     assert reading.items() >= {name: one.default for name, one in options_of(FileOptions).items()}.items()
 
