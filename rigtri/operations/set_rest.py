@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import cast
 
@@ -14,11 +15,11 @@ from rigtri.evaluation.constraint_solver import Parts, to_parts
 from rigtri.maths.matrices import local, multiply
 from rigtri.maths.quaternions import angle_between
 from rigtri.maths.trigonometry import Floats
-from rigtri.maths.vectors import length
+from rigtri.maths.vectors import angle, distance, length
 from rigtri.model.animation import PATHS, Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.add_posereader.corrective_joints import driven_joints
-from rigtri.operations.body_pose import posed
+from rigtri.operations.body_pose import posed, sure_bones
 from rigtri.operations.joint_records import joint_record
 from rigtri.operations.operation import operation
 from rigtri.operations.option_kinds import StandardPose
@@ -34,6 +35,12 @@ from rigtri.text import listed
 SAME = 3e-5
 # Scales along axes that differ by a larger share are meant: smaller ones are noise of exporters.
 UNEVEN = 0.01
+# Degrees by which what is below a joint stands elsewhere in its axes: axes that were chosen otherwise differ
+# by 90 as a rule, and proportions of bodies by less.
+OTHER_AXES = 45.0
+# The share of joints with such a difference that is one of proportions. Axes that are rolled alone show where
+# joints branch: at hips, chest and hands, 4 of the 39 joints of a body with fingers.
+FEW = 0.05
 
 
 @operation(SetRestOptions)
@@ -153,17 +160,54 @@ def _of_locals(rig: Rig, worlds: Floats, joints: list[int]) -> dict[int, Parts]:
 
 def _of_names(rig: Rig, like: Rig, joints: list[int]) -> dict[int, Parts]:
     """Rest rotations of another rig's joints of the same names; GeometryError where there is none."""
-    found = {}
+    theirs = dict[int, int]()
     # A clip library without a skin has the joints of its character.
     for node in joints or range(len(rig)):
         other = like.known(rig.names[node]) if rig.names[node] else None
         if other is not None and (joints or like.is_joint[other]):
-            own = (getattr(rig, path)[[node]] for path in PATHS)
-            rotation = to_parts(like.normalised_local[[other]]).rotation
-            found[node] = Parts(*own)._replace(rotation=rotation)
-    if not found:
+            theirs[node] = other
+    if not theirs:
         raise GeometryError("--like: no joint there has the name of one here. Try rename-joints first")
+    _refuse_other_axes(rig, like, theirs)
+    found = {}
+    for node, other in theirs.items():
+        own = (getattr(rig, path)[[node]] for path in PATHS)
+        found[node] = Parts(*own)._replace(rotation=to_parts(like.normalised_local[[other]]).rotation)
     return found
+
+
+def _refuse_other_axes(rig: Rig, like: Rig, theirs: Mapping[int, int]) -> None:
+    """GeometryError where joints have other axes in another rig, whose rest rotations are another pose here.
+
+    theirs: its joint for each here. What a joint has below it stands in the joint's axes, in every pose. Of a
+    body its bones alone count: hair of the same names hangs otherwise.
+    """
+    bones = {bone for body in recognise(rig).characters for bone in sure_bones(body).values()}
+    below = dict[int, list[int]]()
+    for node in (bones & theirs.keys()) or theirs:
+        above = int(rig.parents[node])
+        if above in theirs and theirs[above] == like.parents[theirs[node]]:
+            below.setdefault(above, []).append(node)
+    turned = dict[int, float]()
+    for joint, nodes in below.items():
+        here = rig.normalised_local[nodes, 3, :3]
+        there = like.normalised_local[[theirs[node] for node in nodes], 3, :3]
+        ways = (here[0], there[0])
+        if len(nodes) > 1:  # across them, which proportions change least
+            one, other = np.unravel_index(
+                int(distance(here[:, np.newaxis], here).argmax()), (len(nodes),) * 2
+            )
+            ways = (here[one] - here[other], there[one] - there[other])
+        if min(length(way) for way in ways) > 0:
+            turned[joint] = float(np.degrees(angle(*ways)))
+    off = [joint for joint, degrees in turned.items() if degrees > OTHER_AXES]
+    if len(off) > FEW * len(turned):
+        worst = max(off, key=lambda joint: turned[joint])
+        raise GeometryError(
+            f"--like: {len(off)} of {len(turned)} joints have other axes there, such as '{rig.title(worst)}' "
+            f"(by {turned[worst]:.0f}°), in which its rest rotations are another pose. Give these joints its "
+            "axes first: rigtri orient-joints --like FILE"
+        )
 
 
 def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:

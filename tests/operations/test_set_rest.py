@@ -200,6 +200,17 @@ def test_a_clip_library_without_a_skin_rests_as_its_character_and_plays_as_befor
     assert np.allclose(places(resting, 0), places(clips, 0), atol=1e-6)
 
 
+@pytest.mark.parametrize("up", ["y", "z"])
+@pytest.mark.parametrize("skinned", [True, False])
+def test_rest_rotations_of_joints_with_other_axes_are_refused(skinned: bool, up: str) -> None:
+    """Rolled axes too, in which all bones point alike (x, here with another up)."""
+    rig = rigtri.orient_joints(rigtri.read(SAMPLES / "biped.glb"), aim="x", up="z")
+    other = rigtri.orient_joints(rig, aim="x" if up == "y" else "y", up=up)
+    ours = rig if skinned else replace(rig, skins=(), source=None)
+    with pytest.raises(GeometryError, match=r"\d+ of \d+ joints have other axes there"):
+        rigtri.set_rest(ours, like=other)
+
+
 def test_what_is_up_for_a_body_is_as_it_is_bound_and_not_as_it_rests() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, hips, rotation = rig.find("biped"), rig.find("hips"), rig.rotation.copy()
