@@ -10,6 +10,7 @@ Engine, the mannequin.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,12 +21,13 @@ from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.vectors import cross, dot
+from rigtri.model.options import options_of
 from rigtri.model.rig import Rig
 from rigtri.operations.add_root import root_above
 from rigtri.operations.axis_presets import PRESETS
 from rigtri.operations.body_pose import FACE, directions, stands_in_tpose, sure_bones
 from rigtri.operations.ik_bones import IK_BONES
-from rigtri.operations.operation import operation
+from rigtri.operations.operation import from_keywords, operation
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.options.conform import ConformOptions as ConformOptions
 from rigtri.operations.options.orient_joints import OrientJointsOptions
@@ -33,6 +35,7 @@ from rigtri.operations.orient_joints.joint_frames import MOST_NOISE
 from rigtri.operations.orient_joints.orient import plan_frames
 from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
 from rigtri.operations.registry import operation as function_of
+from rigtri.operations.registry import options_class
 from rigtri.operations.rename_joints import set_aside
 from rigtri.recognition.humanoid_order import ABOVE, misplaced
 from rigtri.recognition.layout import Character
@@ -152,10 +155,14 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
                 if not (above := _above_hips(rig)):
                     continue
                 values = {**values, "joints": above}
-            rig = function_of(name)(rig, report=report, **values)
+            # As options, not keywords: errors of keywords would name options as Python does.
+            chosen = from_keywords(options_class(name), values, name)
+            rig = function_of(name)(rig, options=chosen, report=report)
         except (UsageError, GeometryError) as error:
             # What an error says to do is for the step: it goes first, and this one finds it done.
-            first = f" These are options of {name}: run it first" if "--" in str(error) else ""
+            own = {one.key for one in options_of(ConformOptions).values()}
+            others = set(re.findall(r"(?<![\w-])--([a-z-]+)", str(error))) - own
+            first = f" These are options of {name}: run it first" if others else ""
             raise type(error)(f"{name}: {str(error).rstrip('.')}.{first}") from error
         del report.joints[known:]
         report.added.append({"type": "step", "do": name, "node": "", "new": False, **_shown(values)})

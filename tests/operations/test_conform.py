@@ -19,6 +19,7 @@ from rigtri.maths.quaternions import angle_between, from_axis_angle, normalise
 from rigtri.maths.vectors import cross, dot, length
 from rigtri.operations.add_socket import with_joint
 from rigtri.operations.body_pose import Directions
+from rigtri.operations.conform import ConformOptions
 from rigtri.operations.option_kinds import StandardPose
 from rigtri.operations.orient_joints.standard_frames import godot_bones, standard_bones
 from rigtri.recognition.recognise import recognise
@@ -243,7 +244,7 @@ def test_where_joints_may_not_rotate_a_tpose_is_taken_as_it_is() -> None:
     joints = frozenset(np.flatnonzero(rig.is_joint).tolist())
     rules = replace(rig.rules, orient_locked="VRM 0.x forbids it", world_aligned=joints)
     locked = replace(rig, source=None, rules=rules)
-    with pytest.raises(GeometryError, match="to= godot has other axes: take to= unity or vrm"):
+    with pytest.raises(GeometryError, match='to="godot" has other axes: take to="unity" or vrm'):
         rigtri.conform(locked, to="godot")
     rigtri.conform(locked, to="unity", report=report)
     assert "set-rest" not in {entry["do"] for entry in report.added if entry["type"] == "step"}
@@ -350,6 +351,16 @@ def test_a_joint_between_root_and_hips_keeps_the_axes_of_the_world() -> None:
 
 
 @pytest.mark.ci
+@pytest.mark.parametrize("option", ["facing=", "--facing"])
+def test_errors_of_steps_name_options_as_the_caller_writes_them(option: str) -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    skin = replace(rig.skins[0], inverse_bind=np.tile(np.eye(4), (len(rig.skins[0].joints), 1, 1)))
+    bound_nowhere = replace(rig, skins=(skin,), source=None)
+    given = {"to": "unity"} if option == "facing=" else {"options": ConformOptions(to="unity")}
+    with pytest.raises(GeometryError, match=f"^set-rest: .* give it with {option}\\.$"):
+        rigtri.conform(bound_nowhere, **given)
+
+
 def test_a_body_that_is_bound_facing_aside_is_reported() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, report = int(rig.levels[0][0]), Report()
