@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 
@@ -142,10 +143,9 @@ def compared(
 def denormalisation(rig: Rig, nodes: Booleans | None = None) -> float:
     """The largest | |q|−1 | of a rig's rotations, at rest and at keys; tangents do not count. nodes: (n,)."""
     some = np.ones(len(rig), dtype=bool) if nodes is None else nodes
-    turns = (c for clip in rig.clips for c in clip.columns if c.path == "rotation")
-    keyed = [row for c in turns for row, mine in zip(c.key_values, some[c.nodes], strict=True) if mine]
-    every = [rig.rotation[~rig.has_matrix & some], *keyed]
-    off = (np.abs(norm(q) - 1.0) for q in every)
+    turns = [c for clip in rig.clips for c in clip.columns if c.path == "rotation"]
+    keyed = (c.key_values if nodes is None else c.key_values[some[c.nodes]] for c in turns)
+    off = (np.abs(norm(q) - 1.0) for q in chain([rig.rotation[~rig.has_matrix & some]], keyed))
     return max(float(each[np.isfinite(each)].max(initial=0.0)) for each in off)
 
 
