@@ -83,9 +83,23 @@ class Container:
         for kind, content in rest:
             yield kind, [content]
 
-    def _text(self, gltf: dict[str, Any]) -> bytes:
+    @property
+    def text(self) -> str:
+        """The JSON as it was read."""
         content = self.chunks[0][1] if self.is_glb else self.source
-        text = str(content, "utf-8").removeprefix("\ufeff")
+        return str(content, "utf-8").removeprefix("\ufeff")
+
+    def members(self) -> dict[str, tuple[str, Any]]:
+        """The objects and lists of the JSON by their keys, each with its text, as far as known."""
+        text, found = self.text, zip(self.gltf.items(), self.ends.items(), strict=False)
+        return {
+            key: (text[start:end], value)
+            for (key, value), (start, end) in found
+            if isinstance(value, dict | list)
+        }
+
+    def _text(self, gltf: dict[str, Any]) -> bytes:
+        text = self.text
         # Spaces behind the JSON of a GLB are padding, and made anew.
         text = text.rstrip() if self.is_glb else text
         try:
@@ -124,22 +138,26 @@ def write_blank(path: Path) -> None:
         path.write_bytes(glb(json.dumps(gltf).encode(), None))
 
 
-def open_container(path: Path, *, lenient: bool = False, content: bytes | None = None) -> Container:
+def open_container(
+    path: Path, *, lenient: bool = False, content: bytes | None = None, like: Container | None = None
+) -> Container:
     """Take a file apart. FileError, with the offset, where it is no glTF 2.0 or broken.
 
     lenient: ignore bytes behind the length that a GLB claims, and keys that stand twice.
-    content: what the file would hold, where there is none at ``path``.
+    content: what the file would hold, where there is none at ``path``. like: what it was made of; both share
+    the members of their JSON that are spelled alike.
     """
+    known = {} if like is None else like.members()
     source = load(path) if content is None else memoryview(content)
     notices: list[Notice] = []
     if not len(source):
         raise FileError(f"{path}: the file is empty; copy or export it again")
     if bytes(source[:4]) != MAGIC:
         _check_beginning(path, bytes(source[:_SHOWN]))
-        text, gltf, ends = _json(path, source, notices, lenient=lenient)
+        text, gltf, ends = _json(path, source, notices, known, lenient=lenient)
         return Container(path, source, gltf, Spelling.of(text), (), notices, ends)
     chunks = _split(path, source, notices, lenient=lenient)
-    text, gltf, ends = _json(path, chunks[0][1], notices, lenient=lenient)
+    text, gltf, ends = _json(path, chunks[0][1], notices, known, lenient=lenient)
     # Spaces behind the JSON of a GLB are padding, not a habit.
     return Container(path, source, gltf, Spelling.of(text.rstrip()), tuple(chunks), notices, ends)
 
@@ -197,7 +215,12 @@ def _walk(path: Path, source: memoryview) -> Iterable[tuple[int, memoryview]]:
 
 
 def _json(
-    path: Path, content: memoryview, notices: list[Notice], *, lenient: bool
+    path: Path,
+    content: memoryview,
+    notices: list[Notice],
+    known: Mapping[str, tuple[str, Any]],
+    *,
+    lenient: bool,
 ) -> tuple[str, dict[str, Any], dict[int, int]]:
     try:
         text = str(content, "utf-8")
@@ -205,7 +228,7 @@ def _json(
             text = text[1:]
             words = "The JSON starts with a byte order mark, which glTF forbids; a changed file has none"
             notices.append(Notice("byte-order-mark", words))
-        gltf, ends = parse_placed(text, lenient=lenient)
+        gltf, ends = parse_placed(text, lenient=lenient, known=known)
     except RecursionError:
         raise FileError(f"{path}: the JSON is nested too deep") from None
     except UnicodeDecodeError as error:

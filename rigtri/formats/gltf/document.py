@@ -91,10 +91,12 @@ class GltfDocument:
         """Read a file. Raises FileError, in the file's own names, for anything that is broken.
 
         content: what a file at ``path`` would hold; what it refers to is looked for from there.
-        like: what it was made of; both share the key times that are the same, and are then compared sooner.
+        like: what it was made of; both share JSON and key times that are the same, which is then compared
+        sooner.
         """
         options = options or ReadOptions()
-        container = open_container(path, lenient=options.lenient, content=content)
+        known = None if like is None else like.container
+        container = open_container(path, lenient=options.lenient, content=content, like=known)
         try:
             return cls(container, options, like)
         except RecursionError:

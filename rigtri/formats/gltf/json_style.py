@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from math import isfinite
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 from rigtri.model.dataclass import dataclass
@@ -31,15 +33,20 @@ def parse(text: str, *, lenient: bool = False) -> Any:
     return json.loads(text, object_pairs_hook=hook, parse_constant=_no_constant)
 
 
-def parse_placed(text: str, *, lenient: bool = False) -> tuple[Any, dict[int, int]]:
-    """As `parse`; also where the values of the outermost object end, by where they start."""
+def parse_placed(
+    text: str, *, lenient: bool = False, known: Mapping[str, tuple[str, Any]] = MappingProxyType({})
+) -> tuple[Any, dict[int, int]]:
+    """As `parse`; also where the values of the outermost object end, by where they start.
+
+    known: by key, the text of an object or a list and what it is. What is spelled so is not parsed again.
+    """
     if not lenient:
         with suppress(ValueError, StopIteration, IndexError):  # which parsing the whole text explains
-            return _members(text)
+            return _members(text, known)
     return parse(text, lenient=lenient), {}
 
 
-def _members(text: str) -> tuple[dict[str, Any], dict[int, int]]:
+def _members(text: str, known: Mapping[str, tuple[str, Any]]) -> tuple[dict[str, Any], dict[int, int]]:
     pairs: list[tuple[str, Any]] = []
     ends: dict[int, int] = {}
     at, follows = skip(text, 0), "{"
@@ -49,7 +56,11 @@ def _members(text: str) -> tuple[dict[str, Any], dict[int, int]]:
         if type(key) is not str or text[colon] != ":":
             raise ValueError("a key should stand here, and a colon behind it")
         start = skip(text, colon + 1)
-        value, end = _scan(text, start)
+        spelled, value = known.get(key, ("", None))
+        if spelled and text.startswith(spelled, start):
+            end = start + len(spelled)
+        else:
+            value, end = _scan(text, start)
         pairs.append((key, value))
         ends[start] = end
         at, follows = skip(text, end), ","

@@ -18,3 +18,28 @@ def test_colons_in_strings_and_blanks_before_them_are_no_keys(text: str) -> None
     value, ends = parse_placed(text)
     assert sorted(value) in (["a"], ["a", "c"])
     assert len(ends) == len(value)
+
+
+@pytest.mark.parametrize(
+    ("text", "shared"),
+    [
+        ('{"a":[1, 2],"b":0}', True),
+        ('{ "a" : [1, 2] }', True),
+        ('{"a":[1,2]}', False),
+        ('{"a":[1, 2, 3]}', False),
+    ],
+)
+def test_what_is_spelled_as_known_is_not_parsed_again(text: str, shared: bool) -> None:
+    known = [1, 2]
+    value, ends = parse_placed(text, known={"a": ("[1, 2]", known), "c": ("[]", [])})
+    assert (value, ends) == parse_placed(text)
+    assert (value["a"] is known) == shared
+
+
+def test_a_known_text_hides_nothing_that_is_wrong_behind_it() -> None:
+    for text in ('{"a":[1]]}', '{"a":[1]', '{"a":[1],"a":[1]}'):
+        with pytest.raises(ValueError, match=r".") as alone:
+            parse_placed(text)
+        with pytest.raises(ValueError, match=r".") as told:
+            parse_placed(text, known={"a": ("[1]", [1])})
+        assert str(told.value) == str(alone.value)
