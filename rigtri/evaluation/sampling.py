@@ -123,9 +123,11 @@ def sample(track: Track, times: ArrayLike) -> Floats:
     return pack.sample(np.atleast_1d(np.asarray(times, dtype=np.float64)))[:, 0]
 
 
-def key_times(clip: Clip) -> Floats:
-    """All key times of a clip, sorted, each once."""
-    distinct = {id(column.times): column.times for column in clip.columns}
+def key_times(clip: Clip, nodes: Sequence[int] | None = None) -> Floats:
+    """All key times of a clip, or of some nodes in it, sorted, each once."""
+    every = clip.columns
+    some = every if nodes is None else [column for column in every if np.isin(column.nodes, nodes).any()]
+    distinct = {id(column.times): column.times for column in some}
     return sorted_unique(np.concatenate([*distinct.values(), np.zeros(0)]))
 
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from rigtri.evaluation.sampling import key_times, locals_at, thinned, worlds
+from rigtri.evaluation.sampling import key_times, locals_at, sorted_unique, thinned, worlds
 from rigtri.maths.angle_limits import cosine_below, sine_below
 from rigtri.maths.matrices import determinant, inverse, transform_directions
 from rigtri.maths.quaternions import between as rotation_between
@@ -99,17 +99,31 @@ def towards(limb: Limb, world: Floats, direction: Floats, source: Source, sine: 
     return Bend(normalise(side), normalise(cross(side, chord)), source, sine)
 
 
-def in_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) -> Bend | None:
+def in_motion(rig: Rig, limbs: Sequence[Limb], world: Floats, other_pose: Floats | None) -> Bend | None:
     """The hinge that bent keys of clips and the other pose agree on, seen in the root joint's own space.
 
-    world, other_pose: (n, 4, 4). Where some are clearly bent, these alone are heard. The `sine` is that of
-    the least bend of those heard. None: nothing bends, or not about one hinge.
+    Of several limbs that share joints the first that shows one. world, other_pose: (n, 4, 4). Where some are
+    clearly bent, these alone are heard. The `sine` is that of the least bend of those heard. None: nothing
+    bends, or not about one hinge.
     """
     other = world[:0] if other_pose is None else other_pose
-    shown = [_bent_hinges(limb, other.reshape(-1, *world.shape))]
-    small, triple = between(rig, limb.triple)
-    mine = replace(limb, start=triple[0], middle=triple[1], end=triple[2])
-    shown += [_bent_hinges(mine, worlds(small, local)) for local in _keyed_poses(small)]
+    shown = [[_bent_hinges(limb, other.reshape(-1, *world.shape))] for limb in limbs]
+    lines = [_between(rig, limb.triple) for limb in limbs]
+    whole, place = rig.subset([node for line in lines for node in line])
+    nodes = [sorted(place[node] for node in line) for line in lines]
+    still = replace(whole, clips=())
+    parts = [still.subset(line) for line in nodes]
+    for posed in _keyed_poses(whole, nodes):
+        for limb, (small, inner), local, found in zip(limbs, parts, posed, shown, strict=True):
+            start, middle, end = (inner[place[node]] for node in limb.triple)
+            mine = replace(limb, start=start, middle=middle, end=end)
+            found.append(_bent_hinges(mine, worlds(small, local)))
+    agreed = (_agreed(limb, found, world) for limb, found in zip(limbs, shown, strict=True))
+    return next((bend for bend in agreed if bend is not None), None)
+
+
+def _agreed(limb: Limb, shown: Sequence[tuple[Floats, Floats]], world: Floats) -> Bend | None:
+    """The hinge that the normals and sines of the other pose, and of clips, agree on."""
     normals, sines = (np.concatenate(k) for k in ([n for n, _ in shown], [s for _, s in shown]))
     heard = sines >= CLEAR if (sines >= CLEAR).any() else sines >= BENT
     if not heard.any():
@@ -123,16 +137,23 @@ def in_motion(rig: Rig, limb: Limb, world: Floats, other_pose: Floats | None) ->
     return towards(limb, world, cross(c - a, normal), source, float(sines[heard].min()))
 
 
-def _keyed_poses(rig: Rig) -> Iterator[Floats]:
-    """The local matrices of all clips at their keys, (f, n, 4, 4), of many clips at once."""
-    some: list[Floats] = []
+def _keyed_poses(rig: Rig, parts: Sequence[Sequence[int]]) -> Iterator[list[Floats]]:
+    """The local matrices of some nodes in all clips at their keys, (f, n, 4, 4), of many clips at once.
+
+    For each of the ``parts``, which have keys of their own; all are sampled together.
+    """
+    some: list[list[Floats]] = [[] for _ in parts]
     for clip in (clip for clip in rig.clips if clip.tracks and not clip.idle):
-        some.append(locals_at(rig, clip, thinned(key_times(clip), MOST_KEYS)))
-        if sum(map(len, some)) >= MOST_KEYS:
-            yield np.concatenate(some)
-            some = []
-    if some:
-        yield np.concatenate(some)
+        keys = [thinned(key_times(clip, nodes), MOST_KEYS) for nodes in parts]
+        times = sorted_unique(np.concatenate(keys))
+        local = locals_at(rig, clip, times)
+        for nodes, own, found in zip(parts, keys, some, strict=True):
+            found.append(local[np.searchsorted(times, own)][:, nodes])
+        if max(sum(map(len, found)) for found in some) >= MOST_KEYS:
+            yield [np.concatenate(found) for found in some]
+            some = [[] for _ in parts]
+    if some[0]:
+        yield [np.concatenate(found) for found in some]
 
 
 def _bent_hinges(limb: Limb, world: Floats) -> tuple[Floats, Floats]:
@@ -162,6 +183,11 @@ def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
 
     What a limb needs to be posed, up to its common ancestor: a fraction of the whole.
     """
+    small, place = rig.subset(_between(rig, nodes))
+    return small, [place[node] for node in nodes]
+
+
+def _between(rig: Rig, nodes: Sequence[int]) -> list[int]:
     top = nodes[0]
     while top >= 0 and not all(rig.is_below(node, top) for node in nodes):
         top = int(rig.parents[top])
@@ -170,8 +196,7 @@ def between(rig: Rig, nodes: Sequence[int]) -> tuple[Rig, list[int]]:
         while node >= 0 and node not in lines:
             lines.add(node)
             node = int(rig.parents[node])
-    small, place = rig.subset(list(lines))
-    return small, [place[node] for node in nodes]
+    return list(lines)
 
 
 def crossings(rig: Rig, limb: Limb, clip: Clip, least_sine: float) -> list[tuple[float, str]]:

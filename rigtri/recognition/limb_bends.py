@@ -56,6 +56,7 @@ class LimbBends:
     facing: Floats | None = None
     # Limbs are asked for as themselves and as twins, and the motion of each is read once.
     _moved: dict[tuple[int, ...], Bend | None] = field(default_factory=dict, init=False)
+    _posed: dict[tuple[int, ...], Bend] = field(default_factory=dict, init=False)
 
     def of(self, limb: Limb, report: Report, given: Floats | None = None) -> Bend | None:
         """Where a limb bends to, or None when nothing shows it. given: the user's word, (3,).
@@ -80,7 +81,7 @@ class LimbBends:
         natural = self._natural(limb, None if prescribed is None else np.array(prescribed))
         if natural is not None:
             return natural
-        (posed,) = in_pose([limb], self.world)
+        posed = self._in_pose(limb)
         return posed if posed.sine >= NO_PLANE else None
 
     def _facing_of(self, limb: Limb) -> Floats | None:
@@ -130,14 +131,21 @@ class LimbBends:
 
     def _own(self, limb: Limb) -> Iterator[Bend]:
         """What the pose shows of a limb, and the motion: where the pose is straight, or a clear bend."""
-        (posed,) = in_pose([limb], self.world)
+        posed = self._in_pose(limb)
         if posed.sine >= STRAIGHT_SINE:
             yield posed
         if limb.triple not in self._moved:
-            self._moved[limb.triple] = in_motion(self.rig, limb, self.world, self.other_pose)
+            self._moved[limb.triple] = in_motion(self.rig, [limb], self.world, self.other_pose)
         moved = self._moved[limb.triple]
         if moved is not None and (posed.sine < STRAIGHT_SINE or moved.sine >= CLEAR):
             yield moved
+
+    def _in_pose(self, limb: Limb) -> Bend:
+        """What the pose shows of a limb; one look at all limbs takes as long as one at one."""
+        if limb.triple not in self._posed:
+            every = [*self.limbs, limb]
+            self._posed.update(zip([k.triple for k in every], in_pose(every, self.world), strict=True))
+        return self._posed[limb.triple]
 
     def _is_believable(self, limb: Limb, found: Bend, natural: Bend) -> bool:
         near = float(dot(found.direction, natural.direction))
@@ -151,7 +159,7 @@ class LimbBends:
         """Whether a bend is the truth; of two poses that mirror each other by the mean, so that both are."""
         twin = self._twin(limb) if found.source == "pose" else None
         if twin is not None:
-            (theirs,) = in_pose([twin], self.world)
+            theirs = self._in_pose(twin)
             alike = abs(found.sine - theirs.sine) < BENT
             if alike and dot(found.direction, self._image(limb, theirs, twin)) >= MIRRORED:
                 return 0.5 * (found.sine + theirs.sine) >= CLEAR

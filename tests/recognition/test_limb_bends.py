@@ -15,7 +15,8 @@ from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import normalise
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
-from rigtri.recognition.limbs import unsure
+from rigtri.recognition.bend_direction import in_motion
+from rigtri.recognition.limbs import Limb, unsure
 from rigtri.report import Report
 from rigtri.verification.checks.axis_check import axis_findings
 
@@ -202,3 +203,28 @@ def test_front_legs_that_are_not_sure_have_the_hinge_of_their_own_bend() -> None
     for name in ("thigh_l", "calf_l"):
         assert out.world[out.find(name), 1, 0] > 0.99, name
     assert "unsure-limb" in [notice.code for notice in report.warnings]
+
+
+def test_the_motion_of_several_limbs_is_that_of_the_first_that_bends_to_the_bit() -> None:
+    """Each has key times of its own, and only its own are looked at."""
+    rig = rig_with(line("a b c d e f", "", *((0.0, float(y), 0.0) for y in range(6))))
+
+    def swung(node: int, times: list[float], degrees: list[float]) -> Track:
+        axis = normalise(np.array([1.0, 0.3, 0.2]))
+        turns = np.stack([from_axis_angle(axis, np.radians(each)) for each in degrees])
+        return Track(node, "rotation", "LINEAR", np.array(times), turns)
+
+    walk = Clip("walk", (swung(2, [0, 0.4, 1.1], [0, 4, -3]), swung(3, [0.1, 0.7], [30, 50])))
+    run = Clip("run", (swung(3, [0, 0.3, 0.5], [0, 40, 0]), swung(4, [0.2], [20]), swung(0, [0, 5], [0, 90])))
+    rig = replace(rig, clips=(walk, run, Clip("none", ())))
+    limbs = [Limb(k, k + 1, k + 2) for k in range(4)]
+    alone = [in_motion(rig, [limb], rig.world, None) for limb in limbs]
+    assert [bend is None for bend in alone] == [True, True, False, False]
+    assert in_motion(rig, limbs[:2], rig.world, None) is None
+    for first, expected in ((0, alone[2]), (2, alone[2]), (3, alone[3])):
+        found = in_motion(rig, limbs[first:], rig.world, None)
+        assert found is not None
+        assert expected is not None
+        assert (found.source, found.sine) == (expected.source, expected.sine)
+        assert found.direction.tobytes() == expected.direction.tobytes()
+        assert found.hinge.tobytes() == expected.hinge.tobytes()

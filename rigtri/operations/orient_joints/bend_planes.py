@@ -30,6 +30,8 @@ from rigtri.report import Report
 
 # Directions of a body come from many joints: their noise is that of a bend of about 15°.
 BODY_SINE = 0.25
+# Triples of a straight chain whose motion is read at once: few, as the first that bends is enough.
+_TRIPLES = 8
 # Planes nearer to a right angle than this (a cosine) are on the same side.
 ACROSS = cosine_below(90)
 
@@ -280,11 +282,10 @@ def _in_clips(targets: Targets, nodes: list[int]) -> Bend | None:
     for node in nodes[1:]:
         if length(ref.position(node) - ref.position(apart[-1])) > ZERO_LENGTH * ref.extent:
             apart.append(node)
-    for triple in zip(apart, apart[1:], apart[2:], strict=False):
-        found = in_motion(targets.tree.rig, Limb(*triple), ref.world, ref.other)
-        if found is not None:
-            return found
-    return None
+    limbs = [Limb(*triple) for triple in zip(apart, apart[1:], apart[2:], strict=False)]
+    groups = (limbs[start : start + _TRIPLES] for start in range(0, len(limbs), _TRIPLES))
+    found = (in_motion(targets.tree.rig, group, ref.world, ref.other) for group in groups)
+    return next((bend for bend in found if bend is not None), None)
 
 
 def _set_adjoining(adjoining: UpDirections, targets: Targets) -> None:
