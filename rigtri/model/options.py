@@ -14,7 +14,7 @@ import types
 import typing
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, field, fields
-from functools import cache
+from functools import cache, cached_property
 from numbers import Real
 from typing import Any, Literal, TypeVar, Union
 
@@ -111,7 +111,7 @@ class Option:
         """Whether a command line has one word for it, whatever its Python type is."""
         return self.kind is not None and self.kind.name in _ONE_WORD
 
-    @property
+    @cached_property
     def words(self) -> tuple[str, ...]:
         """The words that it knows, alone or beside names: those of its type, and those that it explains."""
         explained = (word for word, _ in self.values if word.islower())
@@ -120,7 +120,7 @@ class Option:
         )
         return tuple(dict.fromkeys([*self.choices, *_literals(self.hint), *explained, *shown]))
 
-    @property
+    @cached_property
     def takes_names(self) -> bool:
         """Whether names of nodes can stand where its words do."""
         return bool(self.words) and not {"NODE", "NAME"}.isdisjoint(
