@@ -161,7 +161,11 @@ class _Job:
         from rigtri.recognition.layout_output import text
 
         found, whole = self.proposal, self.values["dry_run"] or self.values["verbose"]
-        lines = [text(found.rig, found.layout) + "\n"] if whole else list(recognised_lines(found.layout))
+        lines = (
+            [text(found.rig, found.layout) + "\n"]
+            if whole
+            else list(recognised_lines(found.rig, found.layout))
+        )
         lines.append(step_lines(self.built))
         tried = f"{len(found.checked)} controls and pole vectors tried"
         moves = "its joint and the mesh" if found.rig.meshes else "its joint (the file has no mesh)"

@@ -52,6 +52,8 @@ class FixedWeightsError(FileError):
     """Skin weights that a file holds in a way in which no others can be written."""
 
 
+# Where joints are needed and no skin has any; what to do follows.
+NO_SKELETON = "There is no skeleton in this file: no skin lists joints"
 # So many names are listed where none of them is like the one that was given.
 _FEW = 6
 

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rigtri.errors import FileError, UsageError
+from rigtri.errors import NO_SKELETON, FileError, UsageError
 from rigtri.evaluation.bind_pose import bind_worlds
 from rigtri.evaluation.sampling import key_times, locals_at, worlds
 from rigtri.evaluation.timelines import as_played
@@ -80,7 +80,7 @@ def skeleton(
         )
     if not joints:
         raise FileError(
-            "There is no skeleton in this file: no skin lists joints. To work on a plain hierarchy, "
+            f"{NO_SKELETON}. To work on a plain hierarchy, "
             "name its top node with --root NAME; list the nodes with: rigtri inspect FILE"
         )
     inside = set(joints)

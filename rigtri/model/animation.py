@@ -230,6 +230,11 @@ class Clip:
         return columns(self.tracks)
 
     @property
+    def animation(self) -> Hashable:
+        """The animation of a stage, whose clips are one for each skeleton; None in other formats."""
+        return self.key[1:] if isinstance(self.key, tuple) else None
+
+    @property
     def without_idle(self) -> Clip:
         """What is seen of it: a clip that is idle without its idle tracks."""
         if not self.idle:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rigtri.errors import GeometryError, UsageError
+from rigtri.errors import NO_SKELETON, GeometryError, UsageError
 from rigtri.evaluation.bind_pose import placed_bind_worlds
 from rigtri.maths.matrices import compose, from_frame, inverse, multiply, orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, rotate
@@ -122,7 +122,7 @@ def _start(rig: Rig) -> int:
     joints = [part.joint for part in body.parts if rig.is_joint[part.joint]]
     if not joints:
         raise GeometryError(
-            "There is no skeleton in this file: no skin lists joints. Add the root to the character that "
+            f"{NO_SKELETON}. Add the root to the character that "
             "its clips are for: these need no root of their own"
         )
     return body.hips if body.hips >= 0 else min(joints)

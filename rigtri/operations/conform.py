@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rigtri.errors import FileError, GeometryError, UsageError, did_you_mean
+from rigtri.errors import NO_SKELETON, FileError, GeometryError, UsageError, did_you_mean
 from rigtri.maths.matrices import orthonormal_axes
 from rigtri.maths.quaternions import conjugate, from_axes, multiply, rotation_angle
 from rigtri.maths.vectors import cross, dot
@@ -128,7 +128,7 @@ def conform(rig: Rig, *, options: ConformOptions, report: Report) -> Rig:
     add-root, orient-joints.
     """
     if not rig.is_joint.any():
-        raise FileError("There is no skeleton in this file: no skin lists joints, as the standard ones have")
+        raise FileError(f"{NO_SKELETON}, as the standard ones have")
     skeleton = skeleton_of(options.to)
     steps = steps_of(options, skeleton)
     bodies = recognise(rig).characters

@@ -213,9 +213,8 @@ def _refuse_other_axes(rig: Rig, like: Rig, theirs: Mapping[int, int]) -> None:
 def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
     """The clip with a key of the old rest pose for what it does not move."""
     # Samples and defaults of a USD animation are two clips, and play at once.
-    together = [
-        each for each in rig.clips if each is clip or (_home(clip) is not None and _home(each) == _home(clip))
-    ]
+    home = clip.animation
+    together = [each for each in rig.clips if each is clip or (home is not None and each.animation == home)]
     driven = {(track.node, track.path) for each in together for track in each.tracks}
     fresh: list[Track] = []
     times = next((track.times[:1] for track in clip.tracks if len(track.times)), None)
@@ -226,18 +225,13 @@ def _with_old_rest(clip: Clip, rig: Rig, taken: Rig, moved: list[int]) -> Clip:
     # An animation of a stage is none of joints of skeletons that others are bound to.
     mine = {node for node, _ in driven}
     joints = [set(skin.joints.tolist()) for skin in rig.skins]
-    strange = set().union(*(each for each in joints if _home(clip) is not None and mine.isdisjoint(each)))
+    strange = set().union(*(each for each in joints if home is not None and mine.isdisjoint(each)))
     for node in (node for node in moved if node not in strange):
         for path in PATHS:
             was, now = (getattr(each, path)[node] for each in (rig, taken))
             if (node, path) not in driven and (was != now).any():
                 fresh.append(Track(node, path, "STEP", times, was[np.newaxis]))
     return replace(clip, tracks=(*clip.tracks, *fresh)) if fresh else clip
-
-
-def _home(clip: Clip) -> object:
-    """The animation of a stage that a clip is of; None in other formats."""
-    return clip.key[1:] if isinstance(clip.key, tuple) else None
 
 
 def _refuse(rig: Rig, moved: list[int]) -> None:

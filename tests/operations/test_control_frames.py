@@ -112,7 +112,7 @@ def test_a_skeleton_that_may_not_change_gets_aimed_controls(tmp_path: Path) -> N
 
 def test_the_axes_of_joints_do_not_go_with_others() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
-    with pytest.raises(UsageError, match="aim= does not go with frame= joint"):
+    with pytest.raises(UsageError, match='aim= does not go with frame="joint"'):
         rigtri.add_controls(rig, whole_character=True, frame="joint", aim="y")
     with pytest.raises(UsageError, match="same letter"):
         rigtri.add_controls(rig, whole_character=True, aim="y", up="y")

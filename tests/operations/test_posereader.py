@@ -508,7 +508,7 @@ def test_a_signed_reader_is_the_cosine_on_both_sides_and_a_target_met_at_rest_is
         assert ("target-at-rest" in {notice.code for notice in report.warnings}) == signed
         (note,) = (note for note in built.metadata.values() if note["type"] == "poseReader")
         validator("node").validate(dict(note))
-    with pytest.raises(UsageError, match="is for reader= dot"):
+    with pytest.raises(UsageError, match='is for reader="dot"'):
         add_posereader(rig, driver="forearm_L", target=("0,1,0",), reader="cone", signed=True)
 
 

@@ -386,3 +386,11 @@ def test_a_crowd_takes_as_long_as_its_characters(monkeypatch: pytest.MonkeyPatch
         counts.append((len(report.added), len(runs)))
     assert counts[1][0] == 3 * counts[0][0]
     assert counts[1][1] <= 3 * counts[0][1]
+
+
+def test_limbs_are_named_once() -> None:
+    rig = rigged()
+    with pytest.raises(UsageError, match=r"^give limbs= or limb=, not both$"):
+        snap(rig, to="ik", at="rest", limb=ARM, limbs="auto")
+    with pytest.raises(UsageError, match=r'name the limbs: limb=\(ROOT, MIDDLE, END\), or limbs="auto"'):
+        snap(rig, to="ik", at="rest")

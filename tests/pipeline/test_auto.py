@@ -24,6 +24,7 @@ from rigtri.files import temp_dirs
 from rigtri.formats import read as document
 from rigtri.formats.document import ReadOptions
 from rigtri.model.rig import Rig
+from rigtri.pipeline.rigspec.spec_init import recognised_lines
 from rigtri.recognition.layout import Character, Layout
 from rigtri.recognition.naming_schemes import Scheme
 from rigtri.recognition.recognise import recognise
@@ -232,6 +233,15 @@ def test_two_characters_of_a_file_get_a_rig_each(tmp_path: Path) -> None:
     remark = "left out: a root control for each of the 2 characters; add-controls puts one over all of them"
     assert remark in result.stderr
     assert f"# {remark}" in out.with_suffix(".rig.yaml").read_text("utf-8")
+
+
+@pytest.mark.ci
+def test_no_root_control_is_left_out_for_characters_with_skins_of_their_own(tmp_path: Path) -> None:
+    rig = read(written(two_characters(), tmp_path))
+    (skin,), anna = rig.skins, rig.below(rig.find("Anna"))
+    halves = [skin.joints[np.isin(skin.joints, anna) == first] for first in (True, False)]
+    rig = replace(rig, skins=tuple(replace(skin, joints=joints) for joints in halves))
+    assert not [line for line in recognised_lines(rig, recognise(rig)) if "root control" in line]
 
 
 @pytest.mark.ci

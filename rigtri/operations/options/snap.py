@@ -23,11 +23,11 @@ class SnapOptions(OneCharacter):
     to: IkOrFk = option(help="What drives the limbs afterwards, IK or FK.", group="what")
     at: Moments = option()
     limb: Limbs = option((), help="The three joints of a limb with an IK end. Repeatable.")
-    limbs: Auto | None = option(None, help="Every limb with an IK end.", group="joints")
+    limbs: Auto | None = option(None, help="Every limb with an IK end.", group="joints", excludes=["limb"])
 
     def check(self, given: Collection[str]) -> None:
-        """UsageError where limbs are given twice or not at all, and without a moment."""
-        if bool(self.limb) == bool(self.limbs):
-            raise UsageError("give --limb ROOT MIDDLE END, or --limbs auto")
+        """UsageError without limbs, and without a moment."""
+        if not (self.limb or self.limbs):
+            raise UsageError("name the limbs: --limb ROOT MIDDLE END, or --limbs auto")
         if not self.at:
             raise UsageError("give the moment: --at CLIP@TIME, or --at rest")

@@ -13,6 +13,7 @@ from rigtri.files.input_stream import opened, title
 from rigtri.formats import ReadOptions, read
 from rigtri.frames.skeleton import Skeleton, skeleton
 from rigtri.maths.arrays import Booleans
+from rigtri.model.characters import characters
 from rigtri.model.dataclass import dataclass
 from rigtri.model.metadata import TwistRecord
 from rigtri.model.rig import Rig
@@ -67,7 +68,7 @@ def starter(
     limbs = _Limbs(rig, layout, open_places, tree.carries, fixed_weights, rolls)
     lines = [
         f"# A rig spec to start from, for {_quoted(file)}.",
-        *(f"# {_visible(line)}" for line in recognised_lines(layout)),
+        *(f"# {_visible(line)}" for line in recognised_lines(rig, layout)),
         "# Steps and options are those of the commands: rigtri COMMAND --help.",
         "# Editors check and complete it with the schema: rigtri schema spec > spec.schema.json",
         "version: 1",
@@ -104,7 +105,7 @@ def plain_values(text: str) -> Any:
     return YAML(typ="safe", pure=True).load(text)
 
 
-def recognised_lines(layout: Layout) -> Iterator[str]:
+def recognised_lines(rig: Rig, layout: Layout) -> Iterator[str]:
     """What was recognised, a line for each character, and for what was not."""
     for one in layout.characters:
         faces = f" that faces {direction_text(one.facing)}" if any(one.facing) else ""
@@ -112,7 +113,8 @@ def recognised_lines(layout: Layout) -> Iterator[str]:
         yield f"{one.form}{faces}: {limbs or 'no limb that bends'}"
     if further := [f"{chain.name} ({chain.confidence:.2f})" for chain in left_out(layout)]:
         yield f"not sure, and left out: {', '.join(further)}"
-    if (count := len(layout.characters)) > 1:
+    count = len(layout.characters)
+    if len(characters(rig)) < count:  # add-controls goes by skins
         each = f"a root control for each of the {count} characters"
         yield f"left out: {each}; add-controls puts one over all of them"
     yield from layout.remarks

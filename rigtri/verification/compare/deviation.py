@@ -7,7 +7,7 @@ specification; what viewers that do not normalise show is kept apart (docs/exact
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 
@@ -253,15 +253,10 @@ def _instead(rig: Rig, clip: Clip) -> Clip | None:
 
     Keys without a time are seen where there are none with one: then, and only then.
     """
-    of_same = {timeline(c): c.without_idle for c in rig.clips if _animation(c) == _animation(clip)}
+    of_same = {timeline(c): c.without_idle for c in rig.clips if c.animation == clip.animation}
     if timeline(clip) == "default" and "samples" in of_same:
         return None
     return of_same.get("default", Clip(clip.name, ()))
-
-
-def _animation(clip: Clip) -> Hashable:
-    """What the clips of one animation have in common."""
-    return clip.key[1:] if isinstance(clip.key, tuple) else None
 
 
 def joined(before: Rig, after: Rig) -> Rig:
