@@ -27,7 +27,6 @@ _PLACEHOLDER = r"[A-Z]+(?:[=@,.][A-Za-z]+)*(?![a-z])|[a-z],[a-z],[a-z]\b|[-+]?[x
 _NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?:,[-+\d.e]*\d)*"
 _VALUE = re.compile(rf" ((?P<quoted>'[^']*')|(?:{_PLACEHOLDER}|{_NUMBER})(?: (?:{_PLACEHOLDER}))*)")
 _BEFORE_COLON = re.compile(r" ([^\s:']\S*)(?=:(?:\s|$))")
-_WORD = re.compile(r" ([a-z][a-z-]*)(?!\w)")
 
 
 @dataclass(frozen=True)
@@ -61,9 +60,9 @@ class Spelling:
 
 def _value(one: Option, text: str, at: int) -> str:
     """What stands behind a flag for its value, with the space before it; "" for nothing."""
-    known = _WORD.match(text, at)
-    if known and known[1] in one.words:
-        return known[0]
+    for word in one.words:
+        if re.match(rf" {re.escape(word)}(?!\w)", text[at:]):
+            return f" {word}"
     value = _VALUE.match(text, at)
     if value is None and one.hint not in (int, float):
         value = _BEFORE_COLON.match(text, at)

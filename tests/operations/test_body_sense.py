@@ -341,7 +341,7 @@ def test_limbs_that_are_not_sure_are_named() -> None:
         (text,) = [notice.text for notice in report.warnings if notice.code == code]
         assert "left arm (#" in text
         assert "right arm (#" in text
-        assert "--limb" in text
+        assert "limb=" in text
     parts = ("upper arm", "lower arm", "hand")
     arms = [[body.parts[f"{side} {part}"] for part in parts] for side in ("left", "right")]
     report = Report()
