@@ -11,7 +11,7 @@ from places import SAMPLES
 from program import cli
 from rigs import chain
 
-from rigtri.errors import UsageError
+from rigtri.errors import GeometryError, UsageError
 from rigtri.model.animation import Clip, Track
 from rigtri.model.rig import Rig
 from rigtri.operations.take_clips.take_clips import TakeClipsOptions, take_clips
@@ -143,9 +143,12 @@ def test_a_clip_of_no_channels_gets_those_of_edited() -> None:
     assert not notices
 
 
-def test_two_clips_of_one_name_in_edited_are_one_warning() -> None:
+def test_two_clips_of_one_name_in_edited_are_chosen_or_refused() -> None:
     rig = playing(walk=(LONG, 0.1))
     edited = replace(rig, clips=(*rig.clips, *playing(walk=(LONG, 0.7)).clips))
-    far, notices = taken(rig, edited)
-    assert far == {"walk": 0.1}
-    assert "more than one part of 'walk': 'walk' (#0), 'walk' (#1)" in notices["two-parts"]
+    with pytest.raises(GeometryError, match="each part of 'walk' \\('walk' \\(#0\\), 'walk' \\(#1\\)"):
+        take_clips(rig, from_=edited)
+    home = take_clips(rig, from_=edited, clip=["#1"])
+    assert home.clips[0].tracks[0].values[-1, 0] == 0.7
+    same = replace(rig, clips=(*rig.clips, *playing(walk=(LONG, 0.1)).clips))
+    assert take_clips(rig, from_=same) is rig

@@ -163,7 +163,7 @@ def test_nothing_is_taken_of_a_loop_in_which_nobody_has_moved_a_key(
     rig, edited = (read(trip.folder / f"source{end}").rig for end in (".glb", f"-edited{suffix}"))
     assert take_clips(rig, from_=edited, report=report) is rig
     assert report.added[0]["same"] > 60
-    assert not {"other-proportions", "unclear-names", "no-such-node"} & {n.code for n in report.warnings}
+    assert "other-proportions" not in {notice.code for notice in report.warnings}
 
 
 def assert_rest_is_the_rigs(home: Rig, rig: Rig, clip: str, moved: tuple[int, ...]) -> None:

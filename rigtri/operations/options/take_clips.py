@@ -6,15 +6,16 @@ from rigtri.limits import TOLERANCE
 from rigtri.model.dataclass import dataclass
 from rigtri.model.edit_options import Tolerance
 from rigtri.model.options import option
-from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile
+from rigtri.operations.option_kinds import ClipNames, Clips, EditedFile, Names
 
 
 @dataclass(frozen=True)
 class TakeClipsOptions:
     """Options of take-clips.
 
-    as_: by the name of a clip of the edited file, or its glob, the clip of the rig. tolerance: how far what
-    counts as unchanged, and keys that are left out, may be off, as a share of the rig's size.
+    as_: by the name of a clip of the edited file, or its glob, the clip of the rig. exclude: names or globs
+    of nodes of the edited file. tolerance: how far what counts as unchanged, and keys that are left out, may
+    be off, as a share of the rig's size.
     """
 
     from_: EditedFile = option(
@@ -27,6 +28,12 @@ class TakeClipsOptions:
         {},
         help="Clip NAME (or a glob) of EDITED is CLIP of RIG, or a part of it. #0 is the first clip, and "
         "NAME= means the clip without a name. Repeatable.",
+        group="what",
+    )
+    exclude: Names = option(
+        (),
+        metavar="GLOB",
+        help="Leave out the motion of these nodes of EDITED. What RIG has no node for is refused otherwise.",
         group="what",
     )
     tolerance: Tolerance = option(

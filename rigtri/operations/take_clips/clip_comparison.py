@@ -21,7 +21,7 @@ from rigtri.maths.vectors import length
 from rigtri.model.animation import Track, key_values
 from rigtri.operations.take_clips.axis_mapping import Counterparts
 from rigtri.operations.take_clips.clip_matching import Taken
-from rigtri.operations.take_clips.morph_targets import MorphNames
+from rigtri.operations.take_clips.morph_targets import SAME_WEIGHT, MorphPairs
 from rigtri.operations.take_clips.proportions import Proportions
 from rigtri.operations.take_clips.retargeting import Transfer
 from rigtri.operations.take_clips.time_ranges import Clock, Pair, Ranges, ranges
@@ -34,8 +34,6 @@ from rigtri.operations.take_clips.track_comparison import (
     tangents_dropped,
 )
 
-# Morph weights that differ by less look alike.
-SAME_WEIGHT = 1e-4
 # float32 has so much of a number of size 1, half so much.
 _FLOAT, _HALF = 2.0**-23, 2.0**-11
 # Three angles worked out of a float32 matrix give the rotation within so many bits, over the cosine of the
@@ -70,9 +68,11 @@ class Tolerances:
     def unit_of(self, track: Track) -> float:
         """How large a number of the other file's track is here."""
         node = track.node
+        if track.path not in ("translation", "scale"):
+            return 1.0
         right = float(length(self.both.between(node)[0, :3]))
         size = right if track.path == "translation" else right * float(length(self.both.turns[node][0, :3]))
-        return size if track.path in ("translation", "scale") and np.isfinite(size) else 1.0
+        return size if np.isfinite(size) else 1.0
 
     @cached_property
     def _above(self) -> Floats:
@@ -153,16 +153,22 @@ class Comparison:
     @cached_property
     def morphs(self) -> list[Pair]:
         """The tracks of morph weights of meshes whose targets are the same ones in both files."""
-        back, ours, theirs = self.both.back, MorphNames(self.both.rig), MorphNames(self.both.other)
-        tracks = [t for t in self.taken.clip.tracks if t.path == "weights" and t.node in back]
-        pairs = [(self.tracks.get((back[t.node], "weights")), t) for t in tracks]
+        shapes = self.shapes
+        tracks = [track for track in self.taken.clip.tracks if track.path == "weights"]
+        homes = [(home, track) for track in tracks for home in shapes.homes.get(track.node, ())]
+        pairs = [(self.tracks.get((home, "weights")), track) for home, track in homes]
         return [
             (was, replace(now, node=was.node, key=None))
             for was, now in pairs
             if was is not None
             and was.values.shape[-1] == now.values.shape[-1]
-            and ours.of(was.node) == theirs.of(now.node)
+            and shapes.ours[was.node].names == shapes.theirs[now.node].names
         ]
+
+    @cached_property
+    def shapes(self) -> MorphPairs:
+        """The meshes with morph targets of both files."""
+        return MorphPairs(self.both.rig, self.both.other, self.both.of)
 
     def agree(self, pair: Pair) -> bool:
         """Whether a track gives the motion of RIG, by the clock as it is set."""

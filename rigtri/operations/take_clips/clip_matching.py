@@ -13,7 +13,9 @@ from collections.abc import Hashable, Mapping, Sequence
 from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
-from rigtri.errors import AmbiguousNameError, NameNotFoundError, UsageError
+import numpy as np
+
+from rigtri.errors import AmbiguousNameError, GeometryError, NameNotFoundError, UsageError
 from rigtri.evaluation.timelines import PLAYED, Timeline, timelines
 from rigtri.model.animation import Clip, Track
 from rigtri.model.dataclass import dataclass
@@ -251,22 +253,14 @@ class ClipNames:
         return timeline.name, self.homes[id(timeline)]
 
     def _alone(self, together: dict[str, list[Timeline]]) -> dict[str, list[Timeline]]:
-        """What becomes the one clip of a USD file: all parts of one name.
-
-        Of several clips the one that has its name; UsageError where none has.
-        """
+        """What becomes the one clip of a USD file: all parts of one name. UsageError for several clips."""
         if not self.rig.clips and len(together) == 1:
             return together
+        if len(together) > 1:
+            listed = ", ".join(f"'{name}'" for name in together)
+            raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
         known = self.ours or self.rig.clips
-        ours = known[0].name if known else ""
-        if ours in together or len(together) == 1:
-            name = ours if ours in together else next(iter(together))
-            if left := [f"'{other}'" for other in together if other != name]:
-                listed = ", ".join(left)
-                self.report.warn("one-clip", f"A USD file has one clip; {listed} of EDITED were left out")
-            return {ours: together[name]}
-        listed = ", ".join(f"'{name}'" for name in together)
-        raise UsageError(f"A USD file has one clip, EDITED has {listed}; choose one with --clip")
+        return {known[0].name if known else "": parts for parts in together.values()}
 
     @property
     def one_timeline(self) -> bool:
@@ -275,7 +269,10 @@ class ClipNames:
         return any(isinstance(clip.key, tuple) for clip in clips) if clips else self.rig.rules.raw_quaternions
 
     def merged(self, name: str, parts: list[Timeline]) -> Taken:
-        """Clips of the edited file as the one clip of the rig that they are. AmbiguousNameError."""
+        """Clips of the edited file as the one clip of the rig that they are.
+
+        AmbiguousNameError where the rig has several of the name, GeometryError where parts differ.
+        """
         homes = self.known.get(name, [])
         if len(homes) > 1:
             raise AmbiguousNameError("clip", name, [f"#{t.members[0]}" for t in homes])
@@ -284,17 +281,26 @@ class ClipNames:
         twice = dict[str, None]()
         for part in parts:
             for track in part.clip.tracks:
-                if tracks.setdefault((track.node, track.path), track) is not track:
+                if not _same(tracks.setdefault((track.node, track.path), track), track):
                     twice[self.edited.title(track.node)] = None
         if twice:
             called = ", ".join(f"'{p.name}' (#{p.members[0]})" for p in parts)
-            self.report.warn(
-                "two-parts",
-                f"{list_names(twice)} have keys in more than one part of '{name}': {called}. Those of the "
-                "first were taken; give what is another clip another name in EDITED",
+            raise GeometryError(
+                f"{list_names(twice)} have other keys in each part of '{name}' ({called}), and only one "
+                f"can be taken: choose it, e.g. --clip '#{parts[0].members[0]}', or give what is another "
+                "clip another name in EDITED"
             )
         clip = Clip(name, tuple(tracks.values()))
         return Taken(name, homes[0] if homes else None, clip, tuple(part.name for part in parts), self.key)
+
+
+def _same(a: Track, b: Track) -> bool:
+    """Whether two tracks have the same keys."""
+    return a is b or (
+        a.interpolation == b.interpolation
+        and np.array_equal(a.times, b.times)
+        and np.array_equal(a.values, b.values)
+    )
 
 
 def _as_usd(name: str) -> str:

@@ -38,13 +38,6 @@ def why_nothing_matches(rig: Rig, edited: Rig) -> str:
 def warn_differences(both: Counterparts, report: Report) -> None:
     """What differs between the two files beside motion."""
     rig, edited = both.rig, both.other
-    driven = {edited.names[t.node] for clip in edited.clips for t in clip.tracks if moves(t)}
-    if unclear := [name for name in both.unclear if name in driven]:
-        report.warn(
-            "unclear-names",
-            f"Several nodes are called {list_names(unclear)}, "
-            "so it is not clear which is which; they were left out",
-        )
     if driven_places := [node for node in both.placed if both.of[node] in both.moving]:
         report.warn(
             "by-place",

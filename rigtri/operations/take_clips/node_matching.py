@@ -38,7 +38,7 @@ def pairs(rig: Rig, other: Rig) -> Pairs:
     """
     found = _by_records(rig, other)
     unclear: dict[str, None] = {}
-    for spell in (str, composed, as_usd):
+    for spell in SPELLINGS:
         ours, theirs = _spelled(rig, spell), _spelled(other, spell)
         taken = set(found.values())
         for name, nodes in ours.items():
@@ -65,7 +65,7 @@ def _by_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]
     """
     counts = Counter(rig.names)
     several = {node for node, name in enumerate(rig.names) if counts[name] > 1 and node not in found}
-    ours, theirs = _nearest(rig, found), _nearest(other, found.values())
+    ours, theirs = _above(rig, found), _above(other, found.values())
     made: dict[int, int] = {}
     for kind in (ControlRecord, PoleVectorRecord):
         here, there = (
@@ -76,7 +76,7 @@ def _by_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]
             others = there.get((found[above], what), [])
             if len(nodes) == len(others) == 1 and several.issuperset(nodes):
                 made[nodes[0]] = others[0]
-    for spell in (str, composed, as_usd, unnumbered):
+    for spell in (*SPELLINGS, unnumbered):
         taken = {*found.values(), *made.values()}
         here = _grouped(_spelled(rig, str if spell is unnumbered else spell), ours)
         there = _grouped(_spelled(other, spell), theirs)
@@ -88,11 +88,17 @@ def _by_branch(rig: Rig, other: Rig, found: Mapping[int, int]) -> dict[int, int]
     return made
 
 
-def _nearest(rig: Rig, known: Collection[int]) -> list[int]:
+def _above(rig: Rig, known: Collection[int]) -> list[int]:
     """The nearest node above each that is one of some; −1 for none."""
+    reached = nearest(rig, known)
+    return [reached[parent] if parent >= 0 else -1 for parent in rig.parents.tolist()]
+
+
+def nearest(rig: Rig, known: Collection[int]) -> list[int]:
+    """Of each node itself where it is one of some, else the nearest above it that is; −1 for none."""
     held, found = set(known), list[int]()
-    for parent in rig.parents.tolist():
-        found.append(parent if parent < 0 or parent in held else found[parent])
+    for node, parent in enumerate(rig.parents.tolist()):
+        found.append(node if node in held else found[parent] if parent >= 0 else -1)
     return found
 
 
@@ -187,6 +193,10 @@ def as_usd(name: str) -> str:
     """
     spelled = re.sub(r"[^A-Za-z0-9]+", "_", name)
     return f"_{spelled}" if spelled[:1].isdigit() else spelled
+
+
+# How names are compared, one way after the other.
+SPELLINGS: tuple[Callable[[str], str], ...] = (str, composed, as_usd)
 
 
 def _spelled(rig: Rig, spell: Callable[[str], str]) -> dict[str, list[int]]:

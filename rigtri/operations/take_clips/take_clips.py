@@ -35,14 +35,14 @@ from rigtri.operations.take_clips.ik_switches import (
     switches,
 )
 from rigtri.operations.take_clips.key_merging import merged, thinned
+from rigtri.operations.take_clips.lost_motion import refuse_lost, without
 from rigtri.operations.take_clips.messages import (
-    list_names,
     moves,
     warn_followers,
     warn_tracks,
     why_nothing_matches,
 )
-from rigtri.operations.take_clips.morph_targets import MorphNames
+from rigtri.operations.take_clips.morph_targets import same_weights
 from rigtri.operations.take_clips.motion_check import MotionCheck, refuse_other_motion
 from rigtri.operations.take_clips.node_matching import pairs
 from rigtri.operations.take_clips.proportions import Proportions
@@ -70,6 +70,7 @@ def take_clips(rig: Rig, *, options: TakeClipsOptions, report: Report) -> Rig:
             f"from_ is to be a Rig, the one with the motion, not {type(edited).__name__}; "
             "read(path).rig is that of a file"
         )
+    edited = without(edited, options.exclude)
     # Where Blender's IK was on or off, as the script of export-blender stores it.
     of = pairs(rig, edited).of
     switched = switches(edited, {of[node]: node for node in ik_ends(rig) if node in of})
@@ -151,6 +152,7 @@ class _Taking:
     def done(self) -> Rig:
         """The rig with the clip."""
         home = self.taken.home
+        refuse_lost(self.both, self.taken.clip, self.seen.shapes)
         moved = self.seen.nodes
         if home is not None:
             self.ranges = self.seen.settled()
@@ -267,8 +269,7 @@ class _Taking:
         """The rig's values at rest, (1, c)."""
         rig, node = self.rig, track.node
         if track.path == "weights":
-            weights = MorphNames(rig).at_rest(node)
-            return np.zeros((1, track.values.shape[-1])) if weights is None else weights[np.newaxis]
+            return self.seen.shapes.ours[node].rest[np.newaxis]
         return rest_parts(rig, node)[track.path]
 
     def _rest_of_joints(self) -> None:
@@ -312,20 +313,19 @@ class _Taking:
     # --- morphs
 
     def _take_morphs(self) -> None:
-        tracks = [t for t in self.taken.clip.tracks if t.path == "weights" and t.node in self.both.back]
-        if not tracks:
-            return
-        ours, theirs = MorphNames(self.rig), MorphNames(self.both.other)
-        for track in tracks:
-            node = self.both.back[track.node]
-            merged = ours.merged_track(node, track, theirs, self._old(node, "weights"), self.clock.times)
-            if merged is None:
-                self.report.warn(
-                    "other-morphs",
-                    f"'{self.rig.title(node)}' has other morph targets in EDITED; their motion was left out",
-                )
-            else:
-                self._add(self._fresh(merged))
+        shapes, made = self.seen.shapes, dict[int, Track]()
+        for track in (track for track in self.taken.clip.tracks if track.path == "weights"):
+            for home in shapes.homes.get(track.node, ()):
+                merged = shapes.merged(home, track, self._old(home, "weights"), self.clock.times)
+                if home not in made:
+                    made[home] = merged
+                    self._add(self._fresh(merged))
+                elif not same_weights(made[home], merged):
+                    raise GeometryError(
+                        f"Several meshes of EDITED are one of RIG, '{self.rig.title(home)}', and their morph "
+                        f"targets move differently in '{self.taken.name}': give "
+                        f"'{self.both.other.title(track.node)}' the keys of the others"
+                    )
 
     def _add(self, track: Track | None) -> None:
         if track is not None:
@@ -347,14 +347,6 @@ class _Taking:
     def _warn(self) -> None:
         name, report = self.taken.name, self.report
         warn_tracks(report, name, self.sampled, self.kept, self.splines)
-        other = self.both.other
-        # What is above a node that RIG has moves that, which was sampled.
-        known = other.with_ancestors(self.both.back)
-        lost = [other.names[node] for node in self._movers() if node not in known]
-        if lost:
-            report.warn(
-                "no-such-node", f"RIG has no {list_names(lost)}; their motion in '{name}' was left out"
-            )
         replaced = [self._old(track.node, track.path) for track in self.changed]
         report.added.append(
             {
@@ -370,6 +362,3 @@ class _Taking:
                 "same": self.same,
             }
         )
-
-    def _movers(self) -> Sequence[int]:
-        return sorted({t.node for t in self.taken.clip.tracks if moves(t)})

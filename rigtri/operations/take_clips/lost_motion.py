@@ -1,0 +1,82 @@
+"""What moves in EDITED and has no place in RIG. It would be lost, so it is an error that names it.
+
+Only what the user leaves out by name (``--exclude``) is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from rigtri.errors import GeometryError
+from rigtri.evaluation.active_controls import skeleton_size
+from rigtri.maths.vectors import length
+from rigtri.model.animation import Clip, Track, key_values
+from rigtri.model.rig import Rig
+from rigtri.operations.take_clips.axis_mapping import Counterparts
+from rigtri.operations.take_clips.messages import list_names
+from rigtri.operations.take_clips.morph_targets import MorphPairs
+
+# Of the size of the rig: a node that moves less far does not move; see docs/take-clips.md.
+_STILL = 1e-5
+# Of rotations, as quaternions, and of scales.
+_TURNED = 1e-4
+
+
+def without(edited: Rig, patterns: Sequence[str]) -> Rig:
+    """EDITED without the motion of nodes that globs match. NameNotFoundError for one that matches none."""
+    left = {node for pattern in patterns for node in edited.match(pattern)}
+    if not left:
+        return edited
+    clips = (replace(c, tracks=tuple(t for t in c.tracks if t.node not in left)) for c in edited.clips)
+    return replace(edited, clips=tuple(clips))
+
+
+def refuse_lost(both: Counterparts, clip: Clip, morphs: MorphPairs) -> None:
+    """GeometryError where nodes or morph targets move in a clip of EDITED that nothing of RIG is."""
+    lost = dict((*_nodes(both, clip), *_targets(both, clip, morphs)))
+    if not lost:
+        return
+    texts = list(dict.fromkeys(lost.values()))
+    more = f"; and {len(texts) - 4} more" if len(texts) > 4 else ""
+    first = both.other.address(min(lost))
+    raise GeometryError(
+        f"Motion in '{clip.name}' of EDITED would be lost: {'; '.join(texts[:4])}{more}. "
+        f"Give what moves the name that it has in RIG, or leave its motion out, e.g. --exclude '{first}'"
+    )
+
+
+def _nodes(both: Counterparts, clip: Clip) -> Iterator[tuple[int, str]]:
+    """Nodes of EDITED that move without a counterpart; not those whose motion is in what is below them."""
+    other = both.other
+    known = other.with_ancestors(both.back)
+    moving = {track.node for track in clip.tracks if track.path != "weights" and _moves(other, track)}
+    for node in sorted(moving.difference(both.back)):
+        if (name := other.names[node]) in both.unclear:
+            yield node, f"several nodes are called '{name}', so it is not clear which is which"
+        elif node not in known:
+            yield node, f"RIG has no '{other.title(node)}'"
+
+
+def _moves(rig: Rig, track: Track) -> bool:
+    values, bound = key_values(track), _TURNED
+    if track.path == "translation":
+        above = int(rig.parents[track.node])
+        unit = float(length(rig.world[above, 0, :3])) if above >= 0 else 1.0
+        bound = _STILL * skeleton_size(rig) / (unit or 1.0)
+    return bool(np.abs(values - values[0]).max(initial=0.0) > bound)
+
+
+def _targets(both: Counterparts, clip: Clip, morphs: MorphPairs) -> Iterator[tuple[int, str]]:
+    """Meshes of EDITED whose morph weights change, without a mesh or a target of RIG's for them."""
+    other = both.other
+    for track in clip.tracks:
+        if track.path != "weights" or not (lost := morphs.lost(track)):
+            continue
+        title = other.title(track.node)
+        if not (homes := morphs.homes.get(track.node)):
+            yield track.node, f"RIG has no mesh with the morph targets of '{title}', {list_names(lost)}"
+        else:
+            yield track.node, f"RIG's '{both.rig.title(homes[0])}' has no morph targets {list_names(lost)}"
