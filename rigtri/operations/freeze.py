@@ -182,7 +182,12 @@ def _without_scale(
     colliders = {one.node for one in rig.bound if size[one.node] != 1.0}
     if colliders:
         names = listed([rig.title(node) for node in sorted(colliders)], 6)
-        text = f"Colliders at {names} keep their radii, which viewers take as lengths of the world"
+        factors = {f"{total[node]:.6g}" for node in sorted(colliders)}
+        text = (
+            f"Colliders at {names} keep their radii: in three-vrm, which takes them as lengths of the world, "
+            "they look as before. UniVRM multiplied them by the scale of their nodes: if they were set "
+            f"there, multiply them by {listed(sorted(factors), 3)}"
+        )
         report.warn("radius-kept", text)
     return rescale(rig, size)
 

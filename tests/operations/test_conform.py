@@ -350,7 +350,6 @@ def test_a_joint_between_root_and_hips_keeps_the_axes_of_the_world() -> None:
     assert np.allclose(out.world[out.find("old"), :3, :3], np.eye(3), atol=1e-6)
 
 
-@pytest.mark.ci
 @pytest.mark.parametrize("option", ["facing=", "--facing"])
 def test_errors_of_steps_name_options_as_the_caller_writes_them(option: str) -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
@@ -361,6 +360,7 @@ def test_errors_of_steps_name_options_as_the_caller_writes_them(option: str) -> 
         rigtri.conform(bound_nowhere, **given)
 
 
+@pytest.mark.ci
 def test_a_body_that_is_bound_facing_aside_is_reported() -> None:
     rig = rigtri.read(SAMPLES / "biped.glb")
     top, report = int(rig.levels[0][0]), Report()

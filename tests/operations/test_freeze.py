@@ -26,6 +26,7 @@ from rigtri.maths.quaternions import from_axis_angle
 from rigtri.maths.trigonometry import Floats
 from rigtri.maths.vectors import length
 from rigtri.model.animation import Clip, Track
+from rigtri.model.bindings import Bound
 from rigtri.model.rig import Rig
 from rigtri.operations.options.freeze import FreezeOptions
 from rigtri.report import Report
@@ -291,3 +292,15 @@ def test_a_clip_library_without_a_skin_is_frozen_as_its_character() -> None:
 def test_a_rotation_above_joints_does_not_go_with_joints_alone() -> None:
     with pytest.raises(UsageError, match=r"--up-axis .* does not go with --only joints"):
         FreezeOptions(up_axis="y", only="joints").check(())
+
+
+def test_radii_of_colliders_stay_and_the_warning_has_the_factor() -> None:
+    rig = rigtri.read(SAMPLES / "biped.glb")
+    scale, head, report = rig.scale.copy(), rig.find("head"), Report()
+    scale[int(rig.levels[0][0])] = 0.5
+    collider = Bound(head, np.array([0.0, 0.1, 0.0]))
+    out = rigtri.freeze(replace(rig, scale=scale, bound=(collider,), source=None), report=report)
+    assert np.allclose(out.bound[0].vector, (0.0, 0.05, 0.0))
+    (kept,) = (warning.text for warning in report.warnings if warning.code == "radius-kept")
+    assert "Colliders at head keep their radii" in kept
+    assert kept.endswith("multiply them by 0.5")

@@ -83,7 +83,7 @@ _ABOUT: tuple[tuple[str, Severity, str, str, str], ...] = (
         "warning",
         "A joint has a scale other than 1 in the world: physics, sockets and retargeting go by it.",
         "VRMC_vrm 1.0, tpose.md; Unity manual, Model tab; Godot, Retargeting 3D Skeletons",
-        "Freeze it with rigtri freeze.",
+        "Freeze it with rigtri freeze; what is not uniform of it only a DCC takes out.",
     ),
     (
         "pose",
@@ -232,7 +232,8 @@ def _scale(rig: Rig, joints: list[int], engine: _Engine) -> Iterator[tuple[str, 
         worst = joints[int(off.argmax())]
         count = int(np.count_nonzero(off > _ONE))
         size = " ".join(f"{each:.6g}" for each in sizes[int(off.argmax())])
-        yield "scale", worst, f"its scale is {size} in the world, and {count} joints have another than 1"
+        others = f"{count} of {len(joints)} joints have another than 1"
+        yield "scale", worst, f"its scale is {size} in the world, and {others}"
 
 
 def _limits(rig: Rig, engine: _Engine) -> Iterator[tuple[str, int, str]]:
