@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import isfinite, sqrt
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,6 +65,9 @@ def dot(a: ArrayLike, b: ArrayLike) -> Floats:
     32.0
     """
     a, b = as_vectors(a), as_vectors(b)
+    if a.ndim == b.ndim == 1:
+        (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()  # as in `unit_of`
+        return cast(Floats, np.float64(ax * bx + ay * by + az * bz))
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
@@ -76,6 +80,9 @@ def cross(a: ArrayLike, b: ArrayLike) -> Floats:
     [0.0, 0.0, 1.0]
     """
     a, b = as_vectors(a), as_vectors(b)
+    if a.ndim == b.ndim == 1:
+        (x, y, z), (u, v, w) = a.tolist(), b.tolist()  # as in `unit_of`
+        return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
     result = by_component(a.shape if a.shape == b.shape else np.broadcast_shapes(a.shape, b.shape))
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
@@ -118,6 +125,9 @@ def normalise(v: ArrayLike) -> Floats:
     [0.0, 0.6, 0.8]
     """
     v = as_vectors(v)
+    if v.ndim == 1:
+        one = unit_of(v.tolist())
+        return np.array(one) if one is not None else np.full(3, np.nan)
     x, y, z = v[..., 0], v[..., 1], v[..., 2]
     largest = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(z))
     with np.errstate(divide="ignore", invalid="ignore"):
